@@ -92,8 +92,10 @@ def _far_from_standing(acceleration: FloatArray) -> bool:
 
 
 def _channels_differ(model: mujoco.MjModel) -> bool:
-    """Whether no channel of the sheet's three seconds looks like another one smoothed: a plot of raw data alone would seem to
-    compare raw and filtered data."""
+    """Return whether no channel of the sheet's three seconds resembles a smoothed copy of another channel.
+
+    If one did, a plot of raw data alone would seem to compare raw and filtered data.
+    """
     trace = simulate_and_collect(model, mujoco.MjData(model), SHEET_S)
     pairs = [(a, b) for key in ("acceleration", "angular_velocity") for a, b in permutations(trace[key].T, 2)]
     return not any(_seems_smoothed(a, b, window) for a, b in pairs for window in WINDOWS)

@@ -44,7 +44,7 @@ EXTRA_ROWS = 2  # after the last one, so that an answer that is late or one samp
 
 @dataclass(frozen=True)
 class Bundle:
-    """All scenarios of one seed, with the texts of the models that they take place in."""
+    """Recorded scenarios of one seed, with the MJCF texts of their models."""
 
     models: Mapping[str, str]
     recordings: tuple[Recording, ...]

@@ -1,1 +1,1 @@
-"""One module a command, each a thin layer of words over what does the work. Nothing heavy is imported until one runs."""
+"""Command line: one module per command, each a thin layer of options and messages. Heavy imports wait until a command runs."""

@@ -1,4 +1,4 @@
-"""`imugrade check`: a student looks at their own work."""
+"""`imugrade check`: a student checks their own work."""
 
 from __future__ import annotations
 
@@ -117,12 +117,12 @@ class _Wanted:
 
     @property
     def command(self) -> str:
-        """The command that checks it again."""
+        """Return the command that checks the submission again."""
         return shlex.join(("imugrade", "check", *self._given))
 
     @property
     def repeat(self) -> str:
-        """The command that writes a check as a program, with ``{}`` for its id; "" without a Python file."""
+        """Return the command that writes a check as a program, with ``{}`` for its id; "" without a Python file."""
         if not any(next(self.path.glob(each), None) for each in ("*.py", "*/*.py")):
             return ""
         rubric = () if self.rubric is None else ("--rubric", str(self.rubric))

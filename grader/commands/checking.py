@@ -35,7 +35,7 @@ def check(
     waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Result:
-    """Mark one submission once, in a sandbox that may still be warming up; `waiting` is told what is waited for."""
+    """Mark one submission once, in a sandbox that may still be warming up; `waiting` is called with what marking waits for."""
     with Marker(rubric, traces, sandbox=sandbox) as marker:
         return marker.mark(submission, only=only, waiting=waiting, listen=listen)
 
@@ -53,14 +53,14 @@ def check_on_save(
     waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Iterator[Result]:
-    """Mark it now, and again after every change, until interrupted. The marker stays warm in between.
+    """Mark a submission now and after every change, until interrupted. The marker stays warm in between.
 
     Parameters
     ----------
-    written : what is written of each result: it may lie in the folder, and is no change of the student's
-    begins, waits : called before each marking, and again and again between two
-    waiting : told what a marking waits for, where that takes long
-    listen : hears what the student's code prints
+    written : files that the caller writes for each result; their changes are ignored
+    begins, waits : called before each marking, and repeatedly between two markings
+    waiting : called with what a marking waits for, if that takes long
+    listen : called with what the student's code prints
     """
     handed_in = Alone(path, rubric.lab.files)
     with (
@@ -75,7 +75,7 @@ def check_on_save(
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
-    """Once at the start, then each time that a file under `path` has changed that is not one of `written`."""
+    """Yield once at the start, then whenever a file under `path` that is not one of `written` has changed."""
     ours = {os.path.realpath(each) for each in written}
     seen: object = None
     while True:
@@ -89,7 +89,7 @@ def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] 
 
 
 def _stamps(path: Path) -> frozenset[tuple[str, int, int]]:
-    """Names, times and sizes of the files; what Python, editors and other tools leave behind does not count."""
+    """Return names, times and sizes of the files, without hidden files and files that tools leave behind."""
     stamps = set()
     for folder, subfolders, names in os.walk(path):
         subfolders[:] = [name for name in subfolders if not name.startswith(".") and not is_litter([name])]
@@ -100,6 +100,6 @@ def _stamps(path: Path) -> frozenset[tuple[str, int, int]]:
 def _stamp(path: Path) -> tuple[str, int, int]:
     try:
         status = path.lstat()
-    except OSError:  # an editor is just replacing it
+    except OSError:  # an editor is replacing the file
         return str(path), 0, 0
     return str(path), status.st_mtime_ns, status.st_size

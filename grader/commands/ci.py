@@ -1,4 +1,4 @@
-"""`imugrade ci`: one submission, in the words of a platform."""
+"""`imugrade ci`: grade one submission in the output format of a platform."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
 
 
 def either(names: Sequence[str]) -> str:
-    """``a, b or c``."""
+    """Return names as ``a, b or c``."""
     *others, last = names
     return f"{', '.join(others)} or {last}" if others else last
 
@@ -55,7 +55,7 @@ def near(path: Path) -> str:
 
 
 def say(line: str) -> None:
-    """One line on stderr, with the command's name in front."""
+    """Print one line on stderr, with `imugrade:` in front."""
     from grader.base.text import printable  # noqa: PLC0415
 
     print(f"imugrade: {printable(line, 2000)}", file=sys.stderr, flush=True)

@@ -6,7 +6,7 @@ from grader.labs.imu.lab import LAB
 
 
 def criteria(incomplete: str) -> list[str]:
-    """The criteria and extensions."""
+    """Return the criteria and extensions."""
     return _beginning(incomplete, list(LAB.titles))
 
 

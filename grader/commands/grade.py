@@ -136,7 +136,7 @@ def grade(
 
 
 def _agreed(changed: Change, change: bool) -> bool:
-    """Tell what other settings do to the scores; return whether a change of scores is wanted, which a terminal is asked for."""
+    """Print the effect of changed settings on the scores; return whether to change them, which a terminal is asked."""
     if changed.moves_scores and not change:
         return sys.stdin.isatty() and typer.confirm(f"{changed.told()}. Change them?")
     say(changed.told())

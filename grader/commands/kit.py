@@ -1,4 +1,4 @@
-"""`imugrade kit`: what students and platforms get."""
+"""`imugrade kit`: files for students and platforms."""
 
 from __future__ import annotations
 

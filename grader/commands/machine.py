@@ -25,7 +25,7 @@ _PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")
 
 @dataclass(frozen=True)
 class Finding:
-    """One line: a name, whether it is as it should be (None: neither), and what was found."""
+    """One line: a name, whether the finding is good (None: neutral), and its text."""
 
     name: str
     good: bool | None
@@ -33,7 +33,7 @@ class Finding:
 
 
 def examine() -> list[tuple[str, list[Finding]]]:
-    """Return all findings under their headings. Isolation levels and recordings are tried out."""
+    """Return all findings under their headings. Isolation levels and the recording of traces are tried out."""
     return [("Isolation", _isolation()), ("Versions", _versions()), ("Traces", [_reference()])]
 
 
@@ -92,7 +92,7 @@ def _version(package: str) -> tuple[bool | None, str]:
 
 
 def _reference() -> Finding:
-    """Return whether a secret gives hidden scenarios here: tried with one that is thrown away."""
+    """Return whether a secret can record hidden scenarios here, tested with a throw-away secret."""
     try:
         recorded = rehearse(LAB)
     except (GraderError, RequestError, OSError) as problem:

@@ -1,4 +1,4 @@
-"""The first lines of a check, told before anything is run: what was found, and what waits besides the public checks."""
+"""First lines of a check, printed before any code runs: the files found, and the checks to run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from grader.base.text import printable
 
-if TYPE_CHECKING:  # these lines come before anything slow is imported
+if TYPE_CHECKING:  # these lines are printed before slow imports
     from grader.engine.lab import Lab
     from grader.engine.rubric import Rubric
     from grader.engine.traces import Traces

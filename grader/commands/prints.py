@@ -16,18 +16,18 @@ _MOST_LINES, _LONGEST = 30, 300
 
 
 class Prints:
-    """Lines by part, each counted."""
+    """Printed lines by part, each with its count."""
 
     def __init__(self) -> None:
         self._lines: dict[str, Counter[str]] = {}
 
     def hear(self, part: str, text: str) -> None:
-        """Take what was printed while a part was checked."""
+        """Add text that was printed while a part was checked."""
         lines = [printable(line, _LONGEST) for line in text.splitlines() if line.strip()]
         self._lines.setdefault(part, Counter()).update(lines)
 
     def forget(self) -> None:
-        """Begin anew."""
+        """Remove all lines."""
         self._lines.clear()
 
     def told(self, lab: Lab) -> list[Text]:

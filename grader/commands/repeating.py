@@ -1,4 +1,4 @@
-"""A check of one submission once more, as a program beside its trace file."""
+"""Reproduction of a check of one submission, as a program with an array file."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def folder_in(path: Path) -> Path:
 
 
 def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level: str | None = None) -> Path:
-    """Examine the submission, and write what the check asked of it.
+    """Run the checks on a submission, and write a program that repeats the calls of one check.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
     Raises
     ------
     RequestError
-        If there is no such check, or nothing that could be asked again.
+        If there is no such check, or it called no Python file of the submission.
     """
     if check_id not in (weight.id for weight in rubric.checks):
         raise RequestError(f"{printable(check_id)}: no check has this id; imugrade explain lists them")
@@ -68,7 +68,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 
 
 def put(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, str]) -> Path:
-    """The program, the arrays that it reads, and the files that it finds beside it."""
+    """Write the program, the arrays that it reads, and the files `beside` it; return the path of the program."""
     write_whole(out / "repro.npz", _archive(questions))
     for name, content in {**beside, "repro.py": text}.items():
         write_whole(out / name, content)
@@ -78,7 +78,7 @@ def put(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, s
 def examined(
     rubric: Rubric, submission: Submission, isolation_level: str | None = None
 ) -> tuple[Recorder, Mapping[str, Judgement]]:
-    """The whole submission on the public scenarios, as `imugrade check` examines it."""
+    """Run all checks on the public scenarios as `imugrade check` does; return the recorded calls and the judgements."""
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)

@@ -1,4 +1,4 @@
-"""`imugrade repro`: what a check asked, as a program that needs nothing of ours."""
+"""`imugrade repro`: the calls of a check as a program that does not need the grader."""
 
 from __future__ import annotations
 

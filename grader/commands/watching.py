@@ -13,14 +13,14 @@ Lines = Callable[[], list[Text]]
 
 
 class View:
-    """The screen of a watching check; in a pipe, one result after the other.
+    """Display of `check --watch`: a screen that is redrawn, or in a pipe one result after the other.
 
     Parameters
     ----------
     name
-        What is watched.
+        Name of the watched submission.
     command
-        What shows the whole result.
+        Command that shows the whole result.
     """
 
     def __init__(self, console: Console, name: str, command: str) -> None:
@@ -29,7 +29,7 @@ class View:
         self._status, self._size = "", console.size
 
     def tell(self, status: str) -> None:
-        """Say what is going on; what was shown stays."""
+        """Show a new status line above the last result."""
         self._status = status
         if self._console.is_terminal:
             self._paint()
@@ -37,7 +37,7 @@ class View:
             show_line(self._heading(), self._console)
 
     def show(self, lines: Lines, status: str) -> None:
-        """Show a result, which is set again whenever the terminal gets another size."""
+        """Show a result. It is laid out again when the size of the terminal changes."""
         self._lines = lines
         self.tell(status)
         if not self._console.is_terminal:
@@ -45,13 +45,13 @@ class View:
                 show_line(line, self._console)
 
     def refit(self) -> None:
-        """Set the lines again if the terminal has another size now."""
+        """Lay out the lines again if the size of the terminal has changed."""
         if self._console.size != self._size:
             self._paint()
 
     def _paint(self) -> None:
         self._size = self._console.size
-        with self._console:  # written at once, or it would flicker
+        with self._console:  # written at once to avoid flicker
             self._console.clear()
             for line in [self._heading(), Text(), *self._top()]:
                 show_line(line, self._console)

@@ -22,23 +22,23 @@ from grader.report import words
 COLUMNS = ("id", "criterion", "points", "comment")
 MAX_COMMENT = 2000
 ALONE = "comment"
-"""In place of points in a table: the comment is all that is said."""
+"""Value of the points column that makes a row a comment without points."""
 
 
 @dataclass(frozen=True)
 class Wish:
-    """What someone wants.
+    """A requested override, comment or withdrawal, not validated yet.
 
     Attributes
     ----------
     criterion
         A criterion, a check, `total` or `bonus`.
     points
-        Text as it was written; "" withdraws.
+        The points as typed; "" withdraws the override.
     place
-        What messages begin with.
+        Prefix of error messages: the command, or file and line of a table.
     alone
-        Whether it is a comment alone; without one it withdraws that.
+        True for a comment without points; an empty comment then withdraws the last one.
     """
 
     id: str
@@ -50,9 +50,9 @@ class Wish:
 
 
 def read_wishes(path: Path) -> list[Wish]:
-    """The adjustments of a CSV with the columns id, criterion, points and comment.
+    """Read overrides from a CSV with the columns id, criterion, points and comment.
 
-    Blank points withdraw; with the word `comment` in their place the comment is all that is said.
+    Blank points withdraw an override. The word `comment` in place of points adds a comment only.
     """
     source = printable(str(path), 500)
     try:
@@ -74,14 +74,15 @@ def _wish(row: Mapping[str, str | None], place: str) -> Wish:
 
 
 def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str = "") -> list[str]:
-    """Record all of them, or none, and write the pages anew; a line on each.
+    """Record all wishes or none, and rewrite the pages; return a line on each wish.
 
-    The same wish again changes nothing, so that a table can be given twice; it confirms one whose marks beneath have changed.
+    A wish that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an override have
+    changed, the same wish confirms it.
 
     Parameters
     ----------
     what
-        What it is decided on, where it is one decision for several submissions.
+        The subject of the decision, if it is one decision for several submissions.
 
     Raises
     ------
@@ -101,7 +102,7 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str =
 
 @dataclass(frozen=True)
 class Made:
-    """What became of a wish; `fresh` is False where it was in force before."""
+    """A recorded wish; `fresh` is False if it was already in force."""
 
     id: str
     adjustment: Adjustment
@@ -117,7 +118,7 @@ def decide(
     seen: int | None = None,
     what: str = "",
 ) -> list[Made]:
-    """Record all of them, or none; `seen` and `what` as `Store.adjust` has them.
+    """Record all wishes or none. `Store.adjust` explains `seen` and `what`.
 
     Raises
     ------
@@ -136,17 +137,17 @@ def decide(
 
 
 def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None) -> Wish:
-    """The wish that takes the last word on this back: what was said before it stands again.
+    """Return the wish that undoes the last override or comment on a target and restores the one before it.
 
     Parameters
     ----------
     alone
-        Whether it was a comment alone; None: whichever came last.
+        True undoes a comment, False an override, None the later of the two.
 
     Raises
     ------
     RequestError
-        If nothing was said.
+        If there is nothing to undo.
     """
     rows = [each for who, each in store.history() if (who, each.criterion) == (id_, criterion)]
     kind = alone if alone is not None else bool(rows and rows[-1].alone)
@@ -157,18 +158,18 @@ def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None)
 
 
 def undone_in(out: Path, id_: str, criterion: str) -> Wish:
-    """The same of a class on disk, by id, name, number or address."""
+    """Return the wish of `undone` for a class on disk; `id_` may be an id, a name, a number or an e-mail address."""
     with Store.existing(out) as store:
         return undone(store, _meant(store).by(id_), criterion)
 
 
 def undone_decision(store: Store, number: int) -> list[Wish]:
-    """The wishes that take a decision on several back; what was said on one of them since stays.
+    """Return the wishes that undo a decision on several submissions, except where a later override has replaced it.
 
     Raises
     ------
     RequestError
-        If nothing of it is in force.
+        If no part of the decision is in force.
     """
     rows: dict[tuple[str, str, bool], list[Adjustment]] = {}
     for id_, each in store.history():
@@ -180,7 +181,7 @@ def undone_decision(store: Store, number: int) -> list[Wish]:
 
 
 def _before(id_: str, rows: Sequence[Adjustment]) -> Wish:
-    """What stood before the last of these rows on one thing."""
+    """Return the wish that restores the last but one of these adjustments of one target."""
     last, before = rows[-1], rows[-2] if len(rows) > 1 else None
     if before is None or before.withdraws:
         return Wish(id_, last.criterion, "", "" if last.alone else "undone", alone=last.alone)
@@ -189,7 +190,7 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> Wish:
 
 
 def placed(out: Path, wishes: Sequence[Wish]) -> list[Wish]:
-    """The same with ids of submissions, where a name, an e-mail address or another number says whose it is."""
+    """Replace names, e-mail addresses and numbers in wishes by the ids of the submissions."""
     with Store.existing(out) as store:
         who = _meant(store)
     return [replace(wish, id=who.by(wish.id)) for wish in wishes]
@@ -200,7 +201,7 @@ def _meant(store: Store) -> Meant:
 
 
 def listing(out: Path) -> Iterator[str]:
-    """Every adjustment ever made, oldest first: who, when, why."""
+    """Yield a line on every adjustment on record, oldest first, with author, time and reason."""
     with Store.existing(out) as store:
         decisions = store.decisions()
         for id_, each in store.history():
@@ -214,14 +215,14 @@ def listing(out: Path) -> Iterator[str]:
 
 
 def said(adjustment: Adjustment) -> str:
-    """Its points in a word."""
+    """Return the points of an adjustment as text, `comment` or `withdrawn`."""
     if adjustment.withdraws:
         return "withdrawn"
     return ALONE if adjustment.points is None else words.number(adjustment.points)
 
 
 def _problem(wish: Wish, final_grades: Mapping[str, FinalGrade], said: Set[tuple[str, str, bool]]) -> str:
-    """Why a wish cannot be met, or ""; `said` holds what was ever adjusted, withdrawn since or not."""
+    """Return why a wish cannot be met, or "". `said` holds every adjusted target, including withdrawn ones."""
     if wish.id not in final_grades:
         return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, final_grades)}"
     final_grade = final_grades[wish.id]
@@ -251,7 +252,7 @@ def targets(final_grade: FinalGrade) -> list[str]:
 
 
 def covering(final_grade: FinalGrade, target: str) -> str:
-    """Return what is overridden and replaces the points of `target`; "" if nothing is."""
+    """Return the criterion or total whose override replaces the points of `target`; "" if there is none."""
     holders = [c.id for c in final_grade.result.criteria if any(check.id == target for check in c.checks)]
     above = [*holders, TOTAL] if target not in (TOTAL, BONUS) else []
     return next((each for each in above if final_grade.adjustment(each)), "")
@@ -274,7 +275,7 @@ def _adjustment(wish: Wish, final_grade: FinalGrade, author: str, now: str) -> A
 
 
 def _stands(wish: Adjustment, final_grade: FinalGrade) -> bool:
-    """Return whether it is in force already, on the same marks; or withdrawn already."""
+    """Return whether the wish changes nothing: it is in force for the same automatic points, or already withdrawn."""
     same = (each for each in final_grade.adjustments if (each.criterion, each.alone) == (wish.criterion, wish.alone))
     now = next(same, None)
     if now is None:

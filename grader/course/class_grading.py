@@ -18,7 +18,7 @@ from grader.engine.traces import Traces
 
 @dataclass(frozen=True)
 class Recipe:
-    """Rubric and traces of a class, and what opens a marker that grades by them in the sandbox; `open_marker` can be pickled."""
+    """Rubric and traces of a class, and a picklable function that opens a sandboxed marker with them."""
 
     rubric: Rubric
     traces: Traces
@@ -26,7 +26,7 @@ class Recipe:
 
 
 def recipe(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> Recipe:
-    """Return what grades a submission as the class in OUT was graded.
+    """Return the rubric, traces and marker that graded the class in OUT.
 
     Raises
     ------

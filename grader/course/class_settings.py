@@ -1,7 +1,7 @@
 """Settings of a class: the rubric, roster, attempt rule, scenarios and isolation level that its record keeps.
 
-A later command uses them where nothing else is said. What else is said is compared with them, and its effect on the scores is
-computed before anything is changed.
+A later command uses them as defaults. Options that differ are compared with them, and their effect on the scores is computed
+before anything is changed.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class ClassSettings:
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
-        """Return the settings of a run that uses these."""
+        """Return the settings of a run with this rubric, roster, attempt rule and traces."""
         return cls(
             **_of_rubric(rubric),
             roster=people.text,
@@ -112,7 +112,7 @@ def from_json(text: str) -> ClassSettings:
 
 
 def derived(final_grades: Mapping[str, FinalGrade], now: ClassSettings) -> ClassSettings | None:
-    """Return what the results of a record without settings tell of them, for the rest `now`; None where there are no results."""
+    """Return settings derived from the results of a record without settings, completed from `now`; None without results."""
     for final_grade in final_grades.values():
         was = {
             name: str(final_grade.result.provenance.get(name, ""))
@@ -159,7 +159,7 @@ def roster_of(settings: ClassSettings | None, path: Path | None = None) -> Roste
 
 @dataclass(frozen=True)
 class Change:
-    """Other settings than those on record, and what they do to the scores.
+    """New settings of a class, and their effect on the scores on record.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ class Change:
 
     @property
     def moves_scores(self) -> bool:
-        """Whether a score on record changes, or may change."""
+        """Return whether a score on record changes or may change."""
         return bool(self.moved or self.regraded or self.chosen_anew or self.to_repair)
 
     def told(self) -> str:
@@ -217,7 +217,7 @@ def change(
     everyone: Mapping[str, FinalGrade],
     hand_ins: Mapping[str, HandIn | None],
 ) -> Change | None:
-    """Compare settings and compute what the new ones do to the scores; None where they mean the same.
+    """Compare settings and compute what the new ones do to the scores; None if they are equivalent.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def change(
     everyone
         The class as it is on record.
     hand_ins
-        What the download and the new roster tell of each submission to grade; None where there are several attempts.
+        Hand-in of each submission to grade, from the download and the new roster; None if it has several attempts.
     """
     differences = causes(old, new)
     if not differences:
@@ -262,7 +262,7 @@ def change(
 
 
 def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
-    """Return in words what differs between settings; text of a rubric that scores do not depend on does not count."""
+    """Describe the differences between settings. Rubric text that does not affect scores is ignored."""
     rubric = "another rubric" if old.rubric_sha256 != new.rubric_sha256 else "another late policy"
     found = {
         rubric: (old.rubric_sha256, old.late) != (new.rubric_sha256, new.late),
@@ -282,7 +282,7 @@ def _judged(final_grade: FinalGrade, rubric: Rubric, found: HandIn | None) -> Fi
 
 
 def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> list[str]:
-    """Return the ids of results that were made by another rubric or other scenarios: a change was interrupted, or left them out."""
+    """Return the ids of results with another rubric or other scenarios, which an interrupted or partial change left behind."""
     mine = {"rubric_sha256": settings.rubric_sha256, "traces_sha256": settings.traces_sha256}
     return [
         id_

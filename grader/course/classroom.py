@@ -1,4 +1,4 @@
-"""A class from what was handed in to the folder of results: resume, mark, record, publish."""
+"""Class run, from submissions to the output folder: resume, mark, record, publish."""
 
 from __future__ import annotations
 
@@ -43,20 +43,20 @@ from grader.report.pages import drawn
 from grader.sandbox.isolation_levels import LEVELS
 
 _WALL_PER_CPU = 5
-"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
-parts of a conversation have together."""
+"""Wall seconds of a marker for each CPU second that the rubric allows a submission. They exceed all time limits of a session
+together."""
 
 
 _WRITERS = 4
-"""Processes that write pages: more have nothing to do, as one process reads all that they write."""
+"""Processes that write pages. One process supplies their input, so more of them would be idle."""
 
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be graded, where to, and how.
+    """Request of a class run: submissions, output folder, rubric, traces and options.
 
-    `only` empty means all; `jobs` None one a core; `cluster` None here; `shape` None what each path is recognised as. `change`
-    is the consent to a change of scores that are on record. `at_least` is the isolation level that a marker has to offer.
+    An empty `only` grades all; `jobs` None starts one process per core; `cluster` None grades on this machine; `shape` None
+    recognises each path. `change` allows scores on record to change. `at_least` is the weakest isolation level allowed.
     """
 
     paths: tuple[Path, ...]
@@ -82,7 +82,7 @@ class Order:
 
 @dataclass(frozen=True)
 class Class:
-    """Members of the class: their submissions, what is known of each beside its files, and the warnings about that.
+    """Submissions of a class, with the lines to print about them and the mismatches between class and roster.
 
     `others` are hand-ins on record that are not in the download, with the people that the roster has for them.
     """
@@ -97,7 +97,7 @@ class Class:
 
 
 class Audience(Protocol):
-    """Who is told how the run goes on."""
+    """Receiver of progress reports of a run."""
 
     def begins(self, total: int) -> None: ...
 
@@ -106,10 +106,10 @@ class Audience(Protocol):
 
 @dataclass
 class Outcome:
-    """What a run did: its results by id, how many of them were on record, what could not be placed, what to look at.
+    """Outcome of a run: results by id, the number resumed from the record, unplaced files and warnings.
 
-    `remarks` are those that the run before has not told, and overrides that are out of date; `known` is how many of those that
-    it told still hold. `remarked` is how many of those on record had been marked by another rubric.
+    `remarks` holds outdated overrides and the warnings that the previous run did not give; `known` counts the warnings that it
+    did give and that still hold. `remarked` counts recorded results that were regraded because the rubric had changed.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -124,13 +124,13 @@ class Outcome:
         return [id_ for id_, result in self.results.items() if result.status == "incomplete"]
 
     def below(self, points: float) -> list[str]:
-        """Ids of the submissions that were judged and have fewer points."""
+        """Return the ids of the fully judged submissions with fewer points."""
         judged = {id_: result for id_, result in self.results.items() if result.status != "incomplete"}
         return [id_ for id_, result in judged.items() if result.score < points]
 
 
 def find(order: Order) -> Class:
-    """Find the class: what was handed in, what the roster knows of it and what the late policy says.
+    """Find the submissions of a class, and apply the roster and the late policy to them.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def find(order: Order) -> Class:
 
 
 def _recorded(out: Path) -> dict[str, HandIn]:
-    """Return the hand-ins on record: nobody whose work was graded before is absent from a later download."""
+    """Return the hand-ins on record, so that a student graded earlier is not reported as absent."""
     if not (out / FILE_NAME).is_file():
         return {}
     with Store.existing(out) as store:
@@ -168,12 +168,12 @@ def _recorded(out: Path) -> dict[str, HandIn]:
 
 
 def _with_people(entry: Entry) -> HandIn:
-    """Where no platform tells who handed in, the name of what was handed in stands for them."""
+    """Return the hand-in of an entry; if no platform names the people, the submission's name stands for them."""
     return replace(entry.hand_in, people=entry.hand_in.people or (Person(entry.name, entry.id),))
 
 
 def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
-    """Return a hand-in with what the roster knows of it, by the late policy. The platform's own time goes before the roster's."""
+    """Add the roster's facts to a hand-in and apply the late policy. The platform's time takes precedence over the roster's."""
     own = placed.due.get(entry.id)
     hand_in = replace(
         entry.hand_in,
@@ -186,7 +186,7 @@ def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
 
 
 def _contradicted(entries: Sequence[Entry], placed: roster.Placed) -> Iterator[str]:
-    """Yield a line on each time of the roster that is not the platform's."""
+    """Yield a line for each submission whose times in the roster and on the platform differ."""
     for entry in entries:
         told, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
         if told and known and told != known:
@@ -194,7 +194,7 @@ def _contradicted(entries: Sequence[Entry], placed: roster.Placed) -> Iterator[s
 
 
 def listing(found: Class) -> Iterator[str]:
-    """A line on each submission before it is graded: its id, whose it is, when it came, whether it is late."""
+    """Yield a line for each submission found: its id, people, time and lateness."""
     for entry in found.entries:
         hand_in = entry.hand_in
         people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)
@@ -211,7 +211,7 @@ def on_record(out: Path) -> ClassSettings | None:
 
 
 def change(order: Order, found: Class) -> Change | None:
-    """Compute what the settings of this run do to the scores on record; None where they are those on record.
+    """Compute the effect of this run's settings on the scores on record; None if the settings are equal.
 
     Raises
     ------
@@ -315,7 +315,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
 
 
 def _keep_people(store: Store, publisher: Publisher, named: Mapping[str, HandIn]) -> None:
-    """Record the people that a roster has for hand-ins which are not in the download."""
+    """Record the roster's people for hand-ins that are not in the download."""
     for id_, hand_in in named.items():
         store.keep_hand_in(id_, hand_in)
     if named:
@@ -374,12 +374,12 @@ class _Run:
             for submission, marked in self._marked(entries, reader):
                 result = _result(submission, self._order, marked)
                 self._store.keep(_key(submission, self._order), result)
-                slim = replace(result, evidence=Evidence())  # on record now; of a large class it would fill the memory
+                slim = replace(result, evidence=Evidence())  # charts of a large class would fill the memory
                 self._tell(_key(submission, self._order), slim, result.evidence.figures)
         self._settle()
 
     def _settle(self) -> None:
-        """Of several attempts the best one counts, after lateness; of equal ones the first. One that is open decides nothing."""
+        """Choose the best attempt after late deductions, the first of equal ones; an attempt with open points comes before all."""
         own: dict[str, list[tuple[Key, FinalGrade]]] = {}
         for key, attempt in self._attempts.items():
             own.setdefault(key.id, []).append((key, self._final_grade(key, attempt)))
@@ -399,11 +399,11 @@ class _Run:
         return mark_all(submissions, opener(order), jobs, bounds)
 
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
-        """Submissions that are still to be marked; those on record are told on the way."""
+        """Yield the submissions to mark, and report those that are on record."""
         for entry, submission in reader.each(entries):
             key = _key(submission, self._order)
             self._store.keep_files(submission.sha256, partial(pack, submission.files))
-            if key in self._attempts:  # handed in twice as it is: the first time counts
+            if key in self._attempts:  # the same files were handed in twice: the first hand-in counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
             again = self._order.force or submission.id in self._installed_since
@@ -418,7 +418,7 @@ class _Run:
                 self._tell(key, known)
 
     def _tell(self, key: Key, result: Result, figures: Mapping[str, str] | None = None) -> None:
-        """`figures`, drawn already, come with a result of this run; None with one that was on record."""
+        """Record, publish and report a result. `figures` are the drawn charts of a new result, None for one on record."""
         attempt = self._attempts[key]
         attempt.result = result
         final_grade = self._final_grade(key, attempt)
@@ -441,7 +441,7 @@ class _Run:
 
 @dataclass
 class _Attempt:
-    """One of the submissions of the same people."""
+    """One attempt of the same people, with its result once it is known."""
 
     hand_in: HandIn
     result: Result | None = None
@@ -452,7 +452,7 @@ def _jobs(order: Order) -> int:
 
 
 def opener(order: Order) -> OpenMarker:
-    """What each worker process makes its marker with."""
+    """Return the picklable function with which each worker process opens its marker."""
     return partial(guarded_marker, order.rubric, order.traces, order.isolation_level, order.trusted, order.at_least)
 
 
@@ -460,7 +460,7 @@ def opener(order: Order) -> OpenMarker:
 def guarded_marker(
     rubric: Rubric, traces: Traces, isolation_level: str | None, trusted: bool, at_least: str = ""
 ) -> Iterator[Marking]:
-    """A marker for other people's code: refused where nothing isolates it, or less than the isolation level `at_least`."""
+    """Open a marker for students' code; refuse if nothing isolates it, or only a level weaker than `at_least`."""
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.walled and not trusted:
             raise RequestError(
@@ -478,7 +478,7 @@ def guarded_marker(
 
 @dataclass(frozen=True)
 class _Drawing:
-    """A marker that draws the charts, too: there are several of them, and one process that has the pages of all to write."""
+    """Marker that also draws the charts, so that this work is spread over the worker processes."""
 
     marker: Marking
 
@@ -494,13 +494,13 @@ def _result(submission: Submission, order: Order, marked: Marked) -> Result:
 
 
 def unjudged(submission: Submission, order: Order, reason: str) -> Result:
-    """The result of a submission that the grader failed on: every point open, none lost."""
+    """Return the result of a submission that the grader failed on: all points are open, none is lost."""
     note = f"The grader failed on this submission ({printable(reason, 300)}); grade it again"
     return _without_marker(submission, order, "incomplete", CheckResult("", "", "not_judged", None, 0.0), note)
 
 
 def stopped(submission: Submission, order: Order, reason: str) -> Result:
-    """The result of a submission that two markers did not come to an end with: nothing was shown in time."""
+    """Return the result of a submission whose marking was ended twice: every check timed out and earns nothing."""
     note = (
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
@@ -510,7 +510,7 @@ def stopped(submission: Submission, order: Order, reason: str) -> Result:
 
 
 def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
-    """A result with the same row for every check of the criteria."""
+    """Return a result in which every check of the criteria has the same outcome."""
     known = known_checks(order.rubric.lab, order.rubric.own_checks)
     titles = {id_: check.title for id_, check in known.items()}
     found = Result(
@@ -536,7 +536,7 @@ def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) ->
 
 
 def _beside_out(entries: tuple[Entry, ...], order: Order) -> tuple[Entry, ...]:
-    """Without an OUT that was made in the class and is still empty; one that holds submissions would become one itself."""
+    """Drop an empty OUT folder from the submissions; refuse an OUT that is a submission or the class folder itself."""
     out = os.path.realpath(order.out)
     within = [entry for entry in entries if os.path.realpath(entry.path) == out]
     if out in map(os.path.realpath, order.paths) or any(entry.read().status != "empty" for entry in within):

@@ -1,7 +1,7 @@
 """Many submissions on a running Dask cluster: one at a time for each of its worker processes.
 
-A worker that is lost takes nothing with it: Dask gives its submission to another. What travels is plain data, the bytes of
-a submission there and the text of its result back; rubric and traces go once to every worker.
+If a worker is lost, Dask gives its submission to another one. Submissions and results travel as plain data; rubric and traces
+go once to every worker.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 ANSWERS_WITHIN_S = 5.0
 LOOK_EVERY_S = 5.0
 PATIENCE_S = 120.0
-"""How long a cluster may be without any worker: a job that was ended is replaced in that time, or not soon."""
+"""Seconds that a cluster may be without any worker. A batch system that restarts an ended job soon does so within this time."""
 _FETCHED_WITHIN_S = 60.0
 _SETTINGS = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB"
@@ -52,9 +52,9 @@ def mark_all(
     open_marker
         Makes a marker; called in each worker process, so it must be picklable.
     address
-        Of the Dask scheduler, as "tcp://host:8786" or "tls://host:8786". Certificates are those of Dask's configuration.
+        Address of the Dask scheduler, as "tcp://host:8786" or "tls://host:8786". Dask's configuration names the certificates.
     bounds
-        Where a marker is ended that does not answer.
+        Time and memory after which a marker is ended.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def mark_all(
 
 @contextmanager
 def _or_lost(address: str) -> Iterator[None]:
-    """Whatever goes wrong between us and the scheduler means that the cluster is lost."""
+    """Turn any exception into a GraderError that says that the cluster was lost."""
     try:
         yield
     except Exception as problem:
@@ -93,7 +93,7 @@ def _connected(address: str) -> Iterator[Client]:
     except ImportError:
         raise RequestError("--cluster needs Dask; install it with: pip install 'imugrade[cluster]'") from None
     for name in ("distributed", "distributed.client"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is told here, in one line
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # our own errors say in one line what went wrong
     try:
         asyncio.run(_find_scheduler(address))
     except _NoSchedulerError as problem:
@@ -104,16 +104,16 @@ def _connected(address: str) -> Iterator[Client]:
         try:
             yield client
         finally:
-            with suppress(Exception):  # the scheduler may be gone; what came of the run is told, not this
+            with suppress(Exception):  # the scheduler may be gone; an error here must not hide that of the run
                 client.close()
 
 
 class _NoSchedulerError(Exception):
-    """Why the address is not the one of a scheduler."""
+    """No Dask scheduler answers at the address; the message says why."""
 
 
 async def _find_scheduler(address: str) -> None:
-    """Ask who is there; a client would wait for ever for one that takes the connection and is silent."""
+    """Check that a Dask scheduler answers. A client would wait for ever for a server that accepts and stays silent."""
     from distributed import Security, rpc  # noqa: PLC0415
 
     try:
@@ -130,7 +130,7 @@ async def _find_scheduler(address: str) -> None:
 
 @contextmanager
 def _seats(client: Client, open_marker: OpenMarker, bounds: Bounds, address: str) -> Iterator[str]:
-    """A seat for this run in every worker, and the name of the run; markers are closed at its end."""
+    """Install a seat for this run in every worker, yield the run's name, and close the markers at the end."""
     from grader.course.cluster_worker import Seat, versions  # noqa: PLC0415
 
     with _or_lost(address):
@@ -161,9 +161,9 @@ def _set_up(client: Client, seat: Seat, address: str) -> None:
 
 
 class _Errands:
-    """Submissions that are out on the cluster, and those that wait.
+    """Queue of submissions, and the tasks that run on the cluster.
 
-    No more are out than there are workers: when a worker dies, Dask suspects every task that it had been given.
+    There are at most as many tasks as workers: when a worker dies, Dask blames every task that it had been given.
     """
 
     def __init__(self, client: Client, run: str, address: str, submissions: Iterator[Submission]) -> None:
@@ -182,7 +182,7 @@ class _Errands:
                 yield task.submission, outcome
 
     def _hand_out(self) -> bool:
-        """Give every idle worker something to do; False when nothing is left to wait for."""
+        """Give every idle worker a task; return False when no task is left to wait for."""
         at_once = max(1, self._workers())
         while len(self._out) < at_once and (task := self._backlog.next()) is not None:
             self._send(task)
@@ -216,7 +216,7 @@ class _Errands:
             return len(self._client.nthreads())
 
     def _outcome(self, future: Future[Any], task: Task) -> Outcome | None:
-        """What came of a task; None if it is to be tried again."""
+        """Return the outcome of a task; None if it will be retried."""
         from distributed import KilledWorker  # noqa: PLC0415
 
         if future.cancelled():

@@ -1,6 +1,6 @@
-"""What runs in a worker process of a Dask cluster: a pool of one warm marker, opened for the run that it works for.
+"""Code that runs in a worker process of a Dask cluster: a pool of one warm marker for each run.
 
-The marker is a process of its own, as on one machine: it can be ended, and the worker goes on.
+The marker has a process of its own, as on a single machine, so it can be ended without ending the worker.
 """
 
 from __future__ import annotations
@@ -26,37 +26,37 @@ _NUMBERS_DEPEND_ON = ("mujoco", "numpy", "scipy", "matplotlib")
 
 
 def versions() -> dict[str, str]:
-    """What has to be the same on every machine that marks one class."""
+    """Return the versions that must be equal on every machine that marks a class."""
     python = ".".join(platform.python_version_tuple()[:2])
     return {"imugrade": __version__, "python": python, **{name: version(name) for name in _NUMBERS_DEPEND_ON}}
 
 
 def plain(result: Result) -> dict[str, Any]:
-    """A result as it travels: text, bytes and numbers."""
+    """Return a result as plain data for the network: text, bytes and numbers."""
     record = json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)
     return {"record": record, "charts": result.evidence.charts, "fingerprint": list(result.evidence.fingerprint)}
 
 
 def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
-    """Mark one submission for a run whose seat has been set up here: the task that is handed to the cluster."""
+    """Mark one submission with the seat of a run. This function is the task that Dask executes."""
     seat = get_worker().plugins[run]
     assert isinstance(seat, Seat)
     return seat.mark(Submission(**submission))
 
 
 class Seat(WorkerPlugin):
-    """A run's place in a worker process; Dask sets one up in every worker that there is or will be.
+    """Dask worker plugin that holds the marker of one run; Dask installs it in every present and future worker.
 
-    A process has one marker at a time. It goes over to another run where a run was killed and could not close it.
+    A process has one marker at a time. If a killed run left its marker open, the seat of the next run closes it.
 
     Parameters
     ----------
     run
         The name of the run.
     made_by
-        The versions of the machine that hands out.
+        The versions on the machine that distributes the submissions.
     open_marker
-        With the bounds of a marker. Pickled, so that it is unpacked only where the versions agree.
+        The pickled pair of marker factory and bounds. It is unpickled only if the versions agree.
     """
 
     _at_work: ClassVar[threading.Lock] = threading.Lock()
@@ -80,7 +80,7 @@ class Seat(WorkerPlugin):
         self._leave_if_idle()
 
     def mark(self, submission: Submission) -> dict[str, Any]:
-        """The result as plain data, or what failed under "trouble", and under "stopped" why a marker had to be ended.
+        """Return the result as plain data, or the failure as "trouble" and, if the marker was ended, its reason as "stopped".
 
         Raises
         ------
@@ -124,11 +124,11 @@ class Seat(WorkerPlugin):
 
     def _leave(self) -> None:
         self._pool = Seat._taken_by = None
-        with suppress(Exception):  # it is given up because it failed
+        with suppress(Exception):  # a failed marker may fail to close, too
             self._opened.close()
 
     def _leave_if_idle(self) -> None:
-        """Who is at work leaves afterwards."""
+        """Close the marker unless it is marking; `mark` closes it afterwards in that case."""
         if self._at_work.acquire(blocking=False):
             try:
                 if Seat._taken_by is self:

@@ -1,4 +1,4 @@
-"""The SQLite file of a class: its layout and what older ones had, how it is opened, and one line for whatever refuses."""
+"""SQLite file of a class: schema, migration of older schemas, opening, and one-line errors."""
 
 from __future__ import annotations
 
@@ -88,11 +88,11 @@ ALTER TABLE adjustments ADD COLUMN alone INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE adjustments ADD COLUMN decision INTEGER NOT NULL DEFAULT 0;
 """
 _SEEN_AS_3 = "CREATE TEMP VIEW adjustments AS SELECT *, 0 AS alone, 0 AS decision FROM main.adjustments;"
-"""A record of an older layout that cannot be written is read as one that holds nothing new."""
+"""View for records of layout 2 that cannot be written: the columns added since have their defaults."""
 
 
 class Database:
-    """The file in a class's folder; a context manager, used from one thread."""
+    """Connection to the record of a class; a context manager, used from one thread."""
 
     def __init__(self, out: Path) -> None:
         self.path = out / FILE_NAME
@@ -114,7 +114,7 @@ class Database:
 
     @classmethod
     def existing(cls: type[D], out: Path) -> D:
-        """The record of a class that has been graded; RequestError if there is none."""
+        """Open the record of a graded class; raise RequestError if there is none."""
         if not (out / FILE_NAME).is_file():
             raise RequestError(
                 f"{printable(str(out), 500)}: no class was graded there; give the output folder of `imugrade grade`"
@@ -125,12 +125,12 @@ class Database:
         self._db.close()
 
     def changes(self) -> int:
-        """A number that is another one once somebody else has written to the record."""
+        """Return a number that changes when another connection writes to the record."""
         with self._told():
             return int(self._db.execute("PRAGMA data_version").fetchone()[0])
 
     def _address(self) -> str:
-        """The file as a URI; one that cannot be written, say in an archive, is read as it lies there if nothing is pending."""
+        """Return the SQLite URI of the file. A read-only file without pending writes is opened as immutable."""
         pending = Path(f"{self.path}-wal")
         settled = not pending.exists() or pending.stat().st_size == 0
         mode = "mode=rwc" if self._writable else "immutable=1" if settled else "mode=ro"
@@ -165,7 +165,7 @@ class Database:
         self._db.execute("PRAGMA foreign_keys = ON")
 
     def _lay_out(self, script: str) -> None:
-        """Make the tables, unless another process was faster."""
+        """Create the tables unless another process has just done so."""
         mark = f"PRAGMA application_id = {_APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}"
         with self._transaction():
             if self._identity()[1] != SCHEMA_VERSION:
@@ -190,7 +190,7 @@ class Database:
 
     @contextmanager
     def _told(self) -> Iterator[None]:
-        """Turn what the disk refuses into one line for the person who chose OUT."""
+        """Turn errors of the disk and of SQLite into a one-line RequestError that names OUT."""
         try:
             yield
         except OSError as problem:
@@ -207,7 +207,7 @@ class Database:
 
 
 class ForeignError(Exception):
-    """A row holds something else than we write; the message is what."""
+    """A row holds data that imugrade does not write; the message describes it."""
 
 
 def foreign(path: Path, problem: ForeignError) -> RequestError:
@@ -217,7 +217,7 @@ def foreign(path: Path, problem: ForeignError) -> RequestError:
 
 
 def read(parse: Callable[[Any], T], record: object) -> T:
-    """A row of ours, whatever it holds: anyone can write into a file of this kind."""
+    """Parse a row; raise ForeignError if it cannot be parsed, because any program can write to the file."""
     try:
         return parse(record)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:

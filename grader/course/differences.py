@@ -1,4 +1,4 @@
-"""Two gradings of a class: whose marks moved, by which checks, and what had changed."""
+"""Comparison of two gradings of a class: changed scores, the checks behind them, and changed settings."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _CAUSES = {
 
 
 def told(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield lines for a terminal: what checks are worth now, a block for each submission whose points moved, and the means."""
+    """Yield lines for a terminal: changed weights, a block for each submission whose points changed, and the means."""
     both = [id_ for id_ in old if id_ in new]
     causes = {id_: _changed(old[id_], new[id_]) for id_ in both}
     common = [cause for cause in _CAUSES.values() if len(both) > 1 and all(cause in each for each in causes.values())]
@@ -110,7 +110,7 @@ def _told(check: CheckResult | None) -> str:
 
 
 def _beside(old: FinalGrade, new: FinalGrade) -> Iterator[str]:
-    """Repairs, adjustments and lateness."""
+    """Yield a line on each repair, override and late deduction that differs."""
     repaired = [words.repairs(side.result) for side in (old, new)]
     yield from (f"no longer: {line}" for line in repaired[0] if line not in repaired[1])
     yield from (line for line in repaired[1] if line not in repaired[0])

@@ -1,4 +1,4 @@
-"""A graded class as a platform's upload: the marks, and the report of each student."""
+"""Export of a graded class for upload to a platform: the grades, and the report of each student."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 
 @dataclass(frozen=True)
 class Export:
-    """What is to be written.
+    """Request of an export: class, platform, files and options.
 
-    `template` is the file that the platform exported, `feedback` a zip for the reports; `scaled` whether points follow what the
-    platform's assignment is out of; `unreadable` one of `UNREADABLE`, for what could not be read or held nothing.
+    `template` is the file that the platform exported, `feedback` the zip to write the reports to. `scaled` converts points to the
+    maximum of the platform's assignment. `unreadable` is the grade of empty and unreadable submissions, one of `UNREADABLE`.
     """
 
     out: Path
@@ -46,18 +46,18 @@ class Export:
 
 @dataclass(frozen=True)
 class Draft:
-    """A file of grades that is not written yet, and what it does, by name of the person or row.
+    """Content of a grades file before it is written, and the people and rows that it affects.
 
     Attributes
     ----------
     graded
-        How many grades are in it.
+        Number of grades in the file.
     blank
-        Who of the class has none in it, with the reason.
+        People of the class without a grade in the file, each with the reason.
     replaced, locked
-        Rows that had another grade, and rows whose grade is not to be changed.
+        Rows that had another grade, and rows whose grade the platform has locked.
     unmatched
-        Rows that mean nobody of the class.
+        Rows that match nobody of the class.
     """
 
     data: bytes
@@ -68,7 +68,7 @@ class Draft:
     unmatched: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield a line on each kind that there is."""
+        """Yield a line for each kind of row that occurs: graded, blank, replaced, locked, unmatched."""
         yield f"graded: {self.graded}"
         named = {
             "blank": self.blank,
@@ -91,13 +91,13 @@ class Plan:
     other_settings: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield a line on each kind of grade that there is, and on grades by other settings than those of the class."""
+        """Yield the lines of the draft, and a line on grades that were made with other settings than the class has."""
         yield from self.draft.lines()
         if self.other_settings:
             yield f"graded by other settings than the class: {', '.join(self.other_settings)} (grade them again)"
 
     def write(self) -> tuple[list[str], list[str]]:
-        """Write the marks, and the reports where they are asked for; return lines on the files, and on reports without a place."""
+        """Write the grades and the requested reports; return lines on the files, and on reports that the platform cannot place."""
         order = self.order
         target = order.target or order.out / order.platform.gradebook
         write_whole(target, self.draft.data)
@@ -217,7 +217,7 @@ def _bytes(path: Path, source: str) -> bytes:
 
 
 def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, list[str]]:
-    """The reports under the names that the platform gave, and those of whom it gave none."""
+    """Return a zip of the reports under the platform's names, and the ids for which the platform gave no name."""
     buffer = io.BytesIO()
     absent: list[str] = []
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:

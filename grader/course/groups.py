@@ -1,4 +1,4 @@
-"""All who lost points by the same, or whose code is alike: one decision for all of them, and the decisions that were made."""
+"""Groups of submissions with the same fault, the same failed checks or similar code, and decisions on whole groups."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MISTAKE, CHECK, SAME, ALIKE = "mistake", "check", "same", "alike"
 
 @dataclass(frozen=True)
 class Group:
-    """Who has something in common. `checks` are the lost ones that it is about, by id with their titles."""
+    """Submissions that have something in common. `checks` maps the ids of the failed checks concerned to their titles."""
 
     kind: str
     key: str
@@ -31,14 +31,14 @@ class Group:
 
     @property
     def what(self) -> str:
-        """Text that names what a decision on this group is about, such as ``mistake: <title>``."""
+        """Return the subject of a decision on this group, such as ``mistake: <title>``."""
         kind = {MISTAKE: "mistake", CHECK: "lost", SAME: "the same lost checks", ALIKE: "alike"}[self.kind]
         return printable(f"{kind}: {self.title}", 200)
 
 
 @dataclass(frozen=True)
 class Decision:
-    """One decision on several: what on, what was said, and for how many of them it still is the last word."""
+    """One decision on several submissions; `made` counts them, `in_force` those without a later override."""
 
     number: int
     what: str
@@ -51,7 +51,7 @@ class Decision:
 
 
 def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
-    """Mistakes by how many made them, then checks, then those who lost exactly the same ones; each with two members or more."""
+    """Return the groups with two members or more: by fault, by failed check, by equal set of failed checks; largest first."""
     mistakes: dict[str, dict[str, list[CheckResult]]] = {}
     checks: dict[str, dict[str, list[CheckResult]]] = {}
     same: dict[tuple[str, ...], dict[str, list[CheckResult]]] = {}
@@ -74,17 +74,17 @@ def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
 
 
 def alike(ids: Sequence[str]) -> Group:
-    """Those who handed in the same files, or whose code is alike."""
+    """Return a group of submissions with the same files or similar code."""
     return Group(ALIKE, _digest(ids), f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
 
 
 def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
-    """What a decision on all who made a mistake or lost a check is on, and their ids.
+    """Return the subject of a decision on all submissions with a fault or failed check, and their ids.
 
     Raises
     ------
     RequestError
-        If nobody did, or one alone.
+        If fewer than two submissions have it.
     """
     with Store.existing(out) as store:
         found = groups(store.final_grades())
@@ -95,13 +95,13 @@ def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
 
 
 def taken_back(out: Path, number: int) -> list[Wish]:
-    """The wishes that take a decision on several back."""
+    """Return the wishes that undo a decision on several submissions, for a class on disk."""
     with Store.existing(out) as store:
         return undone_decision(store, number)
 
 
 def decisions(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[Decision]:
-    """Every one that was made, the latest first."""
+    """Return all decisions on several submissions, latest first."""
     made: dict[int, list[Adjustment]] = {}
     for _, each in store.history():
         if each.decision:
@@ -126,7 +126,7 @@ def decisions(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[Deci
 
 def _lost(result: Result) -> list[CheckResult]:
     if result.status in ("empty", "unreadable"):
-        return []  # nothing was asked of them
+        return []  # no check was run
     rows = (check for criterion in result.criteria for check in criterion.checks)
     return [check for check in rows if check.points is not None and check.points < check.max_points]
 

@@ -1,4 +1,4 @@
-"""Unified diffs of one text file: made, and applied without any tolerance.
+"""Unified diffs of one text file: creation, and application without any tolerance.
 
 The format is that of ``diff -u``: https://www.gnu.org/software/diffutils/manual/html_node/Detailed-Unified.html
 """
@@ -47,7 +47,7 @@ def applied(before: bytes, diff: str, place: str = "patch") -> bytes:
 
 
 def _lines(content: bytes) -> list[bytes]:
-    """Split after each newline, and nowhere else."""
+    """Split bytes after each newline only."""
     *lines, last = content.split(b"\n")
     return [line + b"\n" for line in lines] + ([last] if last else [])
 

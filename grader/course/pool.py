@@ -1,8 +1,8 @@
-"""Many submissions: one warm marker a core, each in a process of its own.
+"""Pool of worker processes, each with one warm marker, that marks many submissions in parallel.
 
-A marker that dies takes nothing with it but the submission that it was marking, which is given to a fresh one; a
-submission that two markers could not mark is handed back unmarked with the reason, never lost and never a zero. A marker
-that takes more time or memory than any sound work is ended; a submission on which two of them were is handed back as stopped.
+If a marker dies, a fresh one marks its submission again. A submission that two markers failed on is returned as `Unmarked` with
+the reason, which is not a zero. A marker that exceeds the time or memory of any sound work is ended; a submission on which
+two markers were ended is returned as `Stopped`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ KILLED = "the marking process was killed"
 
 
 class Marking(Protocol):
-    """What is needed of a marker."""
+    """Interface of a marker."""
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
@@ -44,21 +44,21 @@ OpenMarker = Callable[[], AbstractContextManager[Marking]]
 
 @dataclass(frozen=True)
 class Unmarked:
-    """Why a submission could not be marked: a fault of the grader."""
+    """Outcome of a submission that the grader failed to mark, with the reason."""
 
     reason: str
 
 
 @dataclass(frozen=True)
 class Stopped:
-    """Why the marking of a submission was ended: what it makes a marker do takes more than a class can wait for."""
+    """Outcome of a submission whose marking exceeded the limits on time or memory, with the reason."""
 
     reason: str
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a marker may take for one submission: many times what sound work takes, on a machine that is busy."""
+    """Limits of a marker on one submission. Sound work takes a small part of them, even on a busy machine."""
 
     wall_s: float = 600.0
     memory_bytes: int = 3 << 30
@@ -70,7 +70,7 @@ Outcome: TypeAlias = "Result | Unmarked | Stopped"
 
 @dataclass
 class Task:
-    """A submission that is to be marked, and why that failed so far; `stopped` where a marker had to be ended."""
+    """Submission in the queue, with the reasons of failed attempts; `stopped` is the reason if a marker was ended."""
 
     submission: Submission
     reasons: list[str] = field(default_factory=list)
@@ -78,25 +78,25 @@ class Task:
 
 
 class Backlog:
-    """What is still to be marked: first what failed once, then the submissions, taken one at a time."""
+    """Queue of submissions to mark; those to be retried come first. Submissions are taken from the iterator one at a time."""
 
     def __init__(self, submissions: Iterator[Submission], attempts: int = ATTEMPTS) -> None:
         self._submissions, self._attempts = submissions, attempts
         self._again: deque[Task] = deque()
 
     def next(self) -> Task | None:
-        """The next task; None when there is none at present."""
+        """Return the next task; None if there is none at present."""
         if self._again:
             return self._again.popleft()
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
     def back(self, task: Task) -> None:
-        """Take a task back that nobody has begun."""
+        """Put a task that was not begun back into the queue."""
         self._again.append(task)
 
     def failed(self, task: Task, reason: str) -> Unmarked | Stopped | None:
-        """Take a task back, which has failed; the end of it if that was once too often."""
+        """Queue a failed task again and return None, or return its outcome after the last attempt."""
         task.reasons.append(reason)
         if len(task.reasons) < self._attempts:
             self._again.append(task)
@@ -116,9 +116,9 @@ def mark_all(
     open_marker
         Makes a marker; called in each worker process, so it must be picklable.
     jobs
-        How many worker processes there are at most; started as there is work for them.
+        Largest number of worker processes. They are started when there is work for them.
     bounds
-        Where a marker is ended that does not answer.
+        Time and memory after which a marker is ended.
 
     Raises
     ------
@@ -130,14 +130,14 @@ def mark_all(
 
 
 class Pool:
-    """Desks at work, and those that wait for work, from one run to the next; a context manager.
+    """Pool of desks, each a worker process with one marker, kept from one run to the next; a context manager.
 
     Parameters
     ----------
     open_marker, jobs, bounds
         See `mark_all`.
     attempts
-        How many markers may fail on a submission before it is handed back.
+        Number of markers that may fail on a submission before it is returned without a result.
     """
 
     def __init__(self, open_marker: OpenMarker, jobs: int, bounds: Bounds, attempts: int = ATTEMPTS) -> None:
@@ -147,8 +147,8 @@ class Pool:
         self._backlog = Backlog(iter(()))
         self._open_marker = open_marker
         self._cpu_s: float | None = None
-        self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that was not needed so far
-        self._given: dict[Future[Result], tuple[_Desk, Task]] = {}  # of one desk the first is being marked
+        self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that is not started yet
+        self._given: dict[Future[Result], tuple[_Desk, Task]] = {}  # the first of each desk is being marked
 
     def __enter__(self) -> Pool:
         return self
@@ -161,7 +161,7 @@ class Pool:
     def run(
         self, submissions: Iterator[Submission], cpu_s: float | None = None
     ) -> Iterator[tuple[Submission, Outcome]]:
-        """See `mark_all`; `cpu_s` limits the CPU time of each submission's code, where the rubric gives it more."""
+        """Mark submissions as `mark_all` does; `cpu_s` may lower the rubric's limit on the CPU time of each submission."""
         self._cpu_s = cpu_s
         self._backlog = Backlog(submissions, self._attempts)
         while self._hand_out():
@@ -170,8 +170,8 @@ class Pool:
                 desk.stop_beyond(self._bounds)
             for future in [
                 each for each in self._given if each in done
-            ]:  # of a desk in the order in which it was given them
-                if future not in self._given:  # it lay at a desk that has failed
+            ]:  # the futures of each desk in the order of submission
+                if future not in self._given:  # it waited at a desk that has failed
                     continue
                 submission, outcome = self._taken(future)
                 if outcome is not None:
@@ -183,16 +183,16 @@ class Pool:
                 desk.close()
 
     def _abandon(self) -> None:
-        """End every process at once: what they are doing may take minutes."""
+        """Kill every worker process, because their tasks may take minutes."""
         for worker in set(multiprocessing.active_children()) - self._strangers:
             worker.kill()
         for desk in self._desks:
             desk.dismiss(wait=True)
 
     def _hand_out(self) -> bool:
-        """Give every idle desk something to do, and the next one to each that has one; False when nothing is left to wait for.
+        """Give every desk a task to mark and one to wait; return False when no task is left to wait for.
 
-        What takes results also writes them down and their pages: a desk would wait for it between two submissions.
+        Between two results this process records one and writes its pages. A waiting task keeps the desk busy meanwhile.
         """
         while self._idle and (task := self._backlog.next()) is not None:
             self._give(self._idle.popleft() or self._new_desk(), task)
@@ -209,7 +209,7 @@ class Pool:
         return self._desks[-1]
 
     def _taken(self, future: Future[Result]) -> tuple[Submission, Outcome | None]:
-        """A submission that a desk is done with, and what came of it; None if it is to be tried again."""
+        """Return a finished submission and its outcome; None in place of the outcome if it will be retried."""
         desk = self._given[future][0]
         problem = future.exception()
         if problem is not None:
@@ -221,7 +221,7 @@ class Pool:
         return task.submission, future.result()
 
     def _failed(self, desk: _Desk, problem: BaseException) -> tuple[Submission, Outcome | None]:
-        """Dismiss a desk that failed on the first of what it was given; nobody has begun the others."""
+        """Dismiss a desk that failed on its first task, and put its other tasks, which it has not begun, back into the queue."""
         desk.check_opened()
         desk.dismiss()
         self._idle.append(None)
@@ -234,17 +234,17 @@ class Pool:
         return task.submission, self._backlog.failed(task, reason)
 
     def _at(self, desk: _Desk) -> list[Future[Result]]:
-        """What lies at a desk, in the order in which it was given."""
+        """Return the futures of a desk in the order of submission."""
         return [future for future, (whose, _) in self._given.items() if whose is desk]
 
 
 def words(problem: BaseException) -> str:
-    """What failed, on one line."""
+    """Return an exception's type and message on one line."""
     return " ".join(f"{type(problem).__name__}: {problem}".split())
 
 
 class _Desk:
-    """One worker process with one marker. A pool of one each, so that it is known whose submission broke it."""
+    """Worker process with one marker. Each has an executor of its own, so that the submission that broke it is known."""
 
     def __init__(self, open_marker: OpenMarker) -> None:
         self.dismissed = False
@@ -264,7 +264,7 @@ class _Desk:
             return future
 
     def stop_beyond(self, bounds: Bounds) -> None:
-        """End the process if what it is doing takes too much; its time counts from the first look after it was opened."""
+        """Kill the process if it exceeds the bounds. Its time starts at the first call after the marker has opened."""
         if self.stopped or not self._opened.done() or self._opened.exception() is not None:
             return
         self.began = self.began or time.monotonic()
@@ -274,43 +274,43 @@ class _Desk:
         elif _memory_of(pid) > bounds.memory_bytes:
             self.stopped = f"more than {bounds.memory_bytes / 2**30:g} GB of memory"
         if self.stopped:
-            with suppress(OSError):  # it has just ended
+            with suppress(OSError):  # the process has just ended
                 os.kill(pid, getattr(signal, "SIGKILL", signal.SIGTERM))  # Windows ends a process with either
 
     def check_opened(self) -> None:
-        """Raise what opening the marker raised: then no submission is to blame."""
+        """Raise the exception that opening the marker raised, because no submission caused it."""
         problem = self._opened.exception()
         if problem is not None and not isinstance(problem, BrokenProcessPool):
             raise problem
 
     def dismiss(self, *, wait: bool = False) -> None:
         self.dismissed = True
-        if sys.version_info < (3, 11, 5):  # or they wait for ever for a process that is gone to read what it was sent
+        if sys.version_info < (3, 11, 5):  # without this, shutdown waits for ever for a dead process to read its queue
             with suppress(OSError):  # the executor's own thread may be closing it just now
                 self._executor._call_queue._reader.close()  # type: ignore[attr-defined] # as later versions do: cpython#94777
         self._executor.shutdown(wait, cancel_futures=True)
 
     def close(self) -> None:
-        with suppress(BrokenProcessPool):  # then it is gone already, and so is everything that it had started
+        with suppress(BrokenProcessPool):  # the process and its children have already ended
             self._executor.submit(_close).result()
         self._executor.shutdown()
 
 
 def _memory_of(pid: int) -> int:
-    """What a process holds in memory, where the system tells (Linux)."""
+    """Return the resident memory of a process in bytes; 0 on systems without `/proc`."""
     with suppress(OSError, ValueError, IndexError), open(f"/proc/{pid}/statm", encoding="ascii") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     return 0
 
 
-# What follows runs in the worker process.
+# The rest of this module runs in the worker process.
 
 _open_marker: AbstractContextManager[Marking] | None = None
 _marker: Marking | None = None
 
 
 def _open(open_marker: OpenMarker) -> int:
-    """Open the marker; the process that it is in."""
+    """Open the marker and return the id of this process."""
     global _open_marker, _marker  # noqa: PLW0603 - the process has one marker, made once
     _open_marker = open_marker()
     _marker = _open_marker.__enter__()

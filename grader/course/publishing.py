@@ -26,23 +26,23 @@ from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
 
 _ALONE = 48
-"""Submissions whose files are written in this process: to start others takes longer."""
+"""Number of outdated submissions up to which this process writes the files itself. Starting other processes takes longer."""
 _BATCH = 8
 _AHEAD = 8
-"""Batches that each process is given before any comes back: some ten megabytes."""
+"""Batches in the queue of each process: about ten megabytes."""
 
 
 def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, FinalGrade]:
-    """Write the gradebook and the index of everything on record, and return that."""
+    """Write the gradebook and the index of all submissions on record, and return their final grades."""
     final_grades = store.final_grades()
     write_class(out, final_grades, store, lab)
     return final_grades
 
 
 def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store, lab: Lab) -> None:
-    """Write the gradebook and the index of these, which are everything on record.
+    """Write the gradebook and the index of a class; `final_grades` holds every submission on record.
 
-    In the gradebook those of the roster without a submission have a row, and what held nothing is blank.
+    The gradebook has a row for each person of the roster without a submission, and blank grades for empty submissions.
     """
     absent = class_settings.absent(store.settings(), {id_: each.hand_in for id_, each in final_grades.items()})
     write_whole(out / "gradebook.csv", gradebook(store.given_out(final_grades), absent))
@@ -50,7 +50,7 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
 
 
 def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab, figures: Drawn | None = None) -> None:
-    """Write the two files of one submission, unless they are current; with its charts, where they are drawn already."""
+    """Write the two files of one submission unless they are current. `figures` are its charts if they are already drawn."""
     with Publisher(out, store, lab) as publisher:
         publisher.put(final_grade, figures)
 
@@ -70,13 +70,13 @@ def outdated_pages(out: Path, final_grades: Iterable[FinalGrade], store: Store) 
 class Publisher:
     """Writes the two files of each submission that it is given, unless they are current; a context manager.
 
-    `result.json` holds the automatic points alone; the report is made from the final grade. Digests of both are on record. Charts
-    stay as they stand in the report that is there, as long as they are those of the record.
+    `result.json` holds the automatic points only; the report shows the final grade. The record holds digests of both. Charts in an
+    existing report are reused while they match the record.
 
     Parameters
     ----------
     processes
-        That write beside this one, where many files are not current: whoever gives them has something else to do meanwhile.
+        Number of further processes that write, if many files are outdated.
     """
 
     def __init__(self, out: Path, store: Store, lab: Lab, processes: int = 0) -> None:
@@ -100,7 +100,7 @@ class Publisher:
                 self._writers.shutdown(cancel_futures=True)
 
     def put(self, final_grade: FinalGrade, figures: Drawn | None = None) -> None:
-        if final_grade.id in self._ids:  # its files are those of whoever comes last
+        if final_grade.id in self._ids:  # the last of two final grades determines the files
             self._finish()
         source = _Source.of(final_grade, self._store, figures)
         if source.is_current(self._out):
@@ -134,7 +134,7 @@ class Publisher:
         batch, written = self._given.popleft()
         try:
             self._store.keep_page_digests(written.result())
-        except BrokenProcessPool:  # something killed one of them
+        except BrokenProcessPool:  # one of the processes was killed
             self._waiting += batch
             self._processes = 0
 
@@ -147,16 +147,16 @@ class Publisher:
 def _writers(processes: int) -> ProcessPoolExecutor:
     with starting_ours() as begin:
         executor = ProcessPoolExecutor(processes, context(), begin)
-        for _ in range(processes):  # each starts with something to do
+        for _ in range(processes):  # an executor starts a process only for a task
             executor.submit(int)
     return executor
 
 
 @dataclass(frozen=True)
 class _Source:
-    """What the files of a submission are made from; `known` are digests of what those that are there were made from.
+    """Data that the files of a submission are made from.
 
-    `figures` are the charts, where they are drawn already.
+    `known` holds the digests recorded for the existing files, and `figures` the charts if they are already drawn.
     """
 
     final_grade: FinalGrade
@@ -167,7 +167,7 @@ class _Source:
 
     @classmethod
     def of(cls, final_grade: FinalGrade, store: Store, figures: Drawn | None = None) -> _Source:
-        """`result` is a digest of the result on record."""
+        """Collect the data for a submission: digests, packed charts and final grade."""
         id_ = final_grade.id
         return cls(final_grade, _Known.of(store.page_digest(id_)), store.digest(id_), store.packed_charts(id_), figures)
 
@@ -176,23 +176,23 @@ class _Source:
         return folder / "result.json", folder / "report.html"
 
     def is_current(self, out: Path) -> bool:
-        """Return whether both files are those that were written last, from what is on record now."""
+        """Return whether both files are unchanged since they were written, and were made from the present record."""
         record, report = self.paths(out)
         made_from = _digest(self.result, _bytes(record))
         return made_from == self.known.record and self.facts(made_from, _bytes(report)) == self.known.report
 
     def facts(self, made_from: str, page: bytes) -> str:
-        """Return a digest of the report and of all that it is made from."""
+        """Return a digest of the report and of the data that it is made from."""
         final_grade = self.final_grade
         return _digest(made_from, page, repr((final_grade.hand_in, final_grade.adjustments, final_grade.unseen)))
 
 
 Digests = dict[str, str]
-"""What to keep of the files of submissions, by id."""
+"""Digests to record for the files of submissions, by id."""
 
 
 def _written(out: Path, sources: Sequence[_Source], lab: Lab) -> Digests:
-    """Write files, and return what they were made from."""
+    """Write the files of submissions, and return the digests to record."""
     digests = {}
     for source in sources:
         files, digests[source.final_grade.id] = _made(out, source, lab)
@@ -202,7 +202,7 @@ def _written(out: Path, sources: Sequence[_Source], lab: Lab) -> Digests:
 
 
 def _made(out: Path, source: _Source, lab: Lab) -> tuple[dict[Path, bytes], str]:
-    """The files of a submission that are not current, and the digests to keep once they are written."""
+    """Return the files of a submission to write, and the digests to record once they are written."""
     (record, report), final_grade, known = source.paths(out), source.final_grade, source.known
     files, made_from = {}, _digest(source.result, _bytes(record))
     if made_from != known.record:
@@ -210,7 +210,7 @@ def _made(out: Path, source: _Source, lab: Lab) -> tuple[dict[Path, bytes], str]
         made_from = _digest(source.result, files[record])
     figures, of_figures = drawn_in(_bytes(report).decode("utf-8", "replace")), known.figures
     drawn_anew = _of_figures(figures, source) != of_figures
-    if drawn_anew:  # takes ten times as long as all the rest of a page
+    if drawn_anew:  # drawing takes ten times as long as the rest of a page
         figures = source.figures or drawn(charts(source.charts, out / FILE_NAME))
     page = report_around(figures, final_grade, catalogue(lab))
     if drawn_anew:
@@ -221,7 +221,7 @@ def _made(out: Path, source: _Source, lab: Lab) -> tuple[dict[Path, bytes], str]
 
 @dataclass(frozen=True)
 class _Known:
-    """Digests of what the files of a submission were made from, and of the charts in its report; "" where none is on record."""
+    """Digests of what the files of a submission were made from, and of the charts in its report; "" if none is on record."""
 
     record: str = ""
     report: str = ""
@@ -234,7 +234,7 @@ class _Known:
 
 
 def _of_figures(figures: Drawn, source: _Source) -> str:
-    """What they were drawn from, by which program, for which parts; and how they came out."""
+    """Return a digest of the drawn charts, their data, the parts of the result and the version of imugrade."""
     parts = [part.id for part in source.final_grade.result.parts if part.checks]
     return _digest(__version__, repr(parts), source.charts, *(figures[part] for part in parts if part in figures))
 

@@ -1,8 +1,8 @@
-"""The durable record of a class: one SQLite file, one committed row a result.
+"""The durable record of a class: one SQLite file, and one committed row for each result.
 
-A run that is killed loses at most the submissions that it was working on. `results` keeps every result ever recorded;
-`class` says which of them is the present one of each submission, so that grading a part of a class never shrinks it.
-What people add stands apart from it: who handed in and when, adjustments with everything that was ever said, pages written.
+A run that is killed loses at most the submissions that it was marking. The table `results` keeps every result ever recorded.
+The table `class` points to the present result of each submission, so grading a part of a class keeps the rest. Other tables
+hold the hand-ins, the complete history of adjustments, and digests of the written pages.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND trace
 
 @dataclass(frozen=True)
 class Key:
-    """What a result depends on. Two runs with equal keys give equal results."""
+    """Everything that a result depends on. Two runs with equal keys give equal results."""
 
     id: str
     submission_sha256: str
@@ -71,7 +71,7 @@ class Key:
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a fact that people look at: a tick stands for this fact alone."""
+    """Return a digest of a fact in the review queue. A tick applies to this fact only."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
@@ -81,12 +81,12 @@ def why_empty(result: Result) -> str:
 
 
 class OvertakenError(RequestError):
-    """Somebody else decided something in the meantime."""
+    """Another person changed the same submission since the page was loaded."""
 
 
 @dataclass(frozen=True)
 class Tick:
-    """Somebody looked at a submission for a reason, or (`done` False) took that back; `about` is the fact that was looked at."""
+    """Record that a person reviewed an item of the queue, or (`done` False) opened it again. `about` is a digest of the fact."""
 
     id: str
     reason: str
@@ -98,7 +98,7 @@ class Tick:
 
 @dataclass(frozen=True)
 class Appeal:
-    """What a student says against a mark. `about` is a check or a criterion, "" where it names none; hostile text."""
+    """A regrade request. `about` is a check or a criterion, "" if the student names none. The text is untrusted."""
 
     id: str
     about: str
@@ -125,7 +125,7 @@ class Store(Database):
             self._point_at(key)
 
     def recall(self, key: Key) -> Result | None:
-        """The result already recorded under this key, made present again; None if there is none or it is incomplete."""
+        """Return the result recorded under this key and make it the present one; None if it is missing or incomplete."""
         present = "(SELECT class.seq FROM class WHERE class.id = results.id) IS seq"
         query = f"SELECT record, {present} FROM results {_WHERE} AND status != 'incomplete'"
         with self._told():
@@ -138,7 +138,7 @@ class Store(Database):
             return self._parsed(key.id, record)
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """Regrade a submission by another rubric from its record, and store the result; None if it has to run again."""
+        """Regrade a submission by another rubric from its record, and store the result; None if that needs another run."""
         query = (
             "SELECT seq, record FROM results WHERE id = ? AND submission_sha256 = ? AND traces_sha256 = ? AND grader = ? "
             "AND status != 'incomplete' ORDER BY seq DESC"
@@ -156,7 +156,7 @@ class Store(Database):
         return None
 
     def settings(self) -> ClassSettings | None:
-        """Return the settings that the class is graded by; None where none were kept."""
+        """Return the settings that the class is graded by; None if the record has none."""
         with self._told():
             row = self._db.execute("SELECT record FROM settings ORDER BY number DESC LIMIT 1").fetchone()
             return None if row is None else read(class_settings.from_json, row[0])
@@ -164,8 +164,8 @@ class Store(Database):
     def keep_settings(self, settings: ClassSettings, *, keep_before: bool = False) -> None:
         """Record the settings of the class.
 
-        With `keep_before` the results of now stay on record as those of the version before; otherwise the new settings take the
-        place of the last ones, whose scores they do not change.
+        With `keep_before` the present results stay on record as the previous version. Without it the new settings replace the last
+        ones, which is right if they change no score.
         """
         if settings == self.settings():
             return
@@ -186,7 +186,7 @@ class Store(Database):
         return int(self._db.execute("SELECT coalesce(max(number), 0) FROM settings").fetchone()[0])
 
     def former(self) -> dict[str, FinalGrade]:
-        """Return the standings of the version before, with the overrides of now; empty where there is none."""
+        """Return the final grades of the previous version with the present overrides; empty if there is no such version."""
         query = (
             "SELECT former.id, record, hand_in FROM former JOIN results USING (seq) "
             "WHERE number = (SELECT max(number) FROM former) ORDER BY former.id"
@@ -212,9 +212,9 @@ class Store(Database):
     def remark_class(
         self, mark: Callable[[dict[str, FinalGrade]], dict[str, FinalGrade]], rubric: Rubric
     ) -> dict[str, FinalGrade]:
-        """Record what `mark` makes of the whole class by another rubric, all of it or nothing, and return that.
+        """Record the final grades that `mark` computes by another rubric, for the whole class or not at all, and return them.
 
-        Nobody else writes in the meantime: each present result is parsed once, and what is kept was made of it.
+        One transaction covers reading and writing, so no other process can change a result in between.
         """
         query = "SELECT class.id, submission_sha256, traces_sha256, grader, seq FROM class JOIN results USING (seq)"
         with self._told(), self._transaction():
@@ -229,13 +229,13 @@ class Store(Database):
         return after
 
     def present(self) -> dict[str, Result]:
-        """The present result of every submission of the class, by id, in the order of the ids."""
+        """Return the present result of every submission, by id, in the order of the ids."""
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._told():
             return {id_: self._parsed(id_, record) for id_, record in self._db.execute(query)}
 
     def _parsed(self, id_: str, record: str) -> Result:
-        """A present result: a run asks for each of them twice, and to parse it is the larger part of that."""
+        """Parse a present result, with a cache: a run reads each result twice, and parsing takes most of the time."""
         text, result = self._known.get(id_, ("", None))
         if result is None or text != record:
             result = _result(record)
@@ -243,31 +243,31 @@ class Store(Database):
         return result
 
     def digest(self, id_: str) -> str:
-        """A digest of the present result as it is recorded; "" where there is none."""
+        """Return a digest of the present result as it is recorded; "" if there is none."""
         query = "SELECT record FROM class JOIN results USING (seq) WHERE class.id = ?"
         with self._told():
             row = self._db.execute(query, (id_,)).fetchone()
             return "" if row is None else hashlib.sha256(read(str.encode, row[0])).hexdigest()
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
-        """The charts of a submission's present result."""
+        """Return the charts of a submission's present result."""
         return charts(self.packed_charts(id_), self.path)
 
     def packed_charts(self, id_: str) -> bytes:
-        """The same as they are recorded; empty where there are none."""
+        """Return the charts of a submission's present result as recorded bytes; empty if there are none."""
         query = "SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?"
         with self._told():
             row = self._db.execute(query, (id_,)).fetchone()
             return b"" if row is None else read(_blob, row[0])
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
-        """The fingerprint of every submission's code, by id."""
+        """Return the fingerprint of every submission's code, by id."""
         query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._told():
             return {id_: read(_hashes, record) for id_, record in self._db.execute(query)}
 
     def final_grades(self) -> dict[str, FinalGrade]:
-        """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
+        """Return the final grade of every submission from result, hand-in and adjustments, by id, in the order of the ids."""
         present, hand_ins, adjustments = self.present(), self.hand_ins(), self.adjustments()
         found = {
             id_: FinalGrade(id_, result, hand_ins.get(id_, NOTHING_KNOWN), adjustments.get(id_, ()))
@@ -280,7 +280,7 @@ class Store(Database):
         }
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
-        """Record who handed in and when, in place of what was known before."""
+        """Record people and time of a submission in place of the earlier record."""
         row = (id_, _hand_in_text(hand_in))
         with self._told():
             if self._db.execute("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", row).fetchone() is None:
@@ -288,19 +288,19 @@ class Store(Database):
                     self._db.execute(_HAND_IN, row)
 
     def adjust(self, adjustments: Iterable[tuple[str, Adjustment]], seen: int | None = None, what: str = "") -> int:
-        """Add adjustments, by id of the submission, all or none; nothing that was ever said is taken away.
+        """Append adjustments with the ids of their submissions, all or none. Earlier adjustments stay in the history.
 
         Parameters
         ----------
         seen
-            The number of the last adjustment of these submissions that whoever decides has seen; None: does not matter.
+            The number of the last adjustment that the author has seen; None skips the comparison.
         what
-            What the decision is on, where it is one on several; its number is returned, otherwise 0.
+            The subject of a decision on several submissions, whose number is returned. "" makes no decision and returns 0.
 
         Raises
         ------
         OvertakenError
-            If there is a later one: somebody else was faster.
+            If these submissions have an adjustment later than `seen`.
         """
         made = list(adjustments)
         with self._told(), self._transaction():
@@ -329,7 +329,7 @@ class Store(Database):
                 )
 
     def history(self) -> list[tuple[str, Adjustment]]:
-        """Every adjustment ever made, by id of the submission, oldest first; those that withdraw one as well."""
+        """Return every adjustment on record with the id of its submission, oldest first, including withdrawals."""
         with self._told():
             rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
             return [
@@ -343,17 +343,17 @@ class Store(Database):
             ]
 
     def last_adjustment(self) -> int:
-        """The number of the last one that anybody made."""
+        """Return the number of the last adjustment on record; 0 if there is none."""
         with self._told():
             return int(self._db.execute("SELECT coalesce(max(seq), 0) FROM adjustments").fetchone()[0])
 
     def decisions(self) -> dict[int, str]:
-        """What each decision on several submissions was on, by its number."""
+        """Return the subject of each decision on several submissions, by its number."""
         with self._told():
             return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 
     def page_digest(self, id_: str) -> str:
-        """What `keep_page_digests` was last given: of what the pages of a submission were made from."""
+        """Return the digests that `keep_page_digests` last recorded for a submission; "" if there are none."""
         with self._told():
             row = self._db.execute("SELECT digest FROM pages WHERE id = ?", (id_,)).fetchone()
         return "" if row is None else str(row[0])
@@ -363,20 +363,20 @@ class Store(Database):
             self._db.executemany("INSERT OR REPLACE INTO pages VALUES (?, ?)", digests.items())
 
     def hand_ins(self) -> dict[str, HandIn]:
-        """Who handed in and when, as last recorded, by id."""
+        """Return the last recorded hand-in of each submission, by id."""
         with self._told():
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
             return {id_: read(_hand_in, record) for id_, record in rows}
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
-        """Those in force, by id of the submission: the last on each criterion or check, unless it withdraws."""
+        """Return the adjustments in force, by id of the submission: the last one of each target, unless it is a withdrawal."""
         last: dict[str, dict[tuple[str, bool], Adjustment]] = {}
         for id_, adjustment in self.history():
             last.setdefault(id_, {})[adjustment.criterion, adjustment.alone] = adjustment
         return {id_: tuple(a for a in each.values() if not a.withdraws) for id_, each in last.items()}
 
     def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
-        """Record what was handed in, once; it is packed only then."""
+        """Record submitted files unless they are already on record; `pack` is called only if they are not."""
         with self._told():
             if (
                 self._db.execute("SELECT 1 FROM files WHERE submission_sha256 = ?", (submission_sha256,)).fetchone()
@@ -386,7 +386,7 @@ class Store(Database):
                     self._db.execute("INSERT OR IGNORE INTO files VALUES (?, ?)", (submission_sha256, pack()))
 
     def files(self, submission_sha256: str) -> bytes:
-        """What `keep_files` packed; empty if there is nothing."""
+        """Return the files that `keep_files` recorded, packed; empty if there are none."""
         with self._told():
             row = self._db.execute(
                 "SELECT packed FROM files WHERE submission_sha256 = ?", (submission_sha256,)
@@ -394,7 +394,7 @@ class Store(Database):
         return b"" if row is None else bytes(row[0])
 
     def keep_told(self, told: Mapping[str, Sequence[str]]) -> None:
-        """Record what a run said of the class beside its submissions, by kind, in place of what the run before said."""
+        """Record the messages of a run about the class, by kind, in place of those of the previous run."""
         with self._told(), self._transaction():
             self._db.execute("DELETE FROM told")
             self._db.executemany(
@@ -409,13 +409,13 @@ class Store(Database):
         return found
 
     def tick(self, ticks: Iterable[Tick]) -> None:
-        """Record who looked at what, or took that back."""
+        """Record that facts were reviewed, or are open again."""
         with self._told(), self._transaction():
             query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
             self._db.executemany(query, [astuple(tick) for tick in ticks])
 
     def ticks(self) -> dict[tuple[str, str, str], Tick]:
-        """Who looked last, by id, reason and what it was about; without those that were taken back."""
+        """Return the last tick for each id, reason and fact, without those that were taken back."""
         with self._told():
             rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
         last = {
@@ -424,7 +424,7 @@ class Store(Database):
         return {key: tick for key, tick in last.items() if tick.done}
 
     def given_out(self, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:
-        """Return the standings as files have them: empty submissions are blank unless they were marked as reviewed."""
+        """Return the final grades for export: empty submissions are blank unless they were marked as reviewed."""
         ticks = self.ticks()
         empty = {
             id_: each.result for id_, each in final_grades.items() if each.result.status in ("empty", "unreadable")
@@ -433,13 +433,13 @@ class Store(Database):
         return given_out(final_grades, reviewed)
 
     def keep_appeals(self, appeals: Iterable[Appeal]) -> int:
-        """Record appeals; one that is there already stays as it is. How many are new."""
+        """Record regrade requests and return how many are new. A request already on record is left unchanged."""
         query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
         with self._told(), self._transaction():
             return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in appeals)
 
     def appeals(self) -> list[Appeal]:
-        """All of them, in the order in which they came."""
+        """Return all regrade requests in the order in which they were recorded."""
         with self._told():
             rows = self._db.execute(
                 "SELECT id, about, text, at, answer, author, answered, number FROM appeals ORDER BY number"
@@ -465,7 +465,7 @@ class Store(Database):
 
 
 def charts(packed: bytes, path: Path) -> tuple[Chart, ...]:
-    """Charts as they are recorded in the file `path`."""
+    """Unpack charts that were recorded in the file `path`."""
     try:
         return read(unpacked, packed)
     except ForeignError as problem:

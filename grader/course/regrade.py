@@ -1,4 +1,4 @@
-"""A class under another rubric, from what is on record: other weights, caps, dates or prices of mistakes need no sandbox."""
+"""Regrading by another rubric from the record: other weights, caps, dates or deductions need no sandbox."""
 
 from __future__ import annotations
 
@@ -19,13 +19,12 @@ _A_LINE = 10  # names
 
 
 def under(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, FinalGrade]:
-    """The class as it would stand by this rubric. Nothing is written; adjustments stand as they are.
+    """Return the final grades of a class by another rubric. Nothing is written, and adjustments are kept.
 
     Raises
     ------
     RequestError
-        If it takes a sandbox: the rubric has other limits, another model or other checks, or the record is of an older
-        version.
+        If the submissions have to run again: the rubric has other limits, another model or other checks, or the record is older.
     """
     others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:
@@ -37,12 +36,12 @@ def under(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, F
 
 
 def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
-    """Mark the class of a record by this rubric, keep that, and write what there is of the class; `publish` writes the rest.
+    """Regrade a class by another rubric, record the results, and write gradebook and index. `publish` writes the reports.
 
     Raises
     ------
     RequestError
-        As `under` does; nothing has been changed then.
+        As `under` does. The record is then unchanged.
     """
     after = store.remark_class(lambda before: under(before, rubric), rubric)
     write_class(out, after, store, rubric.lab)

@@ -1,7 +1,7 @@
-"""Candidates for a repair: edits of one place in a file that does not run, made in a limited process of their own.
+"""Candidates for a repair: edits of one place in a file that does not run, generated in a process with limits.
 
 Python's parser reads the student's text once for each edit. A text can make it run for minutes, fill the memory or end its process,
-so all of that happens in a process with limits on time and memory, which may die: then there are no candidates.
+so a separate process with limits on time and memory does it. If that process dies, there are no candidates.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from grader.engine.processes import starting_ours
 
 _CPU_S = 10
 """CPU seconds for all edits of a place. A file of the sheet's length takes 0.2, one of 100 kB about 5."""
-_START_S = 30  # to start the process, on a crowded machine
+_START_S = 30  # seconds to start the process, on a busy machine
 _MEMORY = 1 << 30  # bytes of address space
 _LARGEST = 100_000  # bytes of a file that is parsed for each candidate
 _MOST_PARSED = 1500
 _TOKEN = re.compile(r"\"[^\"\n]*\"?|'[^'\n]*'?|\w+|\s+|[^\w\s]")
 _NAME = re.compile(r"(?<![\w'\"])[^\W\d]\w*")
 _CLOSE = 0.7
-"""Letters in common of a name and the one that is meant, as difflib counts: it does not run already."""
+"""Least `difflib` similarity of a misspelt name and its replacement. It may be low, because the code does not run anyway."""
 _INSERTED = (":", ")", "]", "}", ",", "(", "[", "'", '"', " in ", "=")
 _TYPOGRAPHIC = str.maketrans("“”„‟″‘’‚‛′–—−，；：（）［］｛｝＝＋　\xa0", "\"\"\"\"\"'''''---,;:()[]{}=+  ")
 _NUMPY = ("np.", "numpy.")
@@ -45,13 +45,13 @@ class Made:
 
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Made:
-    """Return at most `most` candidates, made in a process that ends with them; none where a limit ended it."""
+    """Return at most `most` candidates from a new process; none if the process exceeded a limit."""
     with starting_ours() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
         made = executor.submit(_within_limits, content, row, name, most, cpu_s)
     try:
         return made.result(timeout=6 * cpu_s + _START_S)
-    except (OSError, RuntimeError, MemoryError, TimeoutError):  # the process was ended, or is busy on a crowded machine
+    except (OSError, RuntimeError, MemoryError, TimeoutError):  # a limit ended the process, or the machine is too busy
         return Made(cpu_s=cpu_s)
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
@@ -59,8 +59,8 @@ def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S)
 
 def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -> Made:
     began = time.process_time()
-    used = math.ceil(began)  # to start the process took that
-    with suppress(ImportError):  # Windows has no such limits; there only the time of the call is bounded
+    used = math.ceil(began)  # starting the process took that long
+    with suppress(ImportError):  # Windows has no such limits; the time of the call is bounded there, too
         import resource  # noqa: PLC0415
 
         resource.setrlimit(resource.RLIMIT_CPU, (used + cpu_s, used + cpu_s))
@@ -69,7 +69,7 @@ def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -
 
 
 def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:
-    """Yield edited copies of a file that parse, the likeliest first, each with another meaning.
+    """Yield edited copies of a file that parse, likeliest first, each with a different syntax tree.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:
 
 
 def _meaning(text: str) -> str | None:
-    """The program as Python reads it; None where it does not parse."""
+    """Return the syntax tree of a program as text; None if it does not parse."""
     try:
         return ast.dump(ast.parse(text))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -111,7 +111,7 @@ def _with(lines: _Lines, row: int, *new: str) -> list[str]:
 
 
 def _of_syntax(lines: _Lines, row: int) -> Iterator[list[str]]:
-    """One edit at the line that Python names, or one just above it."""
+    """Yield edits of the line of a syntax error, or of one of the lines just above it."""
     if not 0 <= row < len(lines):
         return
     yield from _whole(lines)
@@ -131,7 +131,7 @@ def _of_syntax(lines: _Lines, row: int) -> Iterator[list[str]]:
 
 
 def _whole(lines: _Lines) -> Iterator[list[str]]:
-    """Marks that a merge left, and tabulators."""
+    """Yield copies of the file without merge conflict markers, and copies with tabs replaced by spaces."""
     if any(line.startswith(("<<<<<<<", ">>>>>>>")) for line in lines):
         ours, keep = [], True
         for line in lines:
@@ -162,7 +162,7 @@ def _other_languages(line: str) -> Iterator[str]:
 
 
 def _depths(lines: _Lines, row: int) -> Iterator[str]:
-    """The line as far in as another one near it, the nearest depth first."""
+    """Yield the line with the indentations of nearby lines, the closest first."""
     line = lines[row]
     own = len(line) - len(line.lstrip())
     near = [each for each in lines[max(0, row - 30) : row + 5] if each.strip()]
@@ -172,7 +172,7 @@ def _depths(lines: _Lines, row: int) -> Iterator[str]:
 
 
 def _one_token(line: str) -> Iterator[str]:
-    """The line with one token more or less: at its end first, where it is mostly missing."""
+    """Yield the line with one token inserted or removed, starting at its end, where a token is usually missing."""
     code = line.split("#", maxsplit=1)[0].rstrip()
     ends = [each.end() for each in _TOKEN.finditer(line) if each.end() <= len(code)]
     for at in sorted({len(code), *ends}, reverse=True):
@@ -183,7 +183,7 @@ def _one_token(line: str) -> Iterator[str]:
 
 
 def _of_a_line(lines: _Lines, row: int, name: str) -> Iterator[list[str]]:
-    """One edit of the line at which a function stops; where no line is known, of the function itself."""
+    """Yield edits of the line at which a function stops, then edits of the whole function."""
     text = "\n".join(lines)
     if row >= 0:
         line = lines[row]
@@ -196,7 +196,7 @@ def _of_a_line(lines: _Lines, row: int, name: str) -> Iterator[list[str]]:
 
 
 def _other_names(line: str, text: str, parameters: Sequence[str]) -> Iterator[str]:
-    """The line with a name of it exchanged: one of the file that is nearly that, one with ``self.`` or ``np.``, or a parameter."""
+    """Yield the line with one name replaced: by a similar name of the file, with ``self.`` or ``np.`` added, or by a parameter."""
     known = {*_NAME.findall(text), *_WORDS}
     seldom = {name for name in known if len(re.findall(rf"\b{name}\b", text)) == 1}
     names = sorted(_NAME.finditer(line), key=lambda found: found[0] not in seldom)
@@ -216,7 +216,7 @@ def _other_names(line: str, text: str, parameters: Sequence[str]) -> Iterator[st
 
 
 def _parameters(lines: _Lines, row: int) -> Sequence[str]:
-    """The parameters of the function that a line stands in, as far as its text tells."""
+    """Return the parameters of the function around a line, found by a text search."""
     head = next((at for at in range(row, -1, -1) if re.match(r"\s*(?:async )?def ", lines[at])), None)
     if head is None:
         return ()
@@ -225,14 +225,14 @@ def _parameters(lines: _Lines, row: int) -> Sequence[str]:
 
 
 def _asked_for_none(line: str) -> Iterator[str]:
-    """``is None`` in the place of other ways to ask an array whether it is there."""
+    """Yield the line with ``is None`` in place of truth tests and comparisons that fail for arrays."""
     changes = [(r"== *None", "is None"), (r"!= *None", "is not None"), (r"\bnot ([\w.]+)(?= *:)", r"\1 is None")]
     changes += [(r"\bif ([\w.]+) *:", r"if \1 is not None:"), (r"= ([\w.]+) or ", r"= \1 if \1 is not None else ")]
     yield from (new for old, meant in changes if (new := re.sub(old, meant, line)) != line)
 
 
 def _functions(text: str, name: str) -> list[ast.FunctionDef]:
-    """The function of this name, or the methods of the class of this name."""
+    """Return the function of this name, or the methods of the class of this name."""
     with suppress(SyntaxError, ValueError, RecursionError, MemoryError):
         for node in ast.parse(text).body:
             if isinstance(node, ast.FunctionDef) and node.name == name:
@@ -251,7 +251,7 @@ def _without_self(lines: _Lines, name: str) -> Iterator[list[str]]:
 
 
 def _with_return(lines: _Lines, name: str) -> Iterator[list[str]]:
-    """A function that returns nothing with a ``return`` of what stands last in it."""
+    """Yield copies in which a function without a final ``return`` returns its last value."""
     for function in _functions("\n".join(lines), name):
         returned = [each for each in ast.walk(function) if isinstance(each, ast.Return) and each.value is not None]
         last = function.body[-1]
@@ -278,7 +278,7 @@ def _values(body: Sequence[ast.stmt]) -> Iterator[str]:
 
 
 def _set_in(body: Iterable[ast.stmt]) -> Iterator[str]:
-    """The names and attributes that statements set, in their order."""
+    """Yield the names and attributes that statements assign, in order."""
     for node in body:
         targets = (
             node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AugAssign) else []

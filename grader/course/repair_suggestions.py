@@ -26,9 +26,9 @@ class Mark(Protocol):
 
 
 MOST = 30
-"""Candidates of a submission that are graded; the sheet's code takes a third of a second."""
+"""Largest number of candidates graded for one submission. Grading correct code takes a third of a second."""
 SECONDS = 20.0
-"""CPU seconds of all candidates together: of the grader and of the students' code."""
+"""CPU seconds for all candidates of a submission together, both of the grader and of the student's code."""
 _STOPPED = frozenset(("error", "timeout", "crashed"))
 _DOES_NOT_PARSE = "does-not-import"
 
@@ -62,7 +62,7 @@ class _Left:
 
 
 def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: Mark) -> Suggestion | None:
-    """Return the repair of the most expensive place at which a submission stops; None where there is none, or several differ.
+    """Return the repair of the costliest place whose valid repairs all earn the same; None if there is no such place.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: Mark) -> Sugg
 def _validated(
     handed_in: Submission, graded: Result, place: _Place, mark: Mark, left: _Left
 ) -> Iterator[tuple[bytes, Result]]:
-    """Grade the candidates; yield those that earn more and with which nothing stops in the file any more."""
+    """Grade the candidates; yield those that earn more points and with which the file no longer stops."""
     stopped = {(check.where.file, check.id) for check in _stopping(graded) if check.where}
     made = limited(handed_in.files[place.file], place.row, place.name, left.candidates)
     left.cpu_s -= made.cpu_s
@@ -100,13 +100,13 @@ def _validated(
 
 
 def _stopping(result: Result) -> list[CheckResult]:
-    """The checks that failed because code does not run."""
+    """Return the checks that failed because code does not run."""
     checks = (check for part in result.criteria for check in part.checks)
     return [check for check in checks if check.outcome in _STOPPED or _DOES_NOT_PARSE in check.misconceptions]
 
 
 def _places(result: Result, handed_in: Submission, lab: Lab) -> list[_Place]:
-    """Where the submission stops, the most expensive place first."""
+    """Return the places at which the submission stops, the costliest first."""
     cost: dict[_Place, float] = {}
     for part in result.criteria:
         stopping = [check for check in part.checks if check in _stopping(result) or _returns_nothing(check)]
@@ -130,7 +130,7 @@ class _Defined:
 
 
 def _definition(name: str, handed_in: Submission) -> _Defined | None:
-    """The file that defines a name, where no line of it is known."""
+    """Return the file that defines a name, without a line; None if no file does."""
     defines = re.compile(rf"^(?:class|def)[ \t]+{re.escape(name)}\b".encode(), re.MULTILINE)
     files = (path for path, content in handed_in.files.items() if path.endswith(".py") and defines.search(content))
     return next((_Defined(path) for path in files), None)

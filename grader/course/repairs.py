@@ -1,7 +1,7 @@
-"""Repairs: patches of persons on submitted files, graded like any hand-in, less a deduction.
+"""Repairs: patches on submitted files, graded like any submission, minus a deduction.
 
-The record keeps every repair that was ever made, beside the result of the submission as it was handed in. A submission with repairs
-has the result of its repaired copy as its present one; a regrade makes that anew as long as the student's file is the same.
+The record keeps every repair, and the result of the submission as it was handed in. The present result of a repaired submission
+is that of its repaired copy. A regrade grades that copy again while the student's file is the same.
 """
 
 from __future__ import annotations
@@ -114,13 +114,13 @@ class RepairLog(Database):
             self._db.execute(query, (author, _now(), number))
 
     def is_new(self, key: Key) -> bool:
-        """Record that a repair was looked for, and return whether that is the first time."""
+        """Record that a repair was searched for, and return whether it is the first search."""
         with self._told(), self._transaction():
             what = json.dumps(astuple(key))
             return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
 
     def result(self, key: Key) -> Result | None:
-        """Return the result on record under this key; the present one of the submission stays what it is."""
+        """Return the result on record under this key without making it the present one."""
         query = (
             "SELECT record FROM results WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? "
             "AND traces_sha256 = ? AND grader = ?"
@@ -148,7 +148,7 @@ def _now() -> str:
 class Wish:
     """A repair that somebody wants: the whole text of the file as it should be, or a unified diff on it.
 
-    `seen_sha256` is the digest of the file that the author edited; "" does not matter.
+    `seen_sha256` is the digest of the file that the author edited; "" skips the comparison.
     """
 
     id: str
@@ -238,7 +238,7 @@ def preview(out: Path, wish: Wish, grading: Grading) -> Preview:
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggestion | None]:
-    """Look for a repair of one place; return the grade as it was handed in and with it, and the suggestion. Nothing is recorded."""
+    """Search for a repair of one place; return the grades without and with it, and the suggestion. Nothing is recorded."""
     with Store.existing(out) as store, RepairLog.existing(out) as log:
         final_grade = _final_grade(store, who)
         handed_in = _handed_in(store, final_grade)
@@ -263,7 +263,7 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
 def _made(
     wish: Wish, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
 ) -> LoggedRepair:
-    """The repair that a wish asks for; `now` holds the files with the repairs that are in force already."""
+    """Validate a wish and return its repair; `now` holds the files with the repairs already in force."""
     most = final_grade.result.max_score
     if wish.file not in now:
         raise RequestError(
@@ -338,7 +338,7 @@ def _refusal(id_: str, made: Result, original: Result) -> str:
 
 
 def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepair]) -> Result:
-    """The result of a repaired copy as the one of the submission: it keeps the name and the digest of what was handed in."""
+    """Return the result of a repaired copy with the name and digest of the original submission."""
     checks = [check for criterion in original.criteria for check in criterion.checks]
     told = tuple(
         Repair(each.file, each.diff, each.deduction, each.author, each.at, each.comment, original.score)
@@ -383,7 +383,7 @@ def _final_grade(store: Store, who: str) -> FinalGrade:
 
 
 def _handed_in(store: Store, final_grade: FinalGrade) -> Submission:
-    """What was handed in, as the record keeps it."""
+    """Return the submission as it was handed in, from the record."""
     sha256 = str(final_grade.result.provenance.get("submission_sha256", ""))
     kept = read(unpack, store.files(sha256))
     if not kept.files or kept.more or any(map(is_code, kept.others)):
@@ -408,7 +408,7 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
-    """Take back the last repair in force of a submission, or of one of its files, and write the pages anew; return a line on it.
+    """Take back the last repair in force of a submission or file, and rewrite the pages; return a line on it.
 
     Raises
     ------
@@ -469,12 +469,12 @@ def listing(out: Path) -> Iterator[str]:
 
 
 def renew(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
-    """Make the repaired copies the present results again, after a regrade made the originals that.
+    """Make repaired copies the present results again after a regrade of the original files.
 
     Yields
     ------
-    Of each of these submissions with repairs in force: the id and the repaired result, or a line on why a repair does not count. A
-    repair counts as long as the student's file is the same.
+    For each of these submissions with repairs in force, the id with the repaired result or a line on why a repair does not count.
+    A repair counts while the student's file is the same.
     """
     with RepairLog.existing(out) as log:
         by_id: dict[str, list[LoggedRepair]] = {}
@@ -489,9 +489,9 @@ def renew(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iter
 
 
 def apply_suggested(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result]]:
-    """Repair what does not run, where one repair is suggested, as ``repairs: {apply: suggested}`` in the rubric asks.
+    """Apply the suggested repairs to submissions that do not run, for ``repairs: {apply: suggested}`` in the rubric.
 
-    A file that somebody repaired before, or whose repair somebody took back, is left alone.
+    A file that already has a repair, in force or taken back, is left alone.
 
     Yields
     ------
@@ -506,7 +506,7 @@ def apply_suggested(store: Store, out: Path, ids: Iterable[str], grading: Gradin
             final_grade = final_grades[id_]
             if final_grade.result.repairs or not stops(final_grade.result, grading.rubric.lab):
                 continue
-            with suppress(RequestError):  # then nothing counts that could not be recorded either
+            with suppress(RequestError):  # the submission stays as it is if the repair cannot be recorded
                 made = _applied(store, log, final_grade, decided.get(id_, set()), grading)
                 if made is not None:
                     yield id_, made

@@ -1,4 +1,4 @@
-"""The files of a submission as they were handed in, kept in the record within bounds: for people who look at marks later."""
+"""Archive of submitted files in the record, with limits on size and number, for later review."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ LARGEST = 1_000_000
 TOGETHER = 4_000_000
 MOST = 200
 _PACKED = (".png", ".jpg", ".jpeg", ".webp", ".gif")
-"""Pictures that are compressed already: to try once more takes longer than all that is done with the rest."""
+"""Compressed picture formats, which are stored as they are: compressing them again takes longer than all other files."""
 _HEAD = struct.Struct("<I")
 
 
 @dataclass(frozen=True)
 class Kept:
-    """What was handed in: `files` as they were, by path, and sizes of `others`, which were left out."""
+    """Archived submission: `files` by path, the sizes of `others`, which were left out, and how many `more` there were."""
 
     files: Mapping[str, bytes]
     others: Mapping[str, int]
@@ -32,7 +32,7 @@ NOTHING_KEPT = Kept({}, {})
 
 
 def pack(files: Mapping[str, bytes]) -> bytes:
-    """For the record: code first, then the rest, small before large, as far as the bounds go."""
+    """Pack files within the limits: code first, then the rest, small files before large ones."""
     chosen: dict[str, bytes] = {}
     left = TOGETHER
     for path, content in sorted(files.items(), key=lambda item: (not is_code(item[0]), len(item[1]), item[0])):
@@ -49,7 +49,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """The inverse of `pack`."""
+    """Unpack an archive that `pack` made."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()

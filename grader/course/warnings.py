@@ -1,4 +1,4 @@
-"""Warnings after a run, one line each: what an instructor should review. No score depends on them."""
+"""Warnings after a run, one line for each thing that an instructor should review. No score depends on them."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
 
 
 def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iterator[str]:
-    """Yield a line about those on record who are not in the download; none where it holds less than half of the class.
+    """Yield a line about submissions on record that are not in the download, if the download holds half of the class or more.
 
-    Such a download holds resubmissions, and nobody is missing from it.
+    A smaller download holds resubmissions only, so nobody is missing from it.
     """
     left = [printable(id_, 80) for id_ in final_grades if id_ not in found]
     if left and 2 * len(left) <= len(final_grades):
@@ -67,7 +67,7 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
 
 
 def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield lines about overrides whose automatic points have changed since: the override counts until somebody decides."""
+    """Yield lines about overrides whose automatic points have changed since: the override stays in force."""
     lines = [
         _outdated(final_grade, adjustment)
         for final_grade in final_grades.values()
@@ -108,6 +108,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def _lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Every name; they are parted by semicolons, as many are ``Last, First``."""
+    """Yield the names in lines of `A_LINE`, separated by semicolons because many names are ``Last, First``."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"

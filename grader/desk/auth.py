@@ -48,7 +48,7 @@ class Keys:
 
     @property
     def cookie_name(self) -> str:
-        """The cookie's name contains the port: browsers share cookies between ports of one host."""
+        """Return a cookie name that contains the port, because browsers share cookies between ports of one host."""
         return f"imugrade-desk-{self.port}"
 
 

@@ -158,7 +158,7 @@ class Classbook:
 
     @property
     def repair_deduction(self) -> float:
-        """Points that the form of a repair proposes."""
+        """Return the deduction that the repair form proposes."""
         return self.rubric.repairs.deduct
 
     def changed(self, ids: Iterable[str]) -> None:
@@ -167,7 +167,7 @@ class Classbook:
 
     @property
     def trouble(self) -> str:
-        """Why files of OUT could not be written; "" if they were."""
+        """Return why files of OUT could not be written; "" if they were."""
         return self._publisher.trouble
 
 

@@ -56,7 +56,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Shelf:
-    """All submitted files: text, pictures, and the rest by name and size."""
+    """Submitted files for display: text, pictures, and the others by name and size."""
 
     listings: tuple[Listing, ...]
     pictures: tuple[Picture, ...]

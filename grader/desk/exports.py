@@ -40,7 +40,7 @@ def send(book: Classbook, ask: Ask) -> Response:
 
 
 def _order(book: Classbook, ask: Ask, folder: Path, *, feedback: bool) -> Export:
-    """Return what a form asks for. Where a platform fills in its own file and none is given, that is the roster on record."""
+    """Return the export that a form asks for. Without an uploaded template, the roster on record serves as the template."""
     name = ask.text("format") if not feedback else "csv"
     if name not in registry.names("fill", "write"):
         raise RequestError("Choose a format")
@@ -62,7 +62,7 @@ def _roster(book: Classbook) -> str:
 
 
 def _beside(problem: RequestError) -> dict[str, str]:
-    """Return the problem by the field that it stands beside. What names the template's file is about that."""
+    """Return the problem by form field. A problem that names the template file belongs to the field of the template."""
     place, found, rest = problem.why.partition(f"/{_TEMPLATE}")
     if found and " " not in place:
         return {"template": f"the template{rest}"}

@@ -38,7 +38,7 @@ def show(book: Classbook, ask: Ask) -> Response:
 
 
 def _page(book: Classbook, ask: Ask, group: Group, errors: Mapping[str, str] | None = None) -> Response:
-    """Show a group; after a form that was refused with its errors, by field, and what was typed."""
+    """Show a group; after a refused form, also its errors by field and the text that was typed."""
     final_grades = book.final_grades()
     members = [final_grades[id_] for id_ in group.ids]
     criteria = dict.fromkeys(c.id for s in members for c in s.result.criteria)

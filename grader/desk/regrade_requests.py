@@ -58,7 +58,7 @@ def show(book: Classbook, ask: Ask) -> Response:
 
 
 def _page(book: Classbook, ask: Ask, problem: str = "", code: int = 200) -> Response:
-    """Show the requests and the form; `problem` says what is wrong with what was typed, which stays."""
+    """Show the requests and the form; `problem` says what is wrong with the typed text, which is kept."""
     requests = book.requests()
     final_grades = book.final_grades()
     about = dict.fromkeys(target for final_grade in final_grades.values() for target in targets(final_grade))

@@ -91,7 +91,7 @@ class RepairJobs:
         self._closing = False
 
     def start(self, job: Job, do: Callable[[Grading], None]) -> Job:
-        """Queue a job. `do` is called on the jobs' thread with what grades."""
+        """Queue a job. `do` is called on the jobs' thread with the `Grading` of the class."""
         job.number = max(self._jobs, default=0) + 1
         self._jobs[job.number] = job
         while len(self._jobs) > _KEPT_JOBS:

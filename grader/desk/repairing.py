@@ -90,7 +90,7 @@ class Editor:
 def editor(
     book: Classbook, final_grade: FinalGrade, ask: Ask, errors: Mapping[str, str] | None = None
 ) -> Editor | None:
-    """Return the editor that a request asks for: of a job, of a form that was refused, or of a file; None if of none."""
+    """Return the editor for the job, refused form or file of a request; None if there is nothing to edit."""
     job = book.jobs.get(ask.number("job") or ask.number("seen"))
     if job is not None and job.id != final_grade.id:
         job = None
@@ -180,7 +180,7 @@ def _errors(result: Result, book: Classbook, file: str) -> list[tuple[int | None
 
 
 def change(book: Classbook, ask: Ask, final_grade: FinalGrade) -> Job | Mapping[str, str]:
-    """Start what a form asks for: preview, suggest, save or undo. Return the job, or what is wrong with which field."""
+    """Start the job of a form: preview, suggest, save or undo. Return the job, or the errors by field."""
     do = ask.text("do")
     if do == "undo":
         job = Job("undo", final_grade.id, ask.text("file"))
@@ -193,7 +193,7 @@ def change(book: Classbook, ask: Ask, final_grade: FinalGrade) -> Job | Mapping[
     seen = book.jobs.get(ask.number("seen"))
     kind: Kind = "suggest" if do == "suggest" else "save" if do == "save" else "preview"
     if kind == "save" and (seen is None or seen.text != _typed(ask)):
-        kind = "preview"  # nobody saves a grade that nobody has seen
+        kind = "preview"  # a repair is saved only after a preview of its grade
     wrong = _wrong(book, ask) if kind == "save" else {}
     if wrong:
         return wrong
@@ -258,7 +258,7 @@ def _suggest(book: Classbook, job: Job, wish: Wish, grading: Grading) -> None:
 
 
 def _save(book: Classbook, job: Job, wish: Wish, ids: Sequence[str], author: str, grading: Grading) -> None:
-    """Record the repair for each of these submissions; one that fails for another is told and does not stop the rest."""
+    """Record the repair for each submission. A failure for the first one raises; later failures are reported and skipped."""
     points = _number(job.deduct) or 0.0
     for place, id_ in enumerate(ids):
         job.step = f"Grading submission {place + 1} of {len(ids)}"

@@ -52,9 +52,9 @@ def address(group: Group) -> str:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a submission should be reviewed. `about` is a digest of the fact, so that a review holds for this fact only.
+    """Reason to review a submission. `about` is a digest of the fact, so that a review holds for this fact only.
 
-    `file` is the one to repair where code does not run.
+    `file` is the file to repair if code does not run.
     """
 
     kind: str
@@ -86,12 +86,12 @@ class Item:
 
     @property
     def together(self) -> str:
-        """Address of the page that decides for all of them; "" if there is only one."""
+        """Return the address of the page that decides for all of them; "" if there is only one."""
         return address(alike(self.ids)) if self.others else ""
 
     @property
     def key(self) -> str:
-        """Value of the form field. Kinds, digests and ids contain no slash."""
+        """Return the value of the form field. Kinds, digests and ids contain no slash."""
         return f"{self.reason.kind}/{self.reason.about}/{self.id}"
 
 

@@ -65,7 +65,7 @@ class Overrides:
 
     @property
     def asked(self) -> bool:
-        """Whether a person gave points, commented or asked for a regrade."""
+        """Return whether a person gave points, commented, asked for a regrade or filled in a refused form."""
         return bool(self.points or self.comment or self.requests or self.typed)
 
     @property
@@ -92,7 +92,7 @@ class Row:
 
     @property
     def folded(self) -> bool:
-        """Whether the check passed and nobody decided or asked anything about it."""
+        """Return whether the check passed and has no override, comment, regrade request or refused form."""
         return self.row.outcome.kind == "passed" and not (self.said and self.said.asked)
 
 

@@ -28,7 +28,7 @@ class Person:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """Every known identifier and name of the person."""
+        """Return the name and every identifier of the person that are known."""
         return tuple(filter(None, (self.name, self.key, self.sid, self.email, *self.ids)))
 
 
@@ -39,17 +39,17 @@ class Lateness:
     Attributes
     ----------
     due
-        When it was due for these people, ISO 8601 with its offset; "" where no policy is in force.
+        Due date for these people, ISO 8601 with offset; "" without a policy.
     seconds
-        How long after that it came; None where the platform says "late" and not how late.
+        Seconds between `due` and the hand-in; None if the platform only says "late".
     days
-        Days that were begun after `due`, as they are deducted; 0 within the grace period, or where grace days cover them.
+        Days begun after `due` for which points are deducted; 0 if grace days cover them all.
     deduction
-        Points that the policy takes off, before they are limited to what there is.
+        Points that the policy deducts, not yet limited to the points earned.
     refused
-        It came after the cut-off: nothing of it counts.
+        Whether the hand-in came after the cut-off, so that it earns nothing.
     grace_days
-        Grace days of the student that were used, and are not among `days`.
+        Grace days of the student that were used. They are not among `days`.
     """
 
     due: str
@@ -69,17 +69,17 @@ class HandIn:
     people
         One, or all members of a group.
     submitted
-        The platform's time stamp, ISO 8601 with its offset; "" where there is none.
+        Time of the hand-in, ISO 8601 with offset; "" if it is unknown.
     due
-        When it is due for these people alone, as the roster has it, ISO 8601 with its offset; "" where they have no such date.
+        Due date of these people in the roster, ISO 8601 with offset; "" if they have none.
     grace_days
-        Days that these people may be late without a deduction, as the roster has them.
+        Late days without a deduction that the roster gives these people.
     marked_late
-        The platform says that it is late, and not how late.
+        Whether the platform says that the hand-in is late.
     late
-        What follows from these and the policy; None if it is not late, or nothing is known about it.
+        Verdict of the late policy; None if the hand-in is not late, or its time is unknown.
     reply
-        What a file's name begins with, in the platform's own upload, to come back to these people; "" if it has no such thing.
+        Prefix of a file name in the platform's upload that returns the file to these people; "" if the platform has none.
     number
         The platform's number of the submission; "" if it has none.
     """
@@ -107,15 +107,15 @@ class Adjustment:
     Attributes
     ----------
     criterion
-        What it is about: a criterion, one of its checks, `TOTAL` in place of their sum, or `BONUS` on top of it.
+        The target: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to it.
     points
-        None withdraws the one before it; words alone have none, and empty ones withdraw.
+        None withdraws the previous override. A comment has no points.
     beneath, out_of
-        The automatic points of each check that it stands for, at that time, and what each was worth; older records have no worth.
+        Automatic points and maximum of each replaced check when the override was made; older records lack the maximum.
     alone
-        Whether it is words alone.
+        Whether it is a comment without points. An empty comment withdraws the previous one.
     decision
-        The number of the decision on several submissions that it is a part of; 0 for one of its own.
+        The number of the decision on several submissions that it belongs to; 0 if there is none.
     number
         Its place in the record.
     """
@@ -138,11 +138,11 @@ class Adjustment:
 
 @dataclass(frozen=True)
 class FinalGrade:
-    """Everything that a gradebook or a page tells of one submission: what it is handed in place of a bare `Result`.
+    """Final grade of one submission: the automatic result, the hand-in and the adjustments.
 
-    `result` is what was marked, and stays as it is. `adjusted` is its total with the adjustments, `final` what is left of that
-    by the late policy. Both are None while points are open through a fault of the grader, and `unseen` where there was nothing to
-    mark and nobody has looked: such a mark is not given out. `namesake` says that somebody else of the class has the same name.
+    `result` is never changed. `adjusted` is its total with the adjustments, and `final` is that after the late deduction. Both are
+    None while points are open because the grader failed. They are also None if `unseen`: the submission is empty or unreadable and
+    nobody has reviewed it. `namesake` says that another person of the class has the same name.
     """
 
     id: str
@@ -154,7 +154,7 @@ class FinalGrade:
 
     @property
     def people(self) -> tuple[Person, ...]:
-        """The people who handed in, or the submission's name where no platform tells. Untrusted text, unchanged."""
+        """Return the people who handed in, or the submission's name if no platform names them. The text is untrusted."""
         return self.hand_in.people or (Person(self.result.submission, self.id),)
 
     @property
@@ -171,7 +171,7 @@ class FinalGrade:
 
     @cached_property
     def adjusted(self) -> float | None:
-        """Score with the adjustments, repairs and extra credit; None while points are open."""
+        """Return the total with adjustments, repairs and extra credit; None while points are open."""
         total, bonus = self.adjustment(TOTAL), self.adjustment(BONUS)
         points = self._summed() if total is None else total.points
         return None if points is None else round(points + (0.0 if bonus is None else bonus.points or 0.0), 2)
@@ -186,22 +186,22 @@ class FinalGrade:
 
     @property
     def deduction(self) -> float:
-        """Points that lateness takes off, at most what there is."""
+        """Return the late deduction, at most the adjusted points."""
         if self.late is None or self.adjusted is None:
             return 0.0
         return self.adjusted if self.late.refused else min(self.late.deduction, self.adjusted)
 
     @property
     def final(self) -> float | None:
-        """The points that an export writes."""
+        """Return the adjusted points minus the late deduction; None while points are open."""
         return None if self.adjusted is None else round(self.adjusted - self.deduction, 2)
 
     def adjustment(self, criterion: str) -> Adjustment | None:
-        """The override of a criterion, a check, `TOTAL` or `BONUS`."""
+        """Return the override of a criterion, a check, `TOTAL` or `BONUS`; None if there is none."""
         return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
-        """Points of an override, or else the automatic ones; None where they are open."""
+        """Return the points of a criterion from overrides, or else the automatic ones; None if any are open."""
         given = {each.criterion: each.points for each in self.adjustments if not each.alone}
         if criterion.id in given:
             return given[criterion.id]
@@ -216,7 +216,7 @@ class FinalGrade:
         return check.points if by_hand is None else by_hand.points
 
     def outdated(self) -> list[Adjustment]:
-        """Return the overrides whose automatic points, or what those are worth, have changed since: someone has to look again."""
+        """Return the overrides whose automatic points or their maximum have changed since, which a person should review."""
         return [each for each in self.adjustments if not each.alone and self._is_outdated(each)]
 
     def _is_outdated(self, adjustment: Adjustment) -> bool:
@@ -231,9 +231,9 @@ class FinalGrade:
 
 
 def given_out(final_grades: Mapping[str, FinalGrade], reviewed: Collection[str] = ()) -> dict[str, FinalGrade]:
-    """Return the standings as files have them: an empty or unreadable submission is blank until a person has looked.
+    """Return the final grades for export: an empty or unreadable submission is blank until a person has reviewed it.
 
-    A person has looked where there is an override, or where the submission is among those that were marked as reviewed.
+    A submission is reviewed if it has an override or is among `reviewed`.
     """
 
     def nothing(final_grade: FinalGrade) -> bool:
@@ -244,12 +244,12 @@ def given_out(final_grades: Mapping[str, FinalGrade], reviewed: Collection[str] 
 
 
 def beneath(criterion: CriterionResult) -> dict[str, float | None]:
-    """The automatic points of each check of a criterion."""
+    """Return the automatic points of each check of a criterion."""
     return {check.id: check.points for check in criterion.checks}
 
 
 def under(result: Result, target: str) -> dict[str, float | None] | None:
-    """The automatic points of each check that an override of `target` replaces; None if there is no such target."""
+    """Return the automatic points of each check that an override of `target` replaces; None if there is no such target."""
     if target == BONUS:
         return {}
     criteria = {criterion.id: beneath(criterion) for criterion in result.criteria}
@@ -259,7 +259,7 @@ def under(result: Result, target: str) -> dict[str, float | None] | None:
 
 
 def worths(result: Result, ids: Collection[str]) -> dict[str, float]:
-    """Return what these checks are worth."""
+    """Return the maximum points of these checks."""
     rows = (check for criterion in result.criteria for check in criterion.checks)
     return {check.id: check.max_points for check in rows if check.id in ids}
 
@@ -270,7 +270,7 @@ def summed(points: Mapping[str, float | None]) -> float | None:
 
 
 def worth(result: Result, target: str) -> float | None:
-    """The most points that an override of `target` may give; None if there is no such target."""
+    """Return the most points that an override of `target` may give; None if there is no such target."""
     if target == BONUS:
         return result.max_score
     if target == TOTAL:
@@ -284,7 +284,7 @@ def hand_in_to_dict(hand_in: HandIn) -> dict[str, Any]:
 
 
 def hand_in_from_dict(record: Mapping[str, Any]) -> HandIn:
-    """The inverse, for records read back from the store."""
+    """Return the hand-in that `hand_in_to_dict` turned into a record."""
     people = tuple(Person(**{**person, "ids": tuple(person.get("ids", ()))}) for person in record["people"])
     late = None if record["late"] is None else Lateness(**record["late"])
     return HandIn(**{**record, "people": people, "late": late})

@@ -1,7 +1,7 @@
-"""Matching of table rows with people: by a number, by an e-mail address, or else by a name that no two people share.
+"""Matching of table rows with people, by number, e-mail address or unambiguous name.
 
-A row is given to nobody rather than to the wrong person: a contradiction, such as another number or address, keeps two people of
-one name apart. `Directory.why_not` says what stood in the way.
+A doubtful row matches nobody. A contradiction, such as another number or address, keeps two people of one name apart.
+`Directory.why_not` gives the reason.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from grader.intake.names import folded
 from grader.people.final_grade import Person
 
 _PARTICIPANT = re.compile(r"\D*?(\d+)")
-_NUMBERING = ("canvas", "moodle")  # their numbers mean nothing elsewhere; a user name or a student number does
+_NUMBERING = ("canvas", "moodle")  # their numbers are valid on the platform only
 _SUREST_FIRST = (*_NUMBERING, "number", "email", "foreign", "name")
 _A_FEW = 5
 _NO_WORD = re.compile(r"[\W_]+")
@@ -29,7 +29,7 @@ class Row:
     Attributes
     ----------
     platform, key
-        The platform's own number and whose it is; "" where the table has none.
+        The platform and its own number of the person; "" if the table has none.
     numbers
         Ids of any kind: student numbers, logins, user names, ids of submissions.
     """
@@ -46,17 +46,17 @@ class Row:
 
 @dataclass(frozen=True)
 class Match:
-    """Whose submission it is; `person` is None where a row means all of a group."""
+    """The submission that a row matches, and the person; `person` is None if the row stands for a whole group."""
 
     id: str
     person: Person | None
 
 
 class Directory:
-    """People of the submissions of a class, by all that they are called."""
+    """Index of the people of a class by every number, address and name."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
-        """`people` has those of each submission by its id, which is a name of theirs as well."""
+        """Index the people of each submission, given by its id. The id identifies them, too."""
         self._by: dict[tuple[str, str], list[Match]] = {}
         for id_, members in people.items():
             self._add("number", id_, Match(id_, members[0] if len(members) == 1 else None))
@@ -65,11 +65,11 @@ class Directory:
                     self._add(kind, word, Match(id_, person))
 
     def find(self, row: Row) -> Match | None:
-        """The one that a row means; None if it means none, or cannot be told apart."""
+        """Return the match of a row; None if nobody or more than one submission fits."""
         return self._surest(row)[1]
 
     def find_each(self, rows: Sequence[Row]) -> list[Match | None]:
-        """Whom each of the rows of one table means: of two that mean one person the surer does, and neither if both are as sure."""
+        """Return the match of each row. Of two rows that match one person the surer wins; equally sure ones match nobody."""
         found = [self._surest(row) for row in rows]
         claims: dict[Match, set[tuple[int, Row]]] = {}
         for row, (sureness, match) in zip(rows, found, strict=True):
@@ -81,7 +81,7 @@ class Directory:
         ]
 
     def why_not(self, row: Row) -> str:
-        """Return why a row means nobody: the people that it may mean, or the contradiction; "" if it is unlike everybody."""
+        """Return why a row matches nobody: several people fit, or a contradiction; "" if nobody resembles it."""
         refused = ""
         for kind, word in _asked(row):
             known = self._by.get((kind, word.casefold()), ()) if word else ()
@@ -95,7 +95,7 @@ class Directory:
         return refused
 
     def _surest(self, row: Row) -> tuple[int, Match | None]:
-        """The match, and by which kind of name it was found: less is surer."""
+        """Return the rank of the kind of word that matched, lowest surest, and the match."""
         for kind, word in _asked(row):
             matches = [
                 m for m in self._by.get((kind, word.casefold()), ()) if word and not _contradiction(row, m.person, kind)
@@ -111,18 +111,18 @@ class Directory:
 
 
 class Meant:
-    """Whom a word means that someone types: an id, a number, an e-mail address or a name."""
+    """Resolver of a typed id, number, e-mail address or name to a submission."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
         self._ids, self._directory = people.keys(), Directory(people)
 
     def by(self, word: str) -> str:
-        """Return the id of the submission; the word itself if it means none.
+        """Return the id of the submission that a word identifies; the word itself if none does.
 
         Raises
         ------
         RequestError
-            If it means several people, or is how several ids begin: the message names them.
+            If it fits several people, or several ids begin with it. The message names them.
         """
         if word in self._ids:
             return word
@@ -152,7 +152,7 @@ def _called(person: Person) -> Iterator[tuple[str, str]]:
 
 
 def _asked(row: Row) -> Iterator[tuple[str, str]]:
-    """The surest first. A number of no known kind may be a platform's; then the names have to agree."""
+    """Yield the words to look up, surest first. A number of unknown kind may be a platform's; the names must then agree."""
     yield row.platform, row.key.strip()
     yield from (("number", number.strip()) for number in row.numbers)
     yield "email", row.email.strip()
@@ -161,7 +161,7 @@ def _asked(row: Row) -> Iterator[tuple[str, str]]:
 
 
 def _contradiction(row: Row, person: Person | None, kind: str) -> str:
-    """Return what keeps a row and a person apart although they share a word of this kind; "" if nothing does."""
+    """Return the contradiction between a row and a person who share a word of this kind; "" if there is none."""
     if person is None:
         return ""
     if row.key and person.platform == row.platform and row.key.strip() != person.key:
@@ -180,7 +180,7 @@ def _contradiction(row: Row, person: Person | None, kind: str) -> str:
 
 
 def _digits(number: str) -> str:
-    """Return the digits of a student number: of two people of one name, `S5039` and `05039` are the same person."""
+    """Return the digits of a student number without leading zeros, so that `S5039` and `05039` are equal."""
     return re.sub(r"\D", "", number).lstrip("0") or number.strip().casefold()
 
 
@@ -191,12 +191,12 @@ def _told(match: Match) -> str:
 
 
 def participant(cell: str) -> str:
-    """The number in Moodle's `Participant 1234`, whatever the word is in the site's language."""
+    """Return the number in Moodle's `Participant 1234`, whose word depends on the language of the site."""
     found = _PARTICIPANT.fullmatch(cell.strip())
     return found[1] if found else cell.strip()
 
 
 def spellings(name: str) -> set[str]:
-    """A name without spaces and signs, from each of its words on: ``Doe, Jane`` and Canvas's ``doejane`` are ``Jane Doe``."""
+    """Return the rotations of a name's words, joined without signs, so that ``Doe, Jane`` and ``doejane`` equal ``Jane Doe``."""
     words = [word for word in _NO_WORD.split(name.casefold()) if word]
     return {"".join((*words[i:], *words[:i])) for i in range(len(words))}

@@ -15,16 +15,16 @@ DAY = 86_400
 
 
 def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -> HandIn:
-    """The hand-in with what the policy says of it, whatever another one said before.
+    """Return the hand-in with the lateness by this policy, in place of any earlier one.
 
     Parameters
     ----------
     hand_in
-        Who, when, and a date of their own, before which no other counts.
+        People, time, and a due date of their own, which takes precedence over the policy's dates.
     policy
-        None: the platform's own word on lateness stands, and nothing is taken off.
+        None keeps the platform's "late" and deducts nothing.
     names
-        What else the policy may call them: the id of the submission.
+        Further names under which the policy may list an extension, such as the id of the submission.
     """
     return replace(hand_in, late=_late(hand_in, policy, names))
 
@@ -42,8 +42,8 @@ def _late(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) ->
 def _lateness(policy: LatePolicy, due: datetime, came: datetime, grace_days: int) -> Lateness | None:
     """Return the lateness of a hand-in; None up to the end of the grace period.
 
-    A day that has begun counts whole. Where the policy names a time zone, a day ends when its clock shows the time of `due` again:
-    a night in which the clock is changed makes it no longer. Grace days of the student are taken off the days that count.
+    A day that has begun counts whole. If the policy names a time zone, days are counted on its clock, so a change to
+    or from summer time adds no day. Grace days of the student are subtracted from the days.
     """
     seconds = math.ceil((came - due).total_seconds())
     if seconds <= 60 * policy.grace_minutes:
@@ -56,12 +56,12 @@ def _lateness(policy: LatePolicy, due: datetime, came: datetime, grace_days: int
 
 
 def _by_clock(when: datetime, zone: str) -> datetime:
-    """Return what the clock of a time zone shows, UTC where none is named."""
+    """Return the local time in a time zone, or in UTC if none is named."""
     return when.astimezone(ZoneInfo(zone) if zone else timezone.utc).replace(tzinfo=None)
 
 
 def _extension(policy: LatePolicy, people: tuple[Person, ...], names: tuple[str, ...]) -> datetime | None:
-    """The latest date that anyone of a group has."""
+    """Return the latest extension of the people; None if nobody has one."""
     called = {text.casefold() for person in people for text in person.called}
     called |= {name.casefold() for name in names}
     return max((until for who, until in policy.extensions.items() if who.casefold() in called), default=None)

@@ -1,4 +1,4 @@
-"""The roster: a CSV that gives names, sections, dates of their own and times of handing in to those who are in the class."""
+"""Roster of a class: a CSV with names, sections, own due dates and hand-in times."""
 
 from __future__ import annotations
 
@@ -42,17 +42,17 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "submitted": ("submitted",),
     "grace": ("grace_days", "grace days", "late_days", "late days", "slip days"),
 }
-"""What each column may be called: an export of Canvas (its groups as well), Moodle, Gradescope, GitHub Classroom or Classroom 50
-is a roster. Student numbers come before other identifiers, in this order."""
+"""Accepted titles of each column. They cover the exports of Canvas (also of its groups), Moodle, Gradescope, GitHub Classroom and
+Classroom 50. Student numbers come before other identifiers, in this order."""
 
 
 _NOBODY = ("Points Possible", "Student, Test")
-"""What the first cell of a Canvas gradebook may hold that is no person: its second line, and its own test student."""
+"""First cells of Canvas gradebook rows that are no person: the row of maximum points, and the test student."""
 
 
 @dataclass(frozen=True)
 class Listed:
-    """One person of the roster. `due` is None and `submitted` "" where the roster leaves them open; `place` is file and line."""
+    """One person of the roster. `due` is None and `submitted` is "" if the roster has none; `place` is file and line."""
 
     who: Row
     section: str = ""
@@ -64,7 +64,7 @@ class Listed:
 
     @property
     def person(self) -> Person:
-        """The person, as far as the roster knows them."""
+        """Return the person with the roster's names and numbers."""
         who = self.who
         number, *others = who.numbers or ("",)
         name = who.name or who.email or number
@@ -73,7 +73,7 @@ class Listed:
 
 @dataclass(frozen=True)
 class Roster:
-    """The people of a class; `text` is the whole file and `source` its name, for whoever keeps it."""
+    """The people of a class; `text` is the whole file and `source` its name."""
 
     people: tuple[Listed, ...] = ()
     text: str = ""
@@ -89,7 +89,7 @@ def load(path: Path) -> Roster:
     Raises
     ------
     RequestError
-        If it cannot be read, has no column that tells people apart, or a date that is none: one line with its number.
+        If it cannot be read, has no column that identifies people, or holds an invalid date. The message names the line.
     """
     source = printable(str(path), 500)
     try:
@@ -130,7 +130,7 @@ def _rows(data: bytes, source: str) -> Iterator[Listed]:
 
 
 def _titled(titles: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
-    """Return what columns mean where a platform gives a common title a meaning of its own."""
+    """Return the titles of columns in exports where a platform uses a common title in a special sense."""
     if titles[:2] == ["student", "id"]:  # Canvas: its own number
         return {"canvas": ("id",), "sid": tuple(name for name in COLUMNS["sid"] if name != "id")}
     if "github_username" in titles:  # GitHub Classroom: the number that the instructor entered
@@ -160,9 +160,9 @@ def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
 
 @dataclass(frozen=True)
 class Placed:
-    """The roster laid over a class: hand-ins with its names, dates and times, and rows and hand-ins without a partner.
+    """Hand-ins of a class with the roster's facts, and the rows and hand-ins without a match.
 
-    `doubtful` has a line on each row that may mean somebody and was given to nobody.
+    `doubtful` has a line on each row that resembles somebody and matches nobody.
     """
 
     hand_ins: Mapping[str, HandIn]
@@ -175,14 +175,14 @@ class Placed:
 
 
 def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
-    """Give every hand-in what the roster knows of its people.
+    """Match the roster with the hand-ins, and add its facts to them.
 
     Parameters
     ----------
     roster
-        Its rows.
+        The rows of the roster.
     hand_ins
-        By id of the submission, as the platform tells them.
+        The platform's hand-ins, by id of the submission.
     """
     placed = {id_: _with_login(hand_in, roster) for id_, hand_in in hand_ins.items()}
     directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
@@ -207,14 +207,14 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
         if listed.submitted:
             submitted[theirs.id] = max(submitted.get(theirs.id, ""), listed.submitted)
         grace_days[theirs.id] = max(grace_days.get(theirs.id, 0), listed.grace_days)
-        if listed.due is not None:  # a group has the latest date that one of it has
+        if listed.due is not None:  # the latest date of its members counts for a group
             due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
     return Placed(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days)
 
 
 def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
-    """The hand-in of each group: the only one that its members have, or one that is called like the group."""
+    """Return the hand-in of each group: the only one of its members, or else one with the name of the group."""
     members: dict[str, set[str]] = {}
     for listed, match in zip(roster, matches, strict=True):
         members.setdefault(listed.group.casefold(), set()).update({match.id} if match else ())
@@ -225,12 +225,12 @@ def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory
 
 
 def _joined(hand_in: HandIn, stand_in: Person | None, listed: Listed) -> HandIn:
-    """With one more member of the group; the name of the group stood in for them until the first one came."""
+    """Return the hand-in with one more member of the group, in place of the group's name."""
     return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), listed.person))
 
 
 def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
-    """A clone is called `<assignment>-<user>`: of the users that its name ends in, the longest is meant."""
+    """Set the user name of a clone `<assignment>-<user>`: the longest one of the roster that its folder name ends with."""
     if [person.platform for person in hand_in.people] != ["git"]:
         return hand_in
     (person,) = hand_in.people
@@ -240,7 +240,7 @@ def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
 
 
 def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
-    """The roster's words for the person that it means; the platform's own number stays, as its files are called by it."""
+    """Return the hand-in with the roster's facts on a person. The platform's number stays, because file names contain it."""
     people = tuple(_mended(person, listed) if person == meant else person for person in hand_in.people)
     return replace(hand_in, people=people)
 

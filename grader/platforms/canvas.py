@@ -1,4 +1,4 @@
-"""Canvas: its downloads (canvas-lms `lib/content_zipper.rb`), and its own gradebook filled in (`gradebook_importer.rb`)."""
+"""Canvas: reading downloads (canvas-lms `lib/content_zipper.rb`) and filling in its gradebook (`gradebook_importer.rb`)."""
 
 from __future__ import annotations
 
@@ -26,18 +26,20 @@ _OF_ALL = re.compile(r"(Current|Final|Override) (Score|Points|Grade)")
 _NUMBERS = ("SIS User ID", "SIS Login ID", "Integration ID")
 EXCUSED = "EX"
 TEST_STUDENT = ("Student, Test", "Test Student")
-"""Whom Canvas adds to a course for its teacher, and lists among the others."""
+"""Name of the test student, which Canvas adds to a course and lists among the students."""
 
 
 def fill(
     template: bytes, source: str, column: str | None, final_grades: Mapping[str, FinalGrade], *, scaled: bool = False
 ) -> Filled:
-    """The student columns as they were, and the assignment's with the final points; `column` is its title, number or heading.
+    """Return the student columns unchanged and the assignment's column with the final points.
+
+    `column` is the title, the number or the whole heading of the assignment.
 
     Raises
     ------
     RequestError
-        If it is no gradebook of Canvas, the assignment is not in it or not told, or is out of other points than the rubric.
+        If it is no gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
     """
     sheet = read_sheet(template, source)
     titles = sheet.titles
@@ -70,7 +72,7 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
 
 
 def _form(sheet: Sheet, grade: int, source: str) -> Form:
-    """The rows of students; one above them says what the assignment is out of."""
+    """Return the rows of students; a row above them holds the maximum points of the assignment."""
     points = next((row.value(grade) for row in sheet.rows[1:] if "Points Possible" in row.value(0)), "")
     students = {
         number: row
@@ -135,7 +137,7 @@ class _Reading:
 
 
 def read(download: Download) -> Shape | None:
-    """The students of a Canvas download: `<name>[_LATE]_<user id>_<attachment id>_<file>`, all loose; None if it is none."""
+    """Read a Canvas download; None if it is none. Its files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`."""
     told = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
     if not mostly(bool(told.get(name)) for name in download.top):
         return None
@@ -157,10 +159,10 @@ def read(download: Download) -> Shape | None:
 
 
 def _readings(name: str) -> list[_Reading]:
-    """Return all readings of a name: names of people and of files may hold numbers between underscores, too.
+    """Return all possible readings of a file name, because names of people and files may contain numbers between underscores.
 
-    Anonymous ones first: their id may be all digits. Files before text entries: a file may be called text.html. Canvas begins with
-    a name, so digits at the start are one.
+    Anonymous names come first, because their id may be all digits. Files come before text entries, because a file may be called
+    text.html. Canvas starts with the person's name, so digits at the start belong to a name.
     """
     anonymous = _ANONYMOUS.fullmatch(name)
     if anonymous is not None:
@@ -183,7 +185,7 @@ def _reading(match: re.Match[str]) -> _Reading:
 
 
 def _meant(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapping[str, str]) -> _Reading | None:
-    """The one that the roster knows, or else the one of whom another file leaves no doubt; None if that is none or several."""
+    """Return the reading that the roster or an unambiguous file of the same person confirms; None if none or several."""
     if len(readings) == 1:
         return readings[0]
     if known:
@@ -194,7 +196,7 @@ def _meant(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapp
 
 
 def _agree(written: str, name: str) -> bool:
-    """Return whether Canvas writes a name so: without punctuation, and on some sites without non-ASCII letters."""
+    """Return whether two names agree as Canvas writes them: without punctuation, on some sites without non-ASCII letters."""
     return _NO_LETTER.sub("", written.casefold()) in {_NO_LETTER.sub("", each) for each in spellings(name)}
 
 
@@ -219,7 +221,7 @@ def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sourc
 
 
 def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Sources, list[str]]:
-    """Files under the names that the student gave them; of two with one name the one that came last, and the others."""
+    """Return the files under the student's own names, the latest of each name, and the older ones."""
     names = [reading.file for _, reading in own]
     given = {*names, *_numbered_archives(names)}
     sources: dict[str, str] = {}
@@ -233,9 +235,9 @@ def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Source
 
 
 def _first_name(name: str, given: set[str]) -> str:
-    """Without the `-1` that Canvas adds when a file is handed in again.
+    """Return a file name without the `-1` that Canvas appends to a resubmitted file.
 
-    It is Canvas's on a program, as no module can be called so, and where the name is `given` without it.
+    The suffix is Canvas's if the file is a program, because no module has such a name, or if `given` has the name without it.
     """
     again = _AGAIN.fullmatch(name)
     if again is None:

@@ -1,4 +1,4 @@
-"""A class: which submissions there are, found without reading them, in whatever shape a platform gives them."""
+"""Finder of the submissions of a class, in folders, archives and downloads of platforms, without reading them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from grader.platforms.found import Found, Shape, mostly
 
 UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"
 SUPERSEDED = "an earlier attempt; the latest one is graded"
-MAX_LOOKED_AT = 50_000  # entries, to tell a class from a submission
+MAX_LOOKED_AT = 50_000  # largest number of entries searched to tell a class from a submission
 
 ITSELF = "the download itself, whose files lie beside it"
 ATTEMPTS = ("latest", "best")
@@ -41,7 +41,7 @@ ATTEMPTS = ("latest", "best")
 
 @dataclass(frozen=True)
 class Entry:
-    """A submission's place and name: small and picklable; the files are read where they are graded.
+    """Place and name of a submission. It is small and picklable; the process that grades it reads the files.
 
     Several attempts of the same people share an id. `sources` is empty where all of `path` is the submission; `required` are the
     names of the files that the lab asks for.
@@ -55,13 +55,13 @@ class Entry:
     hand_in: HandIn = NOTHING_KNOWN
 
     def read(self) -> Submission:
-        """Read it; RequestError if it has gone meanwhile."""
+        """Read the submission; raise RequestError if it no longer exists."""
         return read_submission(self.path, self.required, id=self.id, name=self.name, sources=self.sources)
 
 
 @dataclass(frozen=True)
 class Intake:
-    """The submissions of a class in the order of their names, what could not be placed (with a reason), and what each path is."""
+    """Submissions of a class in the order of their names, unplaced files with reasons, and a line on each path."""
 
     entries: tuple[Entry, ...]
     leftovers: tuple[str, ...]
@@ -69,7 +69,7 @@ class Intake:
 
 
 def _read_folders(download: Download) -> Shape:
-    """Forced only: every folder and archive at the top of a zip is a submission."""
+    """Take every folder and archive at the top of a zip as a submission. This is used only with `--from folders`."""
     fits = {
         name: is_folder or has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)) for name, is_folder in download.top.items()
     }
@@ -91,7 +91,7 @@ def read_class(
     attempts: str = "latest",
     known: Mapping[str, str] = MappingProxyType({}),
 ) -> Intake:
-    """Find the submissions; none of them is read.
+    """Find the submissions of a class without reading them.
 
     Parameters
     ----------
@@ -101,12 +101,11 @@ def read_class(
     required
         Names of the files that the lab asks for.
     shape
-        A platform that reads downloads, or "folders"; None recognises it for each path by itself.
+        A platform that reads downloads, or "folders"; None recognises the shape of each path.
     attempts
-        One of `ATTEMPTS`: of several by the same people only the latest, or all of them, for the best to be chosen.
-
+        One of `ATTEMPTS`: "latest" keeps the last attempt of the same people, "best" keeps all, to choose the best once graded.
     known
-        Who is in the class, by the platform's number: it tells what a name means that can mean several.
+        Names of the class by the platform's number, to resolve ambiguous file names.
 
     Raises
     ------
@@ -158,7 +157,7 @@ def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape
 
 
 def _itself(download: Download, name: str) -> str:
-    """Return why an archive beside a download's files is no submission: the files were unpacked from it."""
+    """Return a reason if an archive beside a download's files is the one that they were unpacked from; else ""."""
     place = download.path / download.place(name)
     if not has_suffix(name, (".zip",)) or not os.path.isfile(place):
         return ""
@@ -186,13 +185,13 @@ def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[
 
 
 def _told(found: Found) -> str:
-    """Return the path; for several files that lie beside those of others, the path of each."""
+    """Return the path of a submission; for several loose files, the path of each."""
     first, *others = [place for place, _ in found.sources] or [""]
     return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))
 
 
 def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[Entry, ...]:
-    """An id for each student. Plain names are without the archive's suffix, unless that would give two of them one name."""
+    """Give each student an id. Names lose the suffix of an archive unless two names would then be equal."""
     shared = Counter(each.name for each in found if not each.sources)
     named = {each: _name(each, shared) for each in found}
     students = {each.student: named[each] if not each.sources else each.wish for each in found}
@@ -212,7 +211,7 @@ def _name(found: Found, shared: Counter[str]) -> str:
 
 
 def _found_at(path: Path, required: Collection[str]) -> Iterator[tuple[Path, str]]:
-    """Submissions at a path that was asked for, with ""; leftovers with their reason."""
+    """Yield the submissions at a path, each with "", and the leftovers, each with its reason."""
     if not os.path.isdir(path):
         yield path, "" if has_suffix(path.name, (*ARCHIVES, *FOREIGN_ARCHIVES, *CODE)) else UNPLACED
         return
@@ -235,7 +234,7 @@ def _listed(folder: Path) -> list[os.DirEntry[str]]:
 
 
 def _is_ignored(entry: os.DirEntry[str]) -> bool:
-    """Hidden files, what tools leave behind, and the OUT of an earlier run."""
+    """Return whether an entry is hidden, left behind by a tool, or the OUT folder of an earlier run."""
     return entry.name.startswith(".") or is_litter((entry.name,)) or _is_graded(Path(entry.path))
 
 
@@ -250,7 +249,7 @@ def _objection(entry: os.DirEntry[str]) -> str:
     if status is None or is_link(status):
         return "the system refused it" if status is None else LINK
     if entry.is_dir() or (entry.is_file() and has_suffix(entry.name, (*ARCHIVES, *FOREIGN_ARCHIVES))):
-        return ""  # one of a kind that is not opened is somebody's all the same
+        return ""  # an archive of an unsupported kind is a submission, too
     return UNPLACED
 
 

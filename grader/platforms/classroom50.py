@@ -33,7 +33,7 @@ _REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE
 
 @dataclass(frozen=True)
 class Identity:
-    """Whose submission it is, as the runner says in the environment; collection refuses one that does not match."""
+    """Identity of a submission, from the runner's environment variables. Collection refuses a result with another one."""
 
     classroom: str
     assignment: str
@@ -46,12 +46,12 @@ class Identity:
 
     @classmethod
     def of(cls, environ: Mapping[str, str]) -> Identity:
-        """Read it.
+        """Read the identity from environment variables.
 
         Raises
         ------
         RequestError
-            If a variable is missing; names it.
+            If a variable is missing. The message names it.
         """
         owner = environ.get("OWNER") or environ.get("USERNAME") or ""
         missing = [name for name in _REQUIRED if not environ.get(name)] + ([] if owner else ["OWNER"])
@@ -64,16 +64,16 @@ class Identity:
 
 
 def classroom50(result: Result, identity: Identity, committed: str) -> str:
-    """The text of `result.json`.
+    """Return the text of `result.json`.
 
     Parameters
     ----------
     result
-        A complete one: scores are integers, and an open one has none.
+        A complete result, because a check that was not judged has no integer score.
     identity
-        Whose it is.
+        Identity of the submission.
     committed
-        The commit's instant, ISO 8601 in UTC: late marks follow from it, so a regrade must not move it.
+        Time of the commit, ISO 8601 in UTC. Lateness follows from it, so a regrade must not change it.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def classroom50(result: Result, identity: Identity, committed: str) -> str:
 
 
 def _extra_credit(result: Result) -> list[dict[str, Any]]:
-    """One more test, out of nothing, where the rubric gives extra credit."""
+    """Return a further test with a maximum of 0 if the rubric gives extra credit."""
     if result.extra_credit_cap is None:
         return []
     exact, score = result.extra_credit, math.floor(result.extra_credit + 0.5)
@@ -119,7 +119,7 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
 
 
 def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
-    """Whole numbers that sum to the rounded sum of `points`, none above its `most`, each next to its own where that leaves room."""
+    """Round `points` to integers that sum to the rounded sum, by largest remainder, none above its `most`."""
     whole = [math.floor(each + 1e-9) for each in points]
     open_ = math.floor(round(sum(points), 2) + 0.5) - sum(whole)
     by_remainder = sorted(range(len(points)), key=lambda i: (whole[i] - points[i], i))
@@ -131,7 +131,7 @@ def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
 
 
 def committed(path: Path) -> str:
-    """The instant of the commit that is graded, in UTC; now, where git does not know one."""
+    """Return the time of the graded commit in UTC, or the present time if git knows no commit."""
     folder = path if path.is_dir() else path.parent
     command = ["git", "-C", str(folder), "show", "--no-patch", "--format=%ct", "HEAD"]
     try:
@@ -147,7 +147,7 @@ def _respond(result: Result, handed: Handed) -> str:
 
 
 def _refuse(environ: Mapping[str, str], min_score: float | None) -> None:
-    """It takes every exit code but 0 for a broken autograder."""
+    """Refuse `--min-score`: Classroom 50 takes any exit code but 0 for a broken autograder."""
     if min_score is not None:
         raise RequestError("--min-score: leave it out; Classroom 50 reads the points from result.json")
     Identity.of(environ)
@@ -162,7 +162,7 @@ _COLUMNS = {"username", "first_name", "last_name", "submission_tag"}
 
 
 def read(download: Download) -> Shape | None:
-    """The clones beside a `scores.csv` of Classroom 50; None if there is none."""
+    """Read the clones beside a `scores.csv` of Classroom 50; None if there is no such file."""
     data = download.read(SCORES, MAX_SCORES) if SCORES in download.top else None
     table = csv.DictReader(io.StringIO("" if data is None else data.decode("utf-8-sig", "replace"), newline=""))
     try:
@@ -177,7 +177,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _row(folder: str, rows: Mapping[str, dict[str, str]]) -> dict[str, str]:
-    """A clone is called `<classroom>-<assignment>-<username>`; of two users that fit, the longer name is meant."""
+    """Return the row of a clone `<classroom>-<assignment>-<username>`: that of the longest user name that fits."""
     fits = [user for user in rows if folder.casefold() == user or folder.casefold().endswith(f"-{user}")]
     return rows[max(fits, key=len)] if fits else {}
 

@@ -1,4 +1,4 @@
-"""Filling in of the file that a platform exported: grades go into one column, and every other byte stays."""
+"""Filling in of a file that a platform exported: grades go into one column, and all other bytes are kept."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ _COMMA = re.compile(r"-?\d+,\d+")
 
 @dataclass
 class Filled:
-    """The filled file, and what became of its rows.
+    """A filled file, and the rows by outcome.
 
     Attributes
     ----------
     grades
-        How many grades went in.
+        Number of grades filled in.
     placed
-        The people who have a row, by id of the submission; None stands for all of a group.
+        The submissions and people who have a row. A match without a person stands for a whole group.
     unmatched
-        Rows that mean nobody who handed in, with the name that the file has: left as they are.
+        Rows that match nobody who handed in, with the name in the file. They are left unchanged.
     kept
-        Rows whose grade is not to be changed.
+        Rows whose grade the platform has locked.
     replaced
         Rows that had another grade.
     """
@@ -50,22 +50,22 @@ class Filled:
 
 @dataclass(frozen=True)
 class Form:
-    """A platform's file as it is to be filled.
+    """Description of a platform's file to fill in.
 
     Attributes
     ----------
     source
-        What messages call it.
+        Name of the file in messages.
     grade
-        The column of the grades.
+        Index of the column of grades.
     rows
-        Those of people, by their number.
+        Rows of people, by row number.
     who, name
-        Whom a row means, and what lines call them.
+        Functions that return a row's person for matching, and their name for messages.
     out_of
-        What the grade is out of, as the file says it; "" where it does not.
+        Function that returns the maximum of a grade in the file; "" if the file has none.
     locked
-        Whether the grade is not to be changed.
+        Function that returns whether the platform has locked a grade.
     """
 
     source: str
@@ -84,23 +84,23 @@ class Form:
 def fill_in(
     form: Form, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade], *, scaled: bool
 ) -> Filled:
-    """Set the final points of everyone who has some.
+    """Fill in the final points of everyone who has some.
 
     Parameters
     ----------
     form
-        The file; its sheet is changed.
+        The file, whose sheet is changed.
     matches
-        Whose each row is.
+        Match of each row, by row number.
     final_grades
-        By id of the submission.
+        Final grades by id of the submission.
     scaled
-        Whether points are scaled where the file is out of others than the rubric.
+        Whether points are scaled if the maximum in the file differs from the rubric's.
 
     Raises
     ------
     RequestError
-        If it is out of other points, and they are not to be scaled.
+        If the maximum differs from the rubric's, and `scaled` is False.
     """
     filled = Filled()
     comma = any(_COMMA.fullmatch(text.strip()) for row in form.rows.values() for text in _numbers(form, row))
@@ -133,10 +133,10 @@ def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
 
 
 def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> float:
-    """A mark out of 100 in a column out of 10 would be a wrong mark for everyone."""
+    """Return the factor from the rubric's points to those of the file; refuse a different maximum unless `scaled`."""
     most, ours = _number(form.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:
-        return 1.0  # no number there: the platform knows
+        return 1.0  # the file names no other maximum
     if not scaled:
         differ = f"the assignment is out of {words.number(most)}, and the rubric out of {words.number(ours)}"
         rest = "have the points scaled, or make them equal on the platform or in rubric.yaml"
@@ -156,7 +156,7 @@ def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
 
 
 def matched(rows: Iterable[tuple[int, Who]], known: Directory) -> dict[int, Match | None]:
-    """Whose each row is, by its number. Two rows that mean one and the same person are both given to nobody."""
+    """Return the match of each row, by row number. Two rows that match the same person both get None."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}
     for number, match in found.items():

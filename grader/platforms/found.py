@@ -14,18 +14,18 @@ AMBIGUOUS = "its name can mean several people; give --roster with the platform's
 
 @dataclass(frozen=True)
 class Found:
-    """One hand-in.
+    """One submission in a download.
 
     Attributes
     ----------
     student
-        The same for two attempts of the same people, and for no others.
+        Key of the people, equal for all attempts of the same people.
     wish
-        What its id is made from: the same whenever these people hand in again.
+        Text that the id is made from, equal whenever these people hand in again.
     name
-        What results call it.
+        Name of the submission in results.
     order
-        A later attempt has a greater one.
+        Sort key of attempts; a later attempt has a greater one.
     """
 
     student: str
@@ -39,7 +39,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Shape:
-    """A kind of download: what it holds, and files that are nobody's with a reason."""
+    """Contents of a download: its kind, the submissions, and the files that belong to nobody, each with a reason."""
 
     title: str
     found: tuple[Found, ...]
@@ -47,6 +47,6 @@ class Shape:
 
 
 def mostly(fits: Iterable[bool]) -> bool:
-    """Return whether at least half of them fit, and there are some: one stray file changes nothing."""
+    """Return whether at least half of the values are true, so that a few stray files do not matter; False if there are none."""
     answers = list(fits)
     return bool(answers) and 2 * sum(answers) >= len(answers)

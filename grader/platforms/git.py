@@ -1,6 +1,6 @@
-"""Git clones, one a student.
+"""Git clones, one per student.
 
-No git is run: a repository can name programs that git would start.
+Git is never run, because a repository can name programs that git would start.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _NOT_OURS = "not a folder, so whose it is cannot be told"
 
 
 def read(download: Download) -> Shape | None:
-    """Folders most of which are clones; None if they are not."""
+    """Read folders as clones if at least half of them are; None otherwise."""
     folders = [name for name, is_folder in download.top.items() if is_folder]
     programs = any(is_code(name) for name, is_folder in download.top.items() if not is_folder)
     if programs or not mostly(download.holds(name, ".git") for name in folders):  # programs: it is one submission
@@ -28,12 +28,12 @@ def read(download: Download) -> Shape | None:
 
 
 def loose(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
-    """Files beside the clones, but for those that are known."""
+    """Return the files beside the clones, except the known ones, with the reason why they are left over."""
     return tuple((name, _NOT_OURS) for name, is_folder in download.top.items() if not is_folder and name not in known)
 
 
 def clone(download: Download, folder: str, row: Mapping[str, str]) -> Found:
-    """One hand-in; `row` is what `scores.csv` of Classroom 50 tells of it."""
+    """Return the submission in a clone; `row` is its row in `scores.csv` of Classroom 50, or empty."""
     user = row.get("username") or folder
     name = " ".join(filter(None, (row.get("first_name"), row.get("last_name")))) or user
     person = Person(

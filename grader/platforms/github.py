@@ -1,8 +1,8 @@
 """GitHub Actions: workflow commands that annotate the student's lines, and the Markdown of the step summary.
 
-The runner takes a line that begins with ``::`` for a command, wherever it comes from, so every text is encoded the way that
-its toolkit does. In Markdown every character that means something there or in HTML is written as an entity, and text that
-may stem from a submission stands in ``<code>`` or ``<pre>``, where GitHub links no mention.
+The runner executes any line that begins with ``::`` as a command, so every text is encoded as its toolkit does. In Markdown
+every character with a meaning there or in HTML is written as an entity. Text that may come from a submission is placed in
+``<code>`` or ``<pre>``, where GitHub links no mention.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _PLAIN = frozenset(" ,;?%—…·✓✗◐–")
 
 
 def commands(result: Result, places: Places) -> str:
-    """Return workflow commands, one a line: one for each cause and place, the largest deduction first.
+    """Return workflow commands, one per line, for each cause and place, the largest deduction first.
 
     GitHub shows ten of a kind for a step.
     """
@@ -37,7 +37,7 @@ def commands(result: Result, places: Places) -> str:
 
 @dataclass(frozen=True)
 class _Annotation:
-    """The checks of one cause at one place; the checks that wait for the cause are told at its first place."""
+    """Checks of one cause at one place. The first place of a cause also lists the checks that wait for it."""
 
     place: Place | None
     cause: Cause
@@ -56,7 +56,7 @@ def _annotations(result: Result, places: Places) -> Iterator[_Annotation]:
 
 
 def _causes(result: Result) -> list[Cause]:
-    """Yield the lost checks by cause, then those that could not be judged."""
+    """Return the failed checks by cause, then those that were not judged."""
     checks = [check for part in rows.parts(result) for check in part.checks]
     unjudged = tuple(check for check in checks if check.outcome == "not_judged")
     return [*causes.causes_of(checks), *([Cause(unjudged)] if unjudged else [])]
@@ -86,7 +86,7 @@ def _points(check: CheckResult) -> str:
 
 
 def _closing(result: Result) -> str:
-    """The total; where there was nothing to grade, as an error: a job that is green would hide it."""
+    """Return the command with the total. Without gradable files it is an error, because a passing job would hide that."""
     kind = "error" if result.status in ("empty", "unreadable") else "notice"
     said = ": ".join(filter(None, [words.total_points(result), words.STATUS[result.status]]))
     return f"::{kind} title={_property(result.lab.label)}::{_data(said)}"
@@ -101,7 +101,7 @@ def _property(text: str) -> str:
 
 
 def summary(result: Result, lab: Lab) -> str:
-    """Markdown for the step summary: the table, the plots' findings, then what was lost and how to go on."""
+    """Return Markdown for the step summary: the table of points, the checks of plots, deductions with hints, and notes."""
     blocks = [f"## {result.lab.label}: {inert(words.total_points(result))}"]
     blocks += [f"**{inert(words.STATUS[result.status])}**"] if words.STATUS[result.status] else []
     blocks += [_table(result), *_plots(result, lab), *_findings(result)]
@@ -122,7 +122,7 @@ def _table(result: Result) -> str:
 
 
 def _plots(result: Result, lab: Lab) -> Iterator[str]:
-    """Yield each finding about the pictures, good ones too: a log cannot show a picture."""
+    """Yield the checks of each part with pictures, passed ones too, because a log cannot show a picture."""
     pictured = {part.id for part in lab.parts if part.pictures}
     for part in result.criteria:
         if part.id in pictured:
@@ -141,7 +141,7 @@ def _findings(result: Result) -> Iterator[str]:
 
 
 def inert(text: str) -> str:
-    """Text that neither Markdown nor HTML takes for anything else: all but letters, digits and spaces as entities."""
+    """Return text without any markup in Markdown or HTML: all but letters, digits and plain characters become entities."""
     return "".join(char if char.isalnum() or char in _PLAIN else _entity(char) for char in text)
 
 

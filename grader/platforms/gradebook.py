@@ -1,4 +1,4 @@
-"""`gradebook.csv`: one row a submission; id, name, each criterion, total, status; beside the total what people and dates add."""
+"""`gradebook.csv`: one row per submission with id, name, criteria, total, status, and columns for overrides and lateness."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Cell = Callable[[FinalGrade], str]
 
 
 def gradebook(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
-    """Return the class as CSV, in the order of `final_grades`, then a row for each who is absent.
+    """Return the class as CSV in the order of `final_grades`, then a row for each person in `absent`.
 
-    What could not be judged is a blank cell, and so is the total above it: a fault of the grader is never a zero. Criteria and
-    total are the automatic marks, those of the repaired copy where there is one. Columns for extra credit, sections, repairs,
-    adjustments and lateness are there where the class has them.
+    A criterion that was not judged and its total are blank, because a fault of the grader is never a zero. Criteria and total are
+    automatic points, of the repaired copy if there is one. Columns for extra credit, sections, repairs, adjustments and lateness
+    appear only if the class has such data.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def gradebook(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] =
 
 
 def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
-    """Return the same with the final points in every case, the column to take grades from, and a row for each who is absent."""
+    """Return the CSV of `gradebook` with a column `final` in every case, which holds the grades to import."""
     columns = _columns(list(final_grades.values()), any(person.section for person in absent))
     status = columns.pop("status")
     columns |= {"final": lambda s: _points(s.final), "status": status}
@@ -68,7 +68,7 @@ def _columns(final_grades: list[FinalGrade], sections: bool = False) -> dict[str
 
 
 def _beside(final_grades: list[FinalGrade]) -> dict[str, Cell]:
-    """Columns between the automatic total and the status."""
+    """Return the columns between the automatic total and the status."""
     columns: dict[str, Cell] = {}
     if any(s.adjustments for s in final_grades):
         columns["adjusted"] = lambda s: _points(s.adjusted)
@@ -93,7 +93,7 @@ def _points(points: float | None) -> str:
 
 
 def _late(final_grade: FinalGrade) -> str:
-    """Days that count as late; "refused" after the cut-off, "yes" where only that is known."""
+    """Return the late days that count; "refused" after the cut-off, "yes" if the number of days is unknown."""
     late = final_grade.late
     if late is None:
         return "0"

@@ -1,6 +1,6 @@
-"""Gradescope: `results.json` as its specification has it, its exports, and the columns in which it exports grades itself.
+"""Gradescope: `results.json` by its specification, reading of its exports, and grades in its own columns.
 
-What could not be judged has no place in `results.json` (a missing score reads as zero), so an incomplete result is refused: the
+`results.json` cannot express an unjudged check, because a missing score counts as zero. So an incomplete result is refused: the
 platform then reports that the autograder failed, and the instructor runs it again.
 """
 
@@ -35,14 +35,14 @@ SUBMISSION = "autograder/submission"
 
 
 def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility = "visible") -> str:
-    """The text of `results.json`: one test a check, numbered as in the rubric.
+    """Return the text of `results.json`: one test per check, numbered in the order of the rubric.
 
     Parameters
     ----------
     result
-        A complete one.
+        A complete result.
     hidden
-        Whether it comes from hidden scenarios: students are then told what is wrong, and none of their data.
+        Whether it comes from hidden scenarios. Students then see what is wrong, without any data of the scenarios.
     visibility
         When students see the tests. With "hidden" Gradescope hides their total as well.
 
@@ -99,7 +99,7 @@ def _extra_credit(result: Result, visibility: Visibility) -> list[dict[str, Any]
 
 
 def _told(check: CheckResult, part: rows.Part, lab: LabName) -> str:
-    """HTML, which Gradescope sanitises once more: the labels of a report, and its texts in a fixed width."""
+    """Return the lines of a check as HTML: labels, and text of fixed width. Gradescope sanitises it again."""
     set_lines = [_line(line) for line in rows.lines(check, part, lab)]
     return "".join(set_lines) or f"<p>{words.row(check, part.id, lab).outcome.word}</p>"
 
@@ -135,9 +135,9 @@ _SUFFIXES = ("jr", "jr.", "sr", "sr.", "ii", "iii", "iv")
 
 
 def gradescope_csv(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
-    """A row a person, in the columns in which Gradescope itself exports the grades of an assignment.
+    """Return a CSV with a row per person, in the columns of Gradescope's own export of grades.
 
-    Final points of each person; all members of a group have the group's. What nobody counted here is blank.
+    All members of a group have the final points of the group. Columns without a counterpart here are blank.
     """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
@@ -169,7 +169,7 @@ def _row(final_grade: FinalGrade, person: Person) -> list[str]:
 
 
 def _names(name: str) -> tuple[str, str]:
-    """First and last; ``Doe, Jane`` says which is which, otherwise the last word is the last name, with its suffix."""
+    """Return first and last name. Without a comma as in ``Doe, Jane``, the last word and a suffix are the last name."""
     last, comma, first = (part.strip() for part in name.partition(","))
     if comma and first.casefold() not in _SUFFIXES:
         return first, last
@@ -194,9 +194,9 @@ _NO_FILES = f"{METADATA} names it, and it has no folder"
 
 
 def read(download: Download) -> Shape | None:
-    """The submissions of an export, groups as one; None if it is none.
+    """Read the submissions of an export, one per group; None if it is no export.
 
-    It holds `submission_metadata.yml`, whose keys keep the colon of Ruby's symbols, and a folder `submission_<id>` each.
+    An export holds a folder `submission_<id>` for each, and `submission_metadata.yml`, whose keys are Ruby symbols with a colon.
     """
     data = download.read(METADATA, MAX_METADATA) if METADATA in download.top else None
     if data is None:

@@ -1,4 +1,4 @@
-"""One submission on a CI platform: mark it, write what the platform reads, answer with the result."""
+"""CI job on one submission: mark it, write the platform's output, and return the result."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from grader.platforms.platform import Handed, Platform, Visibility
 
 @dataclass(frozen=True)
 class Job:
-    """A CI job's request. `path` and `out` None mean the platform's own places; `out` "-" is standard output.
+    """Request of a CI job. If `path` or `out` is None, the platform's own place is used; `out` "-" is standard output.
 
-    `private`: it runs where students can read neither its files nor what it says, in the instructor's own repository.
+    `private` says that students can read neither the files nor the output of the job.
     """
 
     platform: Platform
@@ -49,14 +49,14 @@ class Job:
 
 
 def visible(when: str) -> Visibility:
-    """`--visibility`, refused where Gradescope has no such word."""
+    """Return the value of `--visibility`; refuse a word that Gradescope does not have."""
     if when not in get_args(Visibility):
         raise RequestError(f"--visibility {printable(when)}: there are {', '.join(get_args(Visibility))}")
     return cast(Visibility, when)
 
 
 def named(name: str) -> Platform:
-    """The platform of a `--format`; "auto" recognises it.
+    """Return the platform of a `--format`; "auto" recognises it from the environment.
 
     Raises
     ------
@@ -74,27 +74,27 @@ def named(name: str) -> Platform:
 
 
 def recognise(environ: Mapping[str, str], root: Path = Path("/")) -> Platform:
-    """The platform that this process runs on.
+    """Recognise the platform that this process runs on.
 
     Parameters
     ----------
     environ
-        The environment's variables.
+        The environment variables.
     root
-        Where absolute places start; for tests.
+        Folder in place of `/`, for tests.
     """
     known = registry.platforms("respond")
     return next(each for each in known if each.recognise is not None and each.recognise(environ, root))
 
 
 def submission_of(platform: Platform, root: Path = Path("/")) -> Path:
-    """The submission where no path is given: the platform's place if it is there, else the working folder."""
+    """Return the default path of the submission: the platform's place if it exists, else the working folder."""
     place = root / platform.submission
     return place if platform.submission and place.is_dir() else Path()
 
 
 def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
-    """Return the default place of the answer; None is standard output."""
+    """Return the default path of the output; None is standard output."""
     if "/" not in platform.answer:
         return Path(platform.answer) if platform.answer else None
     place = root / platform.answer
@@ -102,15 +102,15 @@ def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
 
 
 def run(job: Job) -> Result:
-    """Mark the submission and write the answer.
+    """Mark the submission and write the platform's output.
 
     Raises
     ------
     RequestError
-        If hidden scenarios are wanted where students can read what the job reads, or where nothing isolates their code;
-        if there is nothing at the path; if the answer cannot be written.
+        If hidden scenarios are requested where students can read the job's files, or where nothing isolates their code;
+        if there is nothing at the path; if the output cannot be written.
     GraderError
-        If the platform has no way to say that a part could not be judged.
+        If a part was not judged and the platform's format cannot express that.
     """
     respond = job.platform.respond
     if respond is None:
@@ -155,7 +155,7 @@ def _write(job: Job, text: str, result: Result) -> None:
 
 
 def _append(environ: Mapping[str, str], variable: str, text: str) -> None:
-    """The platform makes the file for each job and reads what stands in it."""
+    """Append text to the file that an environment variable names. The platform creates the file for each job and reads it."""
     file = environ.get(variable)
     if not file:
         return

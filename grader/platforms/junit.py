@@ -21,7 +21,7 @@ _COUNTED = {"tests": "testcase", "failures": "testcase/failure", "errors": "test
 
 
 def junit(result: Result, at: datetime) -> str:
-    """One suite a criterion, one case a check; `at` is when it was marked."""
+    """Return JUnit XML with a suite per criterion and a case per check; `at` is the time of marking."""
     root = Element("testsuites", name="imugrade")
     for part in rows.parts(result):
         _suite(root, part, result, at)
@@ -34,7 +34,7 @@ def junit(result: Result, at: datetime) -> str:
     root.set("time", _seconds(check.duration_s for part in rows.parts(result) for check in part.checks))
     indent(root)
     text = tostring(root, encoding="unicode")
-    # In a job on GitHub a line that begins with :: would be a command of the runner; so would the older ##[.
+    # GitHub's runner would execute a line that begins with :: or with the older ##[ as a command.
     text = text.replace("::", "&#58;&#58;").replace("##[", "&#35;#[")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'
 
@@ -52,7 +52,7 @@ def _suite(root: Element, part: rows.Part, result: Result, at: datetime) -> None
 
 
 def _repairs(root: Element, result: Result, at: datetime) -> None:
-    """A suite without cases: what was repaired, and the points that it takes from the sum of the others."""
+    """Add a suite without cases for the repairs; its negative score is their deduction."""
     suite = SubElement(root, "testsuite", name="repairs", timestamp=at.isoformat(timespec="seconds"), time="0")
     properties = SubElement(suite, "properties")
     SubElement(properties, "property", name="score", value=words.number(-result.repair_deduction))
@@ -63,7 +63,7 @@ def _repairs(root: Element, result: Result, at: datetime) -> None:
 
 
 def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:
-    """The points of the suite, then of each case: ``follows_address.score``; nothing for what is not known."""
+    """Yield the properties of a suite, then those of each case, such as ``follows_address.score``. Unknown values are left out."""
     yield "score", words.number(part.points)
     yield "max_score", words.number(part.max_points)
     for check in part.checks:
@@ -138,5 +138,5 @@ writes `.gitlab-ci.yml` and the wheel beside it. Elsewhere:
 - Points are the properties `score` and `max_score` of each suite, and of each case as `follows_address.score`.""",
     ),
     respond=lambda result, _: junit(result, datetime.now(timezone.utc)),
-    recognise=lambda *_: True,  # whatever runs jobs reads it
+    recognise=lambda *_: True,  # any other CI server may read it
 )

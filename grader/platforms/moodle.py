@@ -1,4 +1,4 @@
-"""Moodle: its downloads (mod/assign `downloader.php`), and its own grading worksheet filled in (`importgradeslib.php`)."""
+"""Moodle: reading downloads (mod/assign `downloader.php`) and filling in its grading worksheet (`importgradeslib.php`)."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 def fill(
     template: bytes, source: str, column: str | None, final_grades: Mapping[str, FinalGrade], *, scaled: bool = False
 ) -> Filled:
-    """Grades, and comments where there is no other; every other byte as it was. `column` is that of the grades, if not ``Grade``.
+    """Fill in grades and comments; keep comments of teachers and all other bytes. `column` names the column of grades.
 
     Raises
     ------
     RequestError
-        If it is no grading worksheet, or the assignment is out of other points than the rubric.
+        If it is no grading worksheet, or the maximum of the assignment differs from the rubric's.
     """
     sheet = read_sheet(template, source)
     grade = sheet.column(column or "Grade")
@@ -65,7 +65,7 @@ def fill(
 
 
 def _form(sheet: Sheet, grade: int, source: str) -> Form:
-    """Sites speak many languages: what is not known by its title is known by where it stands and what it holds."""
+    """Find the columns of a worksheet by title, or, on sites in other languages, by position and contents."""
     rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
     known = sheet.column(*_MOST)
     most = grade + 1 if known is None else known
@@ -92,7 +92,7 @@ def _form(sheet: Sheet, grade: int, source: str) -> Form:
 
 
 def _comment_on(form: Form, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]) -> None:
-    """A teacher's own comment stays; one of ours is written anew."""
+    """Fill in comments. A comment by a teacher is kept; one from an earlier export is replaced."""
     column = _comments(form)
     for number, match in matches.items():
         row = form.rows[number]
@@ -103,7 +103,7 @@ def _comment_on(form: Form, matches: Mapping[int, Match | None], final_grades: M
 
 
 def _comments(form: Form) -> int | None:
-    """By its title, or the last column, if a cell of it is blank: in that of the last change Moodle writes a date, or a dash."""
+    """Return the column of comments by title, else the last column if it has a blank cell or our comment, and no dash."""
     known = form.sheet.column(*_COMMENTS)
     last = len(form.sheet.titles) - 1
     if known is not None or last <= form.grade + 2:
@@ -113,7 +113,7 @@ def _comments(form: Form) -> int | None:
 
 
 def comment(final_grade: FinalGrade) -> str:
-    """One line: the points of each criterion, and what was taken off. Moodle reads it as HTML."""
+    """Return the comment on a grade: points of each criterion, extra credit and late deduction, escaped for HTML."""
     parts = [
         f"{c.title} {words.fraction(final_grade.points(c), c.max_points)}"
         f"{' (overridden)' * (final_grade.adjustment(c.id) is not None)}"
@@ -133,7 +133,7 @@ def _who(sheet: Sheet, row: Row) -> Who:
 
 
 def _teams(final_grades: Mapping[str, FinalGrade]) -> dict[str, Match]:
-    """A team hands in under its own name and number; the worksheet has its people, each with the team in `Group`."""
+    """Return the matches of teams by name. A team hands in under its name; the worksheet lists its people with it in `Group`."""
     return {
         final_grade.name.strip().casefold(): Match(id_, None)
         for id_, final_grade in final_grades.items()
@@ -155,9 +155,9 @@ _FEEDBACK = "feedback, not handed in by the student"
 
 
 def read(download: Download) -> Shape | None:
-    """The students, or teams, of a Moodle download; None if it is none.
+    """Read the students or teams of a Moodle download; None if it is no such download.
 
-    They are called `<full name>_<number>_assignsubmission_file[_]`, a folder each or loose files.
+    Each is a folder or loose files named `<full name>_<number>_assignsubmission_file[_]`.
     """
     told = {name: _NAME.fullmatch(name) for name in download.top}
     if not mostly(match is not None for match in told.values()):
@@ -175,7 +175,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _is_plain(name: str, known: Mapping[str, str]) -> bool:
-    """Return whether it names one person: a second number and plugin inside may belong to a person's or a file's name."""
+    """Return whether a name identifies one person. A second number in it may belong to the name of a person or of a file."""
     numbers = _WITHIN.findall(name)
     return len(set(numbers)) == 1 or (numbers[0] in known and not set(numbers[1:]) & known.keys())
 
@@ -189,7 +189,7 @@ def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Fou
 
 
 def _reply(download: Download, match: re.Match[str]) -> str:
-    """Feedback goes back under the very name that came: a folder's, or what a loose file's begins with."""
+    """Return the path prefix for feedback: the name of the folder, or the start of a loose file's name."""
     if download.top[match[0]]:
         return original(match[0]) + "/"
     return original(match[0][: match.start("file")])

@@ -1,6 +1,6 @@
 """Locate a finding in a student's files: the line that raised, else the line where the part is defined.
 
-Sources are searched as bytes and never parsed: a parser can be made to fail by what it reads.
+Sources are searched as bytes and never parsed, because a student's text can make a parser fail.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from grader.intake import Submission
 
 @dataclass(frozen=True)
 class Place:
-    """A file, as the CI names it, and a line in it."""
+    """A file by its path in the CI, and a line in it."""
 
     file: str
     line: int | None = None
@@ -26,18 +26,18 @@ class Place:
 
 @dataclass(frozen=True)
 class Places:
-    """The files of a submission by the name that messages use, and where each name that the lab asks for is defined."""
+    """Files of a submission by their name in messages, and the place where each required name is defined."""
 
     lab: Lab
     files: Mapping[str, str] = field(default_factory=dict)
     definitions: Mapping[str, Place] = field(default_factory=dict)
 
     def of(self, check: CheckResult) -> Place | None:
-        """Return the place to show for this check; None where nothing is known."""
+        """Return the place to show for this check; None if none is known."""
         return self._named(check) or self.definitions.get(self.lab.name_of(check.id))
 
     def _named(self, check: CheckResult) -> Place | None:
-        """The line that the check names, if the file is one of the submission: a process may say anything."""
+        """Return the place that a check names, if its file is one of the submission. Student code could name any file."""
         if check.where is None or check.where.file not in self.files:
             return None
         return Place(self.files[check.where.file], check.where.line)
@@ -49,13 +49,13 @@ def find_places(lab: Lab, submission: Submission, path: Path, root: Path) -> Pla
     Parameters
     ----------
     lab
-        Whose names are looked for.
+        The lab, which lists the required names.
     submission
-        As it was read from `path`.
+        The submission as it was read from `path`.
     path
-        What was given to be graded: a folder, or an archive (then there are no lines to point to).
+        The graded folder or archive. There are no lines to point to in an archive.
     root
-        What the CI's file names start from: the root of the checkout.
+        The root of the checkout, from which the CI's paths start.
     """
     files = submission.files
     there = {name: path / submission.origin(name) for name in files}
@@ -69,7 +69,7 @@ def _relative(path: Path, root: Path) -> str:
 
 
 def _definition(name: str, home: str, files: Mapping[str, bytes], names: Mapping[str, str]) -> Place | None:
-    """The first definition: in the file where the sheet expects it, else in any other; else that file, if it is there."""
+    """Return the first definition of a name, in the sheet's file or else any other; else the sheet's file if it exists."""
     pattern = re.compile(rb"^[ \t]*(?:def|class)[ \t]+%s\b" % name.encode(), re.MULTILINE)
     programs = sorted((file for file in names if file.endswith(".py")), key=lambda file: (file != home, file))
     for file in programs:

@@ -1,4 +1,4 @@
-"""The record of a platform, one at the end of each platform's module: everything else asks this record."""
+"""Record type that describes a platform. Each platform's module defines one record at its end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Visibility = Literal["visible", "after_due_date", "after_published", "hidden"]
 
 
 class Fill(Protocol):
-    """Fill in a file that the platform exported; who is not graded keeps what stands there."""
+    """Function that fills in a file exported by the platform. People without a grade keep their cell."""
 
     def __call__(
         self,
@@ -32,34 +32,34 @@ class Fill(Protocol):
         *,
         scaled: bool = False,
     ) -> Filled:
-        """The file with the final points.
+        """Return the file with the final points.
 
         Parameters
         ----------
         template
-            Its bytes.
+            The bytes of the exported file.
         source
-            What messages call it.
+            Name of the file in messages.
         column
-            That of the grades, if it is named.
+            The column of the grades; None finds it.
         final_grades
-            By id of the submission.
+            Final grades by id of the submission.
         scaled
-            Whether points are scaled where it is out of others than the rubric.
+            Whether points are scaled if the maximum in the file differs from the rubric's.
 
         Raises
         ------
         RequestError
-            If it is no such file, or out of other points.
+            If it is no such file, or its maximum differs and `scaled` is False.
         """
         ...
 
 
 @dataclass(frozen=True)
 class Handed:
-    """One submission on a platform, beside its result: where it lies, what the platform says, how the result is to be told.
+    """Context of a result on a platform: the submission, its path, the environment, and how to report the result.
 
-    `hidden` is whether the scenarios are an instructor's secret: students are then told what is wrong, and none of their data.
+    `hidden` says that the scenarios are secret. Students then see what is wrong, without any data of the scenarios.
     """
 
     lab: Lab
@@ -72,7 +72,7 @@ class Handed:
 
 @dataclass(frozen=True)
 class Aside:
-    """A second text, appended to the file that a variable of the environment names; nothing is written where it names none."""
+    """A second output, appended to the file that an environment variable names. If it names none, nothing is written."""
 
     variable: str
     text: Callable[[Result, Handed], str]
@@ -80,16 +80,16 @@ class Aside:
 
 @dataclass(frozen=True)
 class Help:
-    """Documentation of a platform in Markdown; everything that it does has a text here.
+    """Documentation of a platform in Markdown, one text for each thing that it supports.
 
     Attributes
     ----------
     respond
-        Its section on the page about CI, below the title.
+        Section on the page about CI, below the title.
     read
-        Its row: what is downloaded, by what it is recognised, what a student is there.
+        Table row: the download, the sign by which it is recognised, the identity of a student.
     grades
-        How the grades get there.
+        Instructions for importing the grades.
     """
 
     respond: str = ""
@@ -99,38 +99,37 @@ class Help:
 
 @dataclass(frozen=True)
 class Platform:
-    """One value of `--format` or `--from`. What a platform does not do is None.
+    """One value of `--format` or `--from`. A field is None if the platform does not support it.
 
     Attributes
     ----------
     name, title
-        The value, and what it is called.
+        The value of the option, and the name to show.
     help
         Its documentation.
     respond
-        A job's answer: what the platform reads of a result. Raises GraderError if it has no way to say that a part could not be
-        judged.
+        Function that returns a CI job's output for a result. It raises GraderError if the format cannot express that a part was
+        not judged.
     recognise
-        Whether a process runs on it, by the variables of the environment and the place where absolute paths start.
+        Function that returns whether a process runs on the platform, from the environment variables and the root folder.
     refuse
-        Raises RequestError where a job could not be answered (the environment, the fewest points that pass), before it is marked.
+        Function that is called before marking with the environment and `--min-score`; raises RequestError if the job cannot run.
     aside
-        What a job writes beside the answer.
+        A second output of a job.
     submission
-        Where it puts what was handed in, without the leading slash; "" is the working folder.
+        Path of the submission, without the leading slash; "" is the working folder.
     answer
-        Where it looks for the answer, without the leading slash for an absolute place; "" is standard output.
+        Output file: a name in the working folder, or an absolute path without its leading slash; "" is standard output.
     keeps_secrets
-        Whether students see only what the answer holds. Where a job runs in their own repository it is False, and hidden
-        scenarios are refused.
+        Whether students see only the output. It is False if a job runs in their own repository; hidden scenarios are then refused.
     read
-        The hand-ins of its download; None if it is none of its own.
+        Function that reads the submissions of a download; it returns None for other downloads.
     fill
-        The file that it exported, with the grades of a class filled in.
+        Function that fills the grades of a class into a file that the platform exported.
     write
-        The grades of a class as a file of its own, with those of the roster who handed in nothing.
+        Function that writes the grades of a class, with the people of the roster who handed in nothing, as a file.
     gradebook
-        What the file of the grades is called in OUT.
+        Name of the grades file in OUT.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""PrairieLearn: the results of an external grader. What cannot be graded is told apart from zero, and costs no attempt."""
+"""PrairieLearn: results of an external grader. A submission that cannot be graded is no zero, and costs no attempt."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LIMIT_BYTES = 1_000_000  # PrairieLearn refuses more
 
 
 def prairielearn(result: Result, *, hidden: bool = False) -> str:
-    """The text of `results.json`; `hidden` holds back what may contain data of hidden scenarios."""
+    """Return the text of `results.json`; `hidden` leaves out text that may contain data of hidden scenarios."""
     shown = rows.held_back(result) if hidden else result
     text = _text(_record(shown))
     return text if len(text.encode()) <= LIMIT_BYTES else _text({**_record(shown), "tests": [], "output": ""})
@@ -32,7 +32,7 @@ def _record(result: Result) -> dict[str, Any]:
     if result.status in ("empty", "unreadable"):
         problem = [words.STATUS[result.status], *rows.notes(result)]
         return {"gradable": False, "score": 0.0, "format_errors": problem}
-    # A score above 1 would be refused: extra credit can fill a gap and no more.
+    # PrairieLearn refuses a score above 1, so extra credit can only make up for lost points.
     share = min(result.total / result.max_score, 1.0) if result.max_score else 0.0
     return {
         "gradable": True,

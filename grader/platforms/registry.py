@@ -1,7 +1,7 @@
-"""The platforms, in the order in which they are recognised. Whoever lists platforms asks here.
+"""The only list of platforms, in detection order.
 
-Help texts want names at once, and a platform's module takes its time to import, so a line here says what its record does; a
-record that does anything else is refused when it is asked for.
+A line here names what a platform supports, because help texts need the names at once and a platform's module is slow to import.
+A record that supports anything else is refused when it is loaded.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from grader.platforms.platform import Platform
 
 Deed = Literal["respond", "read", "fill", "write"]
-"""What a platform can do: the fields of its record that say so."""
+"""Fields of a platform's record that say what it supports."""
 
 DEEDS: tuple[Deed, ...] = ("respond", "read", "fill", "write")
-AUTO = "auto"  # as a `--format`: whichever is recognised
-FOLDERS = "folders"  # as a `--from`: the shape of no platform
+AUTO = "auto"  # value of `--format` that recognises the platform
+FOLDERS = "folders"  # value of `--from` for folders of no platform
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Listed:
 
 
 LISTED: dict[str, Listed] = {
-    # Classroom 50 runs inside GitHub Actions, and its downloads are git clones; result.json is what remains
+    # Classroom 50 runs inside GitHub Actions, and its downloads are git clones; it has to be recognised before both
     "classroom50": Listed("grader.platforms.classroom50", ("respond", "read")),
     "github": Listed("grader.platforms.github", ("respond",)),
     "gradescope": Listed("grader.platforms.gradescope", ("respond", "read", "write")),
@@ -43,22 +43,22 @@ LISTED: dict[str, Listed] = {
     "git": Listed("grader.platforms.git", ("read",)),
     "csv": Listed("grader.platforms.gradebook", ("write",)),
     "json": Listed("grader.platforms.result_json", ("respond",)),
-    "junit": Listed("grader.platforms.junit", ("respond",)),  # of any that is not recognised
+    "junit": Listed("grader.platforms.junit", ("respond",)),  # the default if no platform is recognised
 }
 
 
 def names(*deeds: Deed) -> tuple[str, ...]:
-    """Return the names of the platforms that support one of these."""
+    """Return the names of the platforms that support at least one of these."""
     return tuple(name for name, listed in LISTED.items() if set(deeds) & set(listed.does))
 
 
 def platform(name: str) -> Platform:
-    """The record of a platform that is listed.
+    """Return the record of a listed platform.
 
     Raises
     ------
     GraderError
-        If it does not do what its line says.
+        If the record does not support what its line says.
     """
     listed = LISTED[name]
     record: Platform = importlib.import_module(listed.module).PLATFORM
@@ -69,5 +69,5 @@ def platform(name: str) -> Platform:
 
 
 def platforms(*deeds: Deed) -> Iterator[Platform]:
-    """The records of those that do one of these."""
+    """Return the records of the platforms that support at least one of these."""
     return (platform(name) for name in names(*deeds))

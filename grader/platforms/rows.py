@@ -24,27 +24,27 @@ _HELD_BACK = {
 
 
 def parts(result: Result) -> Iterator[Part]:
-    """The criteria, then the extensions that were tried."""
+    """Yield the criteria, then the attempted extensions."""
     yield from result.criteria
     yield from (extension for extension in result.extensions if extension.attempted and extension.checks)
 
 
 def title(part: Part) -> str:
-    """``Sensor access``; ``Extension: allan variance``."""
+    """Return the title of a part, as ``Sensor access`` or ``Extension: allan variance``."""
     if isinstance(part, CriterionResult):
         return printable(part.title, words.NAME_LIMIT)
     return f"Extension: {part.id.replace('_', ' ')}"
 
 
 def lines(check: CheckResult, part: Part, lab: LabName) -> list[words.Line]:
-    """Expected, Got, Try, Read, Again: the same labels in the same order as in a report."""
+    """Return the lines of a check with the labels of a report, in the same order: Expected, Got, Try, Read, Rerun."""
     row = words.row(check, part.id, lab)
     more = (words.Line("Read", row.read), words.Line("Rerun", row.again))
     return [*row.lines, *(line for line in more if line.text)]
 
 
 def plain(check: CheckResult, part: Part, lab: LabName) -> str:
-    """The lines of a check as text, labels in a column."""
+    """Return the lines of a check as text, with the labels in a column."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
 
@@ -61,7 +61,7 @@ def _plain_line(line: words.Line) -> str:
 
 
 def notes(result: Result) -> list[str]:
-    """The repairs, then the first notes, and how many there are beyond them."""
+    """Return the repairs and notes, at most `NOTES_LIMIT`, and the number of further ones."""
     told = [*words.repairs(result), *words.notes(result)]
     more = [f"… and {len(told) - NOTES_LIMIT} more"] if len(told) > NOTES_LIMIT else []
     return told[:NOTES_LIMIT] + more
@@ -73,9 +73,9 @@ def lost(check: CheckResult) -> bool:
 
 
 def held_back(result: Result) -> Result:
-    """The result of hidden scenarios as students may see it: what is wrong, the hint, and no text that holds their data.
+    """Return a result of hidden scenarios as students may see it: what is wrong and the hint, without data of the scenarios.
 
-    A message is not trusted to be free of it: what an exception says was written by code that had seen the input.
+    Messages are replaced, because an exception's text comes from code that has seen the input.
     """
     return replace(
         result,

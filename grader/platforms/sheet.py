@@ -1,4 +1,4 @@
-"""A CSV file that someone else's program wrote and will read again: cells are set, and every other byte stays as it was."""
+"""Editor of a CSV file that another program wrote and will read again: setting a cell keeps all other bytes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _QUOTED = r'"(?:[^"]|"")*"'
 
 @dataclass
 class Row:
-    """Raw cells, and the line's end."""
+    """Raw cells of a row, and its line ending."""
 
     cells: list[str]
     end: str
@@ -29,7 +29,7 @@ class Row:
 
 @dataclass
 class Sheet:
-    """The rows of a file, the first of them its titles."""
+    """Rows of a CSV file; the first one holds the titles. `marked` says that the file starts with a byte order mark."""
 
     delimiter: str
     rows: list[Row] = field(default_factory=list)
@@ -40,18 +40,18 @@ class Sheet:
         return [self.rows[0].value(i).strip() for i in range(len(self.rows[0].cells))]
 
     def column(self, *titles: str) -> int | None:
-        """The first column that is called so, in any case of letters."""
+        """Return the column with the first of these titles that occurs, regardless of case; None if none does."""
         known = [title.casefold() for title in self.titles]
         return next((known.index(title.casefold()) for title in titles if title.casefold() in known), None)
 
     def set(self, row: Row, column: int, text: str) -> None:
-        """Write a cell; in quotes only where it needs them."""
+        """Set a cell, in quotes only if it needs them."""
         row.cells += [""] * (column + 1 - len(row.cells))
         needs = any(sign in text for sign in (self.delimiter, '"', "\n", "\r", " "))
         row.cells[column] = '"{}"'.format(text.replace('"', '""')) if needs else text
 
     def keep(self, columns: list[int]) -> None:
-        """Leave these columns alone."""
+        """Remove all columns except these."""
         for row in self.rows:
             row.cells = [row.cells[i] for i in columns if i < len(row.cells)]
 
@@ -61,19 +61,19 @@ class Sheet:
 
 
 def read_sheet(data: bytes, source: str) -> Sheet:
-    """Take a file apart.
+    """Parse a CSV file.
 
     Parameters
     ----------
     data
-        Its bytes, UTF-8, with commas, semicolons or tabs.
+        The bytes of the file, UTF-8, with commas, semicolons or tabs.
     source
-        What messages call it.
+        Name of the file in messages.
 
     Raises
     ------
     RequestError
-        If it is no such file.
+        If it is no UTF-8 CSV file.
     """
     try:
         text = data.removeprefix(BOM).decode()

@@ -26,22 +26,22 @@ class Cause:
 
     @property
     def lost(self) -> float:
-        """Points of the checks that failed and of those that wait for them."""
+        """Return the points lost on the failed checks and on those that wait for them."""
         return words.points_lost((*self.checks, *self.waiting))
 
     @property
     def does_not_run(self) -> bool:
-        """Whether a file cannot be imported, or a required function raises, hangs or ends its process."""
+        """Return whether a file cannot be imported, or a required function raises, hangs or ends its process."""
         return any(map(_does_not_run, self.checks))
 
     @property
     def mistakes(self) -> tuple[str, ...]:
-        """Ids for `imugrade explain`."""
+        """Return the ids of the faults for `imugrade explain`."""
         return told_mistakes(self.checks[0])
 
     @property
     def steps(self) -> tuple[int, ...]:
-        """Steps of the lab sheet to read."""
+        """Return the steps of the lab sheet to read."""
         return tuple(dict.fromkeys(check.lab_step for check in self.checks if check.lab_step is not None))
 
 

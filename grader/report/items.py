@@ -52,7 +52,7 @@ class Item:
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """The 95 % confidence interval of the discrimination, by Fisher's z transform; None without one."""
+        """Return the 95 % confidence interval of the discrimination, by Fisher's z transform; None if it has none."""
         if self.discrimination is None:
             return None
         z, half = math.atanh(max(-0.999, min(self.discrimination, 0.999))), _QUANTILE / math.sqrt(self.judged - 3)

@@ -1,4 +1,4 @@
-"""Lines as a terminal shows them: words behind their label, points at the right edge. In a pipe nothing is filled up or broken."""
+"""Layout of terminal lines: text after a label, points at the right edge. Lines in a pipe are neither padded nor wrapped."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _INDENT, _LABEL_WIDTH, _SIGN_WIDTH, _GAP = 3, 10, 12, 2
 
 @dataclass(frozen=True)
 class Setting:
-    """How lines are set.
+    """Layout of lines for a console.
 
     Attributes
     ----------
     width
-        Columns of a line; None for a pipe, where each thing is one line.
+        Columns of a line; None for a pipe, where lines are not wrapped.
     """
 
     console: Console
@@ -26,21 +26,21 @@ class Setting:
 
     @property
     def bars(self) -> bool:
-        """Whether there is room, and are signs, for a bar."""
+        """Return whether the console is wide enough for a bar and can print its characters."""
         return self.width is not None and self.width >= 60 and self.console.encoding.startswith("utf")
 
     def head(self, sign: Text, title: str, points: str, style: str = "") -> list[Text]:
-        """One check: its sign and outcome, its sentence, its points."""
+        """Return the lines of one check: its sign and outcome, its sentence, its points."""
         first = sign.copy()
         first.append(" " * (max(1, _SIGN_WIDTH - len(first)) if self.width is not None else _GAP))
         return self.hang(first, Text(title, style), points)
 
     def labelled(self, label: str, text: str) -> list[Text]:
-        """A line below a check."""
+        """Return the lines of a text with a label, below a check."""
         return self.hang(Text(" " * _INDENT + label.ljust(_LABEL_WIDTH if label else 0), LABEL), Text(text))
 
     def hang(self, head: Text, body: Text, tail: str = "") -> list[Text]:
-        """`body` behind `head`, as many lines as it takes, and `tail` at the end of the first."""
+        """Return `head`, then `body` wrapped with a hanging indent, and `tail` at the right end of the first line."""
         indent, room = head.cell_len, self._room(head, tail)
         rows = [row for line in body.split("\n", allow_blank=True) for row in self._wrapped(line, room)] or [Text()]
         lines = [head.copy().append_text(rows[0]), *(Text(" " * indent).append_text(row) for row in rows[1:])]

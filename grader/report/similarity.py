@@ -39,7 +39,7 @@ class Pair:
 
     @property
     def lines(self) -> int:
-        """Estimated shared lines of code: a hash every 6.5 tokens, nine tokens a line."""
+        """Return the estimated number of shared lines of code: a hash every 6.5 tokens, nine tokens per line."""
         return round(self.common * (WINDOW + 1) / 2 / _TOKENS_A_LINE)
 
 

@@ -66,7 +66,7 @@ def show(
 
 
 def show_line(line: Text, console: Console) -> None:
-    """One line of a screen as it is: nothing is filled up to the width."""
+    """Print one line of a screen without padding it to the width."""
     console.print(line, soft_wrap=True)
 
 
@@ -135,7 +135,7 @@ def _totals(
     change: Change,
     only: str | None,
 ) -> list[Text]:
-    """A line for each part, and the score below them. No total when only one criterion is shown."""
+    """Return a line for each part, and the score below them. There is no total when only one criterion is shown."""
     rows = [_total_of(part, change) for part in parts]
     if only is None and parts:
         rows.append(_Total(" ", "Score", words.total_points(result), None, change.since(result.criteria)))

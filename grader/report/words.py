@@ -152,7 +152,7 @@ def person(final_grade: FinalGrade) -> str:
 
 
 def distinct(final_grade: FinalGrade) -> str:
-    """Return the same with the id behind it where somebody else of the class has the same name."""
+    """Return the names of the people, with the id appended if another person of the class has the same name."""
     name = person(final_grade)
     return f"{name} ({printable(final_grade.id, 80)})" if final_grade.namesake and name != final_grade.id else name
 
