@@ -233,12 +233,29 @@ def reads_the_sensors(student: Student, truth: Traces) -> bool:
         return True  # an instructor's robot may read the same in both states
     if any(_keeps_its_offset(reads) and _would_show(reads) for reads in given(student, truth)):
         return True
+    if _is_about_a_start(student, truth):
+        return True
     run = _twins(student, truth)
     base, again, elsewhere = np.concatenate([run.accel, run.gyro], axis=2)[:3].mean(axis=1)
     if not np.isfinite([base, again, elsewhere]).all():
         return True
     chance = _BY_CHANCE * float(np.abs(again - base).max())
     return bool(np.abs(elsewhere - base).max() > diagnosis.TRUTH_ATOL + chance)
+
+
+def _is_about_a_start(student: Student, truth: Traces) -> bool:
+    """Return whether the noise and the bias that are asked for stand beside what both sensors read as a simulation starts.
+
+    A `read` that forgets to call the reader uses what an earlier line of the file has read.
+    """
+    twins = from_one_seed(student, truth)
+    if not twins or not all(each.scales() and each.adds_bias() for each in twins):
+        return False
+    starts = [truth["push"][f"alt_no_push_{key}"][0] for key in ("acceleration", "angular_velocity")]
+    return all(
+        np.abs(reads.offset + reads.truth - reads.bias - start).max() <= 2 * diagnosis.mean_bound(reads)
+        for reads, start in zip(given(student, truth), starts, strict=True)
+    )
 
 
 def given_again(student: Student, truth: Traces) -> list[Reads]:
