@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -100,12 +101,11 @@ def test_no_place_is_named_that_code_could_have_chosen(results: list[Result]) ->
 
 
 def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Result]) -> None:
-    """Of our own numbers only powers of ten have as many digits."""
-    for result in results:
+    """Of our own numbers only powers of ten have as many digits. Notes come from a process with the public robot: see above."""
+    for result in (replace(each, notes=()) for each in results):
         told = to_dict(result)
         outputs = [
             *_words(result),
-            *result.notes,
             json.dumps([told["criteria"], told["extensions"], told["misconceptions"]]),
             gradescope(result, hidden=True).split('"extra_data"')[0],
             report_page(FinalGrade("spy", result)).split("<main", 1)[1].split("Provenance")[0],

@@ -325,8 +325,9 @@ REASONS: tuple[Reason[Explained], ...] = (
     Reason(VALUES, 1, "not-finite", lambda e: _lacks_numbers(e) and not e.facts.odd),
     *(Reason(VALUES, 2 + n, told, lambda e, t=told: t in e.values) for n, told in enumerate(_NAMED_VALUES)),  # type: ignore[misc]
     *(Reason(PLACE, 1 + n, told, lambda e, t=told: t in e.places) for n, told in enumerate(_NAMED_PLACES)),  # type: ignore[misc]
-    Reason(FORM, 1, "wrong-length", lambda e: not e.facts.whole),
-    Reason(FORM, 2, "wrong-return-type", lambda _: True),
+    Reason(FORM, 1, "sensor-id-as-address", lambda e: not e.facts.whole and "sensor-id-as-address" in e.places),
+    Reason(FORM, 2, "wrong-length", lambda e: not e.facts.whole),
+    Reason(FORM, 3, "wrong-return-type", lambda _: True),
     Reason("parameters", 1, "global-for-parameter", lambda e: reads_global(e.facts.departs)),
     Reason("parameters", 2, "other-parameters", lambda _: True),
     Reason(COPY, 1, "view-not-copy", lambda _: True),
