@@ -190,6 +190,7 @@ def test_undo_brings_back_what_stood_before_and_history_keeps_all(desk: Desk, ou
     [
         (ADDRESS, "7", "x", "Enter points from 0 to 6, not 7."),
         (ADDRESS, "nan", "x", "Enter points from 0 to 6, not nan."),
+        (ADDRESS, "1.234", "x", "Enter at most two decimals."),
         ("nothing", "1", "x", "there is no criterion nothing"),
         (ADDRESS, "1", "", "Enter a comment"),
         (ADDRESS, "1", "x" * 2001, "Enter at most 2000 characters."),
@@ -303,9 +304,9 @@ def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:
 
 def test_points_beneath_others_by_hand_are_refused_because_they_would_change_nothing(desk: Desk) -> None:
     give(desk, "bob", "sensor_access", "18")
-    assert "bob has an override of sensor_access" in give(desk, "bob", ADDRESS, "5").text
+    assert "Bob Bird has an override of sensor_access" in give(desk, "bob", ADDRESS, "5").text
     give(desk, "bob", TOTAL, "70")
-    assert "bob has an override of total" in give(desk, "bob", "filtering", "5").text
+    assert "Bob Bird has an override of total" in give(desk, "bob", "filtering", "5").text
 
 
 def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:
@@ -450,7 +451,8 @@ def test_a_decision_on_several_is_all_or_none(desk: Desk) -> None:
     fields = [("id", "bob"), ("id", "cyd"), ("target", ADDRESS), ("points", "6"), ("comment", "x"), ("seen", 9)]
     answer = desk.post("/groups/mistake/sensor-id-as-address", fields)
     assert answer.status == 400
-    assert "cyd has an override of sensor_access" in answer.text
+    line = f"cyd has an override of sensor_access, which replaces {ADDRESS}. Remove that first."
+    assert f'<span class="error" id="error-points">{line}</span>' in answer.text
     assert [who for who, _ in desk.book.on_thread(desk.book.store.history)] == ["cyd"]
 
 

@@ -16,7 +16,7 @@ from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
 from grader.desk.submissions import refused
-from grader.people.final_grade import BONUS, TOTAL, worth
+from grader.people.final_grade import BONUS, TOTAL
 
 
 def show_all(book: Classbook, ask: Ask) -> Response:
@@ -68,8 +68,7 @@ def decide(book: Classbook, ask: Ask) -> Response:
     chosen = [id_ for id_ in group.ids if id_ in set(ask.all("id"))]
     target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
     final_grades = book.final_grades()
-    results = [final_grades[id_].result for id_ in chosen]
-    errors = refused([worth(result, target) for result in results], points, comment)
+    errors = refused([final_grades[id_] for id_ in chosen], target, points, comment)
     if not chosen:
         errors["id"] = "Select at least one submission."
     if errors:

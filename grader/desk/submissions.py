@@ -177,7 +177,7 @@ def override(book: Classbook, ask: Ask) -> Response:
     """Record an override or a comment, or undo the last one."""
     final_grade = one(book, ask)
     target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
-    if ask.text("do") in ("", "give") and (wrong := refused([worth(final_grade.result, target)], points, comment)):
+    if ask.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
         return _page(book, ask, final_grade, None, 400, Typed(target, ask.text("points"), comment, wrong))
     if ask.text("do") in ("undo", "undo-comment"):
         wish = adjusting.undone(book.store, final_grade.id, target, alone=ask.text("do") == "undo-comment")
@@ -193,12 +193,17 @@ def override(book: Classbook, ask: Ask) -> Response:
     return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}#override-{target.replace('.', '-')}", 303)
 
 
-def refused(worths: Sequence[float | None], points: str, comment: str) -> dict[str, str]:
-    """Return what is wrong with the fields of an override of targets that are worth so much, by field."""
-    most = min((worth for worth in worths if worth is not None), default=None)
+def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
+    """Return the errors of a form that overrides `target` for these submissions, by field."""
+    most = min((m for each in final_grades if (m := worth(each.result, target)) is not None), default=None)
+    covered = ((words.distinct(each), over) for each in final_grades if (over := adjusting.covering(each, target)))
     errors = {}
     if points and most is not None and not _is_from_0_to(points, most):
         errors["points"] = f"Enter points from 0 to {words.number(most)}, not {printable(points, 40)}."
+    elif points and most is not None and round(float(points), 2) != float(points):
+        errors["points"] = "Enter at most two decimals."
+    elif points and (found := next(covered, None)):
+        errors["points"] = f"{found[0]} has an override of {found[1]}, which replaces {target}. Remove that first."
     if not comment:
         errors["comment"] = "Enter a comment."
     elif len(comment) > adjusting.MAX_COMMENT:
