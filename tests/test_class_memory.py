@@ -71,7 +71,7 @@ def test_another_rubric_is_told_and_waits_for_consent(run: Run, before: dict[str
     assert totals() == before
     code, out, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--dry-run")
     assert (code, err) == (0, "")
-    assert out.splitlines()[0] == "3 would be graded · 0 on record"
+    assert out.splitlines()[0] == "0 would be graded · 3 on record"
     assert told in out.splitlines()[1]
     assert totals() == before
     code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")

@@ -136,7 +136,8 @@ def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(ru
 def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run) -> None:
     hand_in(Path("class"), ann=1, bob=None)
     Path("roster.csv").write_text("id,name,section\nann,Ann Lee,A\nbob,Bob Roe,A\ncy,Cy Moe,B\n")
-    assert run("grade", "class", "-o", "out", "--roster", "roster.csv")[0] == 0
+    code, out, _ = run("grade", "class", "-o", "out", "--roster", "roster.csv")
+    assert (code, "\n2 graded · of these 1 empty · mean of graded 100.0\n" in out) == (0, True)
     assert [(row["name"], row["section"], row["total"], row["status"]) for row in rows("out/gradebook.csv")] == [
         ("Ann Lee", "A", "100", "graded"),
         ("Bob Roe", "A", "", "empty"),

@@ -248,7 +248,7 @@ def counted(order: Order, found: Class) -> str:
             with Store.existing(order.out) as store:
                 again = installed_since(store)
                 kept = [
-                    not order.force and each.id not in again and store.has(_key(each, order))
+                    not order.force and each.id not in again and store.has(_key(each, order), order.rubric)
                     for _, each in reader.each(found.entries)
                 ]
     return f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record"

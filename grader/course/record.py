@@ -139,21 +139,26 @@ class Store(Database):
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
         """Regrade a submission by another rubric from its record, and store the result; None if that needs another run."""
+        with self._told(), self._transaction():
+            if (found := self._fitting(key, rubric)) is None:
+                return None
+            seq, before = found
+            result = marked(before, rubric)
+            text = _text(result)
+            self._db.execute(_REMARK, (rubric.sha256, text, seq))
+            self._point_at(replace(key, rubric_sha256=rubric.sha256))
+            self._known[key.id] = text, result
+            return result
+
+    def _fitting(self, key: Key, rubric: Rubric) -> tuple[int, Result] | None:
+        """Return the latest complete result of the same files and scenarios that holds all facts that `rubric` asks for."""
         query = (
             "SELECT seq, record FROM results WHERE id = ? AND submission_sha256 = ? AND traces_sha256 = ? AND grader = ? "
             "AND status != 'incomplete' ORDER BY seq DESC"
         )
-        with self._told(), self._transaction():
-            for seq, record in self._db.execute(query, (key.id, key.submission_sha256, key.traces_sha256, key.grader)):
-                found = _result(record)
-                if fits(found, rubric):
-                    result = marked(found, rubric)
-                    text = _text(result)
-                    self._db.execute(_REMARK, (rubric.sha256, text, seq))
-                    self._point_at(replace(key, rubric_sha256=rubric.sha256))
-                    self._known[key.id] = text, result
-                    return result
-        return None
+        same = (key.id, key.submission_sha256, key.traces_sha256, key.grader)
+        results = ((seq, _result(record)) for seq, record in self._db.execute(query, same))
+        return next(((seq, result) for seq, result in results if fits(result, rubric)), None)
 
     def settings(self) -> ClassSettings | None:
         """Return the settings that the class is graded by; None if the record has none."""
@@ -203,11 +208,13 @@ class Store(Database):
                 for id_, record, hand_in in self._db.execute(query)
             }
 
-    def has(self, key: Key) -> bool:
-        """Return whether a complete result is on record under this key."""
+    def has(self, key: Key, rubric: Rubric) -> bool:
+        """Return whether a complete result is on record under this key, or one that can be regraded by its rubric."""
+        query = f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'"
         with self._told():
-            query = f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'"
-            return self._db.execute(query, astuple(key)).fetchone() is not None
+            if self._db.execute(query, astuple(key)).fetchone() is not None:
+                return True
+            return self._fitting(key, rubric) is not None
 
     def remark_class(
         self, mark: Callable[[dict[str, FinalGrade]], dict[str, FinalGrade]], rubric: Rubric

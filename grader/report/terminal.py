@@ -294,7 +294,7 @@ def show_class(outcome: ClassTotals, index: str, console: Console) -> None:
     facts = [f"{fresh} graded"] + ([f"{outcome.resumed} on record"] if outcome.resumed else [])
     for status in ("empty", "unreadable"):
         count = sum(result.status == status for result in outcome.results.values())
-        facts += [f"{count} {status}"] if count else []
+        facts += [f"of these {count} {status}"] if count else []
     facts += [f"mean of graded {statistics.fmean(scores):.1f}"] if scores else []
     console.print(Text(" · ".join(facts)), soft_wrap=True)
     for leftover in outcome.leftovers:
