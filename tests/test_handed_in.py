@@ -40,9 +40,9 @@ def drawn() -> Any:
 
 
 @pytest.mark.parametrize(
-    ("picture", "earned"), [(drawn(), 8.0), (NOISE, 0.0), (Image.new("RGB", (900, 600), "white"), 0.0)]
+    ("picture", "earned"), [(drawn(), 1.0), (NOISE, 0.0), (Image.new("RGB", (900, 600), "white"), 0.0)]
 )
-def test_a_plot_without_code_earns_half_and_a_person_is_asked_to_look(
+def test_a_plot_without_code_earns_its_form_and_a_person_is_asked_to_look(
     picture: Any, earned: float, marker: Marker
 ) -> None:
     files = {name: text.encode() for name, text in lab(plot="", compare="").items()}

@@ -26,6 +26,8 @@ DOING = "plotting IMU data"
 OF_WORDS = ("two_labelled_panels", "axis_labels_with_units", "legend_names_curves", "titles")
 """Checks that read the panels; what nobody sees has no words either."""
 OF_PLOT = ("saves_image", "curves_match_data", *OF_WORDS)
+_KEEPS = {"saves_image": 0.5} | dict.fromkeys(OF_PLOT[1:], 0.0)
+"""Share of each check for a picture that no code draws: nobody knows what it shows."""
 _INK = (0.005, 0.6)
 """Share of a handed-in picture that has none of its commonest colours: less is a blank sheet, more a photograph or noise.
 
@@ -121,11 +123,11 @@ def measure(student: Student, truth: Traces) -> Facts:
         if drawing.fault is not None and not drawing.figures:
             raise Raised(drawing.fault, DOING)
     except (Missing, NoAnswer, Raised) as stop:
-        stopped = _half(student) or dict.fromkeys(OF_PLOT, stop)
+        stopped = _drawn_by_no_code(student) or dict.fromkeys(OF_PLOT, stop)
         return Facts(_NO_PLOT, comparison=_comparison(student), stopped=stopped)
     plots = candidates(student, truth, drawing)
     plot, file = best_of(plots) or _NO_PLOT, _file(student, drawing, plots)
-    stopped = {} if any(map(curves.has_curves, drawing.figures)) else _half(student)
+    stopped = {} if any(map(curves.has_curves, drawing.figures)) else _drawn_by_no_code(student)
     outside: Mapping[Channel, Sight] = {}
     if not stopped:
         outside = _cut_off(student, truth, plot)
@@ -242,8 +244,11 @@ def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
     return tuple((axes.title, axes.ylabel, len(axes.curves)) for axes in figure.axes)
 
 
-def _half(student: Student) -> dict[str, Exception]:
-    """Return half of each check of the plot for a handed-in picture that no code draws; nothing without one."""
+def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
+    """Return the charges for a handed-in picture that no code draws: its form is earned, the rest is a person's to give.
+
+    Without a picture there are none.
+    """
     if not _handed_in(student, PICTURE):
         return {}
     student.note(
@@ -253,7 +258,7 @@ def _half(student: Student) -> dict[str, Exception]:
         )
     )
     row = (("plot-not-drawn", Deviation()),)
-    return {name: Charged(Charge(f"visualization.{name}", 0.5, row)) for name in OF_PLOT}
+    return {name: Charged(Charge(f"visualization.{name}", kept, row)) for name, kept in _KEEPS.items()}
 
 
 def _handed_in(student: Student, name: str) -> bool:
