@@ -150,8 +150,6 @@ def _redirect_model(place: str, sheets_name: str) -> None:
     def opened(file: Any, mode: str = "r", *args: Any, **options: Any) -> Any:
         if "r" not in mode:
             _make_room(file)
-        elif (number := sources.random_file(file)) is not None:
-            return really_open(number, mode, *args, **options)
         return really_open(meant(file) if "r" in mode else file, mode, *args, **options)
 
     mujoco.MjModel.from_xml_path = staticmethod(redirecting(mujoco.MjModel.from_xml_path))
@@ -161,10 +159,7 @@ def _redirect_model(place: str, sheets_name: str) -> None:
     vars(builtins)["open"] = vars(io)["open"] = opened
     accessor = getattr(pathlib, "_NormalAccessor", None)  # Python 3.10's paths hold on to both
     if accessor is not None:
-        accessor.stat, accessor.open = (
-            staticmethod(lambda *args, **options: os.stat(*args, **options)),  # noqa: PLW0108 - `sources` replaces it later
-            staticmethod(opened),
-        )
+        accessor.stat, accessor.open = staticmethod(stat), staticmethod(opened)
 
 
 def _make_room(file: Any) -> None:

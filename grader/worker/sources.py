@@ -12,12 +12,11 @@ import operator
 import os
 import random
 import sys
-import tempfile
 import threading
 import time
 import types
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -72,7 +71,6 @@ def furnish(folder: str) -> None:
     _give_repeatable_dates()
     _give_repeatable_identity()
     _draw_from_the_stream()
-    _give_repeatable_files()
 
 
 def seed(number: int) -> None:
@@ -199,91 +197,6 @@ def _give_repeatable_identity() -> None:
     if resource is not None:
         used = lambda who: resource.struct_rusage((time.process_time(), 0.0, 100_000, *[0] * 13))  # noqa: E731
         vars(resource)["getrusage"] = used
-
-
-_RANDOM_FILES = ("/dev/urandom", "/dev/random")
-_FILE_BYTES = 1 << 14
-"""Bytes of one such file: twice what a buffered `open` reads at once."""
-
-
-def random_file(path: Any, flags: int = os.O_RDONLY) -> int | None:
-    """Return a descriptor of a file with random bytes from our stream, where `path` is a device of such; None elsewhere."""
-    if flags != os.O_RDONLY or not isinstance(path, str | os.PathLike) or os.fspath(path) not in _RANDOM_FILES:
-        return None
-    number, name = tempfile.mkstemp(dir=_LIBRARY.own_folder)
-    os.unlink(name)
-    os.pwrite(number, _BYTES(_FILE_BYTES), 0)
-    return number
-
-
-def _give_repeatable_files() -> None:
-    """Let files have one time, inodes numbered in the order in which they are asked for, and folders an order."""
-
-    def opened(path: Any, flags: int, *args: Any, **options: Any) -> int:
-        number = random_file(path, flags & ~getattr(os, "O_CLOEXEC", 0))
-        return real_open(path, flags, *args, **options) if number is None else number
-
-    real_listdir, real_open = os.listdir, os.open
-    for name in ("stat", "lstat", "fstat"):
-        vars(os)[name] = _repeatable(getattr(os, name))
-    vars(os)["listdir"] = lambda path=".": sorted(real_listdir(path))
-    vars(os).update(scandir=_Listing, open=opened)
-
-
-_INODES: dict[tuple[int, int], int] = {}
-_TIMES = {f"st_{kind}time": _NEW_YEAR_S for kind in "amc"} | {
-    f"st_{kind}time_ns": int(_NEW_YEAR_S * 1e9) for kind in "amc"
-}
-
-
-def _repeatable(ask: Callable[..., os.stat_result]) -> Callable[..., os.stat_result]:
-    def asked(*args: Any, **options: Any) -> os.stat_result:
-        found = ask(*args, **options)
-        number = _INODES.setdefault((found.st_dev, found.st_ino), len(_INODES) + 1)
-        return os.stat_result((found.st_mode, number, 0, *found[3:7], *[int(_NEW_YEAR_S)] * 3), _TIMES)
-
-    return asked
-
-
-class _Entry:
-    """An entry of a folder with repeatable facts."""
-
-    def __init__(self, real: os.DirEntry[Any]) -> None:
-        self._real, self.stat = real, _repeatable(real.stat)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._real, name)
-
-    def __fspath__(self) -> Any:
-        return self._real.path
-
-    def inode(self) -> int:
-        return self.stat(follow_symlinks=False).st_ino
-
-
-class _Listing:
-    """The entries of a folder by their names, as `os.scandir` gives them."""
-
-    def __init__(self, path: Any = ".") -> None:
-        with _SCANDIR(path) as entries:
-            self._entries = iter(sorted(map(_Entry, entries), key=lambda entry: entry.name))
-
-    def __iter__(self) -> Iterator[_Entry]:
-        return self._entries
-
-    def __next__(self) -> _Entry:
-        return next(self._entries)
-
-    def __enter__(self) -> _Listing:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Do nothing: the folder is closed already."""
-
-    close = __exit__
-
-
-_SCANDIR = os.scandir
 
 
 def _draw_from_the_stream() -> None:
