@@ -50,7 +50,7 @@ SLOW = (
     "test_wall_time", "test_withheld",
 )  # fmt: skip
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
-LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions", "test_recorder")
+LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")
 """Files that `pytest -m quick` leaves out, too: they judge hundreds of made-up students."""
 QUICK = "quick and not slow and not longer"
 ALL = "not delivered and not sweep"

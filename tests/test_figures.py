@@ -65,12 +65,6 @@ def test_what_the_box_says_to_be_seen_is_not_believed(frame: Frame) -> None:
     assert not any(curve.visible for curve in curves)
 
 
-def test_a_figure_at_its_end_is_none_of_those_that_were_saved(frame: Frame) -> None:
-    facts = facts_of(frame)
-    frame.fields["figures"] += [facts | {"event": "finished", "title": "At its end"}, facts | {"title": "Another"}]
-    assert [figure.title for figure in figures_of(frame)] == [facts["title"], "Another"]
-
-
 def test_of_a_figure_that_cannot_be_read_only_the_file_is_told(frame: Frame) -> None:
     facts_of(frame).update(unreadable="ValueError", title=5, axes=[])
     (figure,) = figures_of(frame)

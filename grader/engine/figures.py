@@ -217,8 +217,8 @@ class Picture:
 
 
 def figures_of(frame: Frame) -> list[Figure]:
-    """Return the figures of a reply that describes drawings, except those that it marks as finished."""
-    return [_figure(facts, frame.arrays) for facts in frame.fields["figures"] if facts["event"] != "finished"]
+    """Return the figures of a reply that describes drawings."""
+    return [_figure(facts, frame.arrays) for facts in frame.fields["figures"]]
 
 
 def strays_of(frame: Frame) -> tuple[Stray, ...]:

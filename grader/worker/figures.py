@@ -43,31 +43,6 @@ def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
     }
 
 
-def parts_of(figure: Any) -> dict[tuple[int, str], Any]:
-    """Return a figure's artists and texts one by one; nothing where a student's own artists raise.
-
-    Returns
-    -------
-    The artists by identity. Who keeps it keeps them: the next artist may get the memory of one that went, and be taken for it.
-    """
-    try:
-        return {(id(artist), what): artist for artist, what in _each_part(figure)}
-    except Exception:  # artists of the student's own making
-        return {}
-
-
-def _each_part(figure: Any) -> Iterator[tuple[Any, str]]:
-    written = [*figure.texts]
-    for axes in figure.get_axes()[:_MAX_AXES]:
-        titles, labels = (axes.title, axes._left_title, axes._right_title), (axes.xaxis.label, axes.yaxis.label)
-        written += [*titles, *labels, *axes.texts]
-        yield from ((artist, "drawn") for artist in (*axes.lines, *axes.collections, *axes.patches))
-        if axes.get_legend() is not None:
-            yield axes, "legend"
-    yield from ((legend, "legend") for legend in figure.legends)
-    yield from ((text, text.get_text()) for text in written if text.get_text().strip())
-
-
 def _subfigures(figure: Any) -> Iterator[Any]:
     """The parts of a figure, and theirs."""
     for part in figure.subfigs:

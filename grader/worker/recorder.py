@@ -1,4 +1,4 @@
-"""Record what a submission saves and shows: each figure's facts at that moment, and again at the end if it has more then."""
+"""Record what a submission saves and shows: each figure's facts at that moment."""
 
 from __future__ import annotations
 
@@ -14,11 +14,8 @@ from . import artist_facts, drawing, figures, saved
 from .values import Packer
 
 _MAX_FIGURES = 12
-_MAX_TOLD = 16  # of them, those among them that are told of as they are at their end
 _QUICKLY = {"compress_level": 1, "compress_type": 3}  # runs of equal bytes alone: a picture that is read once
 _RAW = ("raw", "rgba")
-_ENDS = ("closed", "cleared", "open")
-"""Events that a figure meets once. A live plot is shown at every step, and nobody knows which of them is its last."""
 
 
 class Recorder:
@@ -28,8 +25,6 @@ class Recorder:
         self._drawn: list[saved.Drawn] = []
         self._noted: dict[Any, bool] = {}
         """The figures so far, and whether there was anything on them."""
-        self._saved: dict[Any, tuple[dict[tuple[int, str], Any], list[saved.Drawn]]] = {}
-        """What was on a figure when it was saved, and the files that it was saved to like that."""
         self._packer = Packer()
         self._files: dict[str, bytes | None] = {}
         self._deaf = False
@@ -50,10 +45,10 @@ class Recorder:
         plt.close("all")
         self._deaf = False
         strange = saved.settle(self._drawn, folder, self._files)
-        told, arrays = _told(self._drawn), self._packer.arrays
-        arrays |= {one.facts["seen"]: one.seen.pixels for one in told if one.seen is not None}
-        facts = [one.facts for one in told]
-        self._drawn, self._noted, self._saved, self._packer = [], {}, {}, Packer()
+        arrays = self._packer.arrays
+        arrays |= {one.facts["seen"]: one.seen.pixels for one in self._drawn if one.seen is not None}
+        facts = [one.facts for one in self._drawn]
+        self._drawn, self._noted, self._packer = [], {}, Packer()
         return {"figures": facts, "pictures": saved.written_pictures(folder), "strange": strange}, arrays
 
     def note(
@@ -67,8 +62,6 @@ class Recorder:
         seen: drawing.Seen | None = None,
     ) -> None:
         """Take the facts; `seen` where the figure was looked at already."""
-        if event in _ENDS and not self._deaf:
-            self._note_the_end(figure)
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
         again = known and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
@@ -87,8 +80,6 @@ class Recorder:
         drawn = self._described(figure, facts, f"seen{len(self._drawn)}", seen)
         drawn.written, drawn.place = content, place
         self._drawn.append(drawn)
-        if event == "saved":
-            self._remember(figure, drawn)
 
     def _described(self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Seen | None) -> saved.Drawn:
         """A figure with what is on it beside these facts; its pixels go by that name."""
@@ -101,35 +92,6 @@ class Recorder:
             facts |= {"unreadable": type(error).__name__, "axes": []}
             seen = None
         return saved.Drawn(facts, seen)
-
-    def _remember(self, figure: Any, drawn: saved.Drawn) -> None:
-        """Keep what was on a figure when it was saved."""
-        parts = figures.parts_of(figure)
-        before, files = self._saved.get(figure, ({}, []))
-        self._saved[figure] = (parts, [*files, drawn] if before.keys() == parts.keys() else [drawn])
-
-    def _note_the_end(self, figure: Any) -> None:
-        """Take the facts of a figure that was saved, and on which there is more now."""
-        parts, files = self._saved.pop(figure, ({}, []))
-        if files and parts.keys() < figures.parts_of(figure).keys():
-            finished = self._described(figure, {"event": "finished"}, f"end_of_{files[0].facts.get('seen')}", None)
-            for one in files:
-                one.finished = finished
-
-
-def _told(drawn: list[saved.Drawn]) -> list[saved.Drawn]:
-    """The figures, each followed by itself as it was at its end: the same file shows less."""
-    room, told = _MAX_TOLD - len(drawn), []
-    for one in drawn:
-        told.append(one)
-        if one.finished is not None and room:
-            told.append(saved.Drawn(_of_file(one) | one.finished.facts, one.finished.seen))
-            room -= 1
-    return told
-
-
-def _of_file(drawn: saved.Drawn) -> dict[str, Any]:
-    return {name: drawn.facts[name] for name in ("path", "format", "size_px")}
 
 
 RECORDER = Recorder()

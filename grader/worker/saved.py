@@ -28,13 +28,12 @@ _ALIKE = 0.7
 
 @dataclass
 class Drawn:
-    """A figure with its facts, what saving it wrote, and the figure as it was at its end, if it had more then."""
+    """A figure with its facts, and what saving it wrote."""
 
     facts: dict[str, Any]
     seen: Seen | None
     written: bytes | None = None
     place: str | None = None
-    finished: Drawn | None = None
 
 
 def written_pictures(folder: str) -> list[str]:
