@@ -103,7 +103,7 @@ class Plotting(Conversation):
     def _plotted_as_recorded(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
     ) -> Drawing | None:
-        """In what the own recorder returns, whether it lost points or not: a stand-in would return the sheet's dictionary."""
+        """Draw the plot of what the submission's own recorder returns, even if it lost points; None if it does not run."""
         shown = {f"s{number}": value for number, value in enumerate(sheet.values())}
         try:
             with self.without_standins():

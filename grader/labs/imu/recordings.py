@@ -61,7 +61,7 @@ def torso_ids(truth: Traces) -> tuple[int, int]:
 
 
 def story_of(student: Student, truth: Traces, name: str, series: Collection) -> tuple[Story | None, Worlds]:
-    """What explains a series, and the worlds that were tried: those of the traces, then the one that the sandbox claims.
+    """Return the explanation of a series, and the worlds that were tried: those of the traces, then the claimed one.
 
     The claim is simulated again by a worker that has never seen the submission, and counts only if the rows are the same.
     """
@@ -147,7 +147,7 @@ def length(series: Collection) -> int:
 
 
 def all_alike(series: Collection) -> bool:
-    """Whether every row is the same: a robot that stands still moves a little, too."""
+    """Return whether every row is the same: a robot that stands still moves a little, too."""
     there = [
         rows for key, rows in zip(SENSORS, series.sensors, strict=True) if rows is not None and key != series.absent
     ]
@@ -155,7 +155,7 @@ def all_alike(series: Collection) -> bool:
 
 
 def one_row_follows(student: Student, truth: Traces) -> bool:
-    """Whether a series whose rows are all alike is another one where gravity leans."""
+    """Return whether a series whose rows are all alike is another one where gravity leans."""
     series, leaning = pushed(student, truth), _leaning(student, truth)
     if series.acceleration is None or leaning.acceleration is None or not len(leaning.acceleration):
         return False

@@ -39,7 +39,7 @@ class Model:
 
     @property
     def is_lab(self) -> bool:
-        """Whether it is the lab's robot with the sensors of the sheet."""
+        """Return whether it is the lab's robot with the sensors of the sheet."""
         return self.path is None and self.imu == LAB_IMU
 
     @property

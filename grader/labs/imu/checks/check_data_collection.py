@@ -122,17 +122,17 @@ def _both_runs(student: Student, truth: Traces) -> list[tuple[Collection, Worlds
 
 
 def _ends_at_once(series: Collection, worlds: Worlds, story: Story) -> bool:
-    """Whether the first rows are all that there is, too few to tell how they go on: matches_truth charges that."""
+    """Return whether the first rows are all that there is, too few to tell how they go on: matches_truth charges that."""
     return story.skip == 1 and series.filled_rows < min(diagnosis.FEWEST_ROWS, worlds.steps // 2)
 
 
 def _is_last_alone(series: Collection, story: Story | None) -> bool:
-    """Whether the reading after the last step is all that there is: matches_truth charges that, too."""
+    """Return whether the reading after the last step is all that there is: matches_truth charges that, too."""
     return story is not None and story.skip > 1 and length(series) == 1
 
 
 def _are_too_many(student: Student, truth: Traces) -> bool:
-    """Whether as many rows as there are steps are filled, and those behind them never: matches_truth charges these."""
+    """Return whether as many rows as there are steps are filled, and those behind them never: matches_truth charges these."""
     return all(
         complete(series) and abs(series.filled_rows - worlds.steps) <= 1 < length(series)
         for series, worlds in _both_runs(student, truth)
@@ -183,7 +183,7 @@ def check_time_axis(student: Student, truth: Traces) -> None:
 
 
 def _has_few_digits(time: Array) -> bool:
-    """Whether stamps lost their digits with whatever else is kept in float16."""
+    """Return whether stamps lost their digits with whatever else is kept in float16."""
     return bool(np.array_equal(time, time.astype(np.float16)))
 
 
@@ -202,7 +202,7 @@ def _charging(series: Collection, worlds: Worlds) -> str:
 
 
 def _each_of_a_step(time: Array, worlds: Worlds) -> bool:
-    """Whether every stamp is that of a step of the run, each of a later one."""
+    """Return whether every stamp is that of a step of the run, each of a later one."""
     steps = np.round(time / worlds.timestep)
     whole = np.abs(time - steps * worlds.timestep).max() <= TIME_ATOL
     return bool(whole and np.all(np.diff(steps) > 0) and steps.min() >= 0 and steps.max() <= worlds.steps)
@@ -213,7 +213,7 @@ def _stand_still(time: Array) -> bool:
 
 
 def _of_stamps(time: Array, apart: float) -> str:
-    """What to try where the stamps show more than that they are wrong."""
+    """Return a hint on stamps that stand still or are off by a constant; "" for any others."""
     if _stand_still(time):
         return _STILL
     return _OFF_BY_THE_SAME if np.abs(np.diff(time) - apart).max(initial=0.0) <= TIME_ATOL else ""
@@ -229,7 +229,7 @@ _OFF_BY_THE_SAME = Ours(
 
 
 def _follows_timestep(series: Collection, worlds: Worlds, usual: float) -> None:
-    """Whether the stamps keep to another time step, too; where they start is a matter of the reset."""
+    """Return whether the stamps keep to another time step, too; where they start is a matter of the reset."""
     if series.time is not None:
         _keeps_timestep(series.time[: worlds.steps - 1], _timestep(worlds, series), usual)
 
@@ -372,5 +372,5 @@ def check_applies_push(student: Student, truth: Traces) -> None:
 
 
 def _pushes_at_random(student: Student, truth: Traces) -> bool:
-    """Whether two runs of one kind, both from a fresh state, start with other velocities."""
+    """Return whether two runs of one kind, both from a fresh state, start with other velocities."""
     return run_starts.are_pushed_apart(pushed(student, truth), pushed_again(student, truth))

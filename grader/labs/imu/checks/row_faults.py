@@ -1,4 +1,4 @@
-"""What is wrong with the rows of a recording, by the story that explains them, or without one: each fault as its finding."""
+"""Faults of the rows of a recording, each raised as a finding: by the story that explains them, or without one."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def shifted(story: Story, worlds: Worlds, series: Collection) -> None:
 
 
 def _leaves_first_out(story: Story, series: Collection) -> bool:
-    """Whether rows that are early by one are so for a step that has no row; others were read from states after their steps."""
+    """Return whether rows are early by one because one step has no row, not because they were read after a later step."""
     assert series.acceleration is not None
     return story.lag == -1 and _steps(series) > len(series.acceleration)
 
@@ -91,7 +91,7 @@ def _by_one(story: Story, series: Collection) -> NoReturn:
 
 
 def _at_own_times(story: Story, worlds: Worlds, series: Collection) -> bool:
-    """Whether each row stands at the time of its state: from the one before any step on, or by mj_forward after every step."""
+    """Return whether each row has the time of its state: rows start before the first step, or follow mj_forward."""
     if series.time is None or series.acceleration is None or len(series.time) < 2:
         return False
     if story.lag == -1:
@@ -131,7 +131,7 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
 
 
 def _is_near(story: Story, worlds: Worlds, series: Collection) -> bool:
-    """Whether both sensors' rows are off by less than a real sensor's noise."""
+    """Return whether both sensors' rows are off by less than a real sensor's noise."""
     both = zip(series.sensors, worlds.series[story.world], SHEETS_NOISE, strict=True)
     return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
@@ -145,7 +145,7 @@ def broken_off(n: int, worlds: Worlds) -> NoReturn:
 
 
 def standing_still(n: int, series: Collection) -> NoReturn:
-    """All rows are alike, and others would be too: no step was made, or none was read."""
+    """Raise the finding for rows that are all equal: no step was simulated, or no reading follows a step."""
     got, stepped = f"{n} equal rows, whatever gravity is", bool(series.first_step)
     raise CheckFailed(
         "a reading after every step" if stepped else "rows of a simulation",

@@ -1,4 +1,4 @@
-"""How a run began, and in which model, where a claim tells it: a simulation of ours from there has given the same rows."""
+"""Faults of the start of a run and of its model, from a claim that a simulation of the grader has confirmed."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _differ(a: Array, b: Array) -> bool:
 
 
 def in_another_pose(story: Story | None, worlds: Worlds, start: Array) -> bool:
-    """Whether a run is known to begin in another pose than the model's own (nq,)."""
+    """Return whether a run is known to begin in another pose than the model's own (nq,)."""
     claim = _claim_of(story, worlds)
     if claim is None:
         return story is not None and story.world == "no_reset"
@@ -34,13 +34,13 @@ def in_another_pose(story: Story | None, worlds: Worlds, start: Array) -> bool:
 
 
 def with_other_velocities(story: Story | None, worlds: Worlds, push: Collection) -> bool:
-    """Whether a run is known to begin with other velocities than the first run did: what an earlier one left stays in them."""
+    """Return whether a run begins with velocities that an earlier run left."""
     claim = _claim_of(story, worlds)
     return claim is not None and bool(push.first_step) and _differ(claim.qvel, push.first_step["qvel"])
 
 
 def are_pushed_apart(first: Collection, second: Collection) -> bool:
-    """Whether two runs of one kind, both from a fresh state, start with other velocities."""
+    """Return whether two runs of one kind, both from a fresh state, start with other velocities."""
     told = bool(first.first_step and second.first_step)
     return told and _differ(first.first_step["qvel"], second.first_step["qvel"])
 
@@ -91,7 +91,7 @@ def _wrongly_pushed(got: str, off: Size) -> None:
 
 
 def velocities(series: Collection) -> str:
-    """What a run starts with, in words."""
+    """Return the velocities at the start of a run in words."""
     return _in_words(series.first_step["qvel"]) or "no velocity"
 
 

@@ -1,4 +1,4 @@
-"""From a wrong time series to the mistake that predicts it: other worlds, other rows, other columns.
+"""Explanation of a wrong time series: the run, the choice of rows and the order of columns that predict it.
 
 A recorded series is explained by what the simulation did (the *world*: pushed, not pushed, not reset, …) and by how its
 samples became rows (late by one, several steps a row, references to one array, rows left empty, channels exchanged).
@@ -39,7 +39,7 @@ LEARNT_IDS = "the sensors whose ids are the torso's in the students' model"
 
 @dataclass(frozen=True)
 class Claim:
-    """Where a run is said to have started: believed only if a simulation from there gives the same rows.
+    """Start of a run as the worker reports it. It counts only if a simulation from there gives the same rows.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Worlds:
-    """What the sensors show in each world: name -> (acceleration, angular velocity), each (rows, 3).
+    """Sensor values in each simulated run, called world: name -> (acceleration, angular velocity), each (rows, 3).
 
     Those that rest on a `claim` are named in `claimed`; the others are of the traces.
     """
@@ -129,7 +129,7 @@ def with_own_reader(worlds: Worlds, rows: Array) -> Worlds:
 
 @dataclass(frozen=True)
 class Story:
-    """How rows came about: world, rows late by `lag` samples, `skip` steps a row, channels exchanged, rows aliased.
+    """Explanation of the rows: world, rows late by `lag` samples, `skip` steps a row, channels exchanged, rows aliased.
 
     With several steps a row, `first` tells after which of them a row is stored, from 0 on; where the rows are not equally far
     apart, `at` tells of which step each of them is. `altered` are the sensors whose numbers are others: of one, where the rows
@@ -147,21 +147,21 @@ class Story:
 
     @property
     def of_claim(self) -> bool:
-        """Whether the run went as it was claimed, as the claim alone tells."""
+        """Return whether the run went as it was claimed, as the claim alone tells."""
         return self.world in (CLAIMED_WORLD, OWN_WORLD)
 
     @property
     def of_other_sensors(self) -> bool:
-        """Whether other sensors than the right ones were read, or in the other order: that may be the reader's doing."""
+        """Return whether other sensors than the right ones were read, or in the other order: that may be the reader's doing."""
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:
-        """Whether so many rows of such a story reach through the whole run."""
+        """Return whether so many rows of such a story reach through the whole run."""
         reached = self.at[-1] + 1 if self.at else rows * self.skip
         return abs(reached - steps) <= self.skip
 
     def fits(self, seen: tuple[Collection, Worlds]) -> bool:
-        """Whether it predicts every filled row that the truth reaches."""
+        """Return whether it predicts every filled row that the truth reaches."""
         series, worlds = seen
         if series.acceleration is None or series.angular_velocity is None:
             return False
@@ -204,7 +204,7 @@ def moves(true: Array, atol: float, rows: Rows) -> bool:
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
-    """How many of the first rows are left from earlier runs, because lists outlive the call: none in most series.
+    """Return the number of first rows that are left from earlier runs because a list outlives the call.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def rows_left(series: Collection, before: Collection | None = None) -> int:
 
 
 def _alike(series: Collection, other: Collection, rows: slice, others: slice) -> bool:
-    """Whether the same motion stands there; rows in which nothing moves are like any others, and tell nothing."""
+    """Return whether the same motion stands there; rows in which nothing moves are like any others, and tell nothing."""
     pairs = ((series.acceleration, other.acceleration), (series.angular_velocity, other.angular_velocity))
     same_rows = all(
         a is not None and b is not None and np.array_equal(a[rows], b[others], equal_nan=True) for a, b in pairs
@@ -268,7 +268,7 @@ def _stories(series: Collection, worlds: Worlds) -> Iterator[Story]:
 
 
 def _strides(series: Collection, worlds: Worlds) -> set[int]:
-    """How many steps there may be between two rows: by the stamps, by the number of rows, or as people like it."""
+    """Return the likely numbers of steps between two rows: by the stamps, by the number of rows, or round numbers."""
     n = series.filled_rows
     likely = {2, 3, 4, 5, 10, 20, 50, 100, *((round(worlds.steps / n), -(-worlds.steps // n)) if n else ())}
     if series.time is not None and len(series.time) > 1:
@@ -288,7 +288,7 @@ def _steps_by_stamps(series: Collection, worlds: Worlds) -> tuple[int, ...]:
 
 
 def _missing_at_first(series: Collection, worlds: Worlds, world: str) -> int:
-    """How many samples of a world come before the first row, by the row of it that is nearest; none where that has no numbers."""
+    """Return the number of samples of a world before the first row: the index of the sample that is nearest to it."""
     assert series.acceleration is not None
     if not len(series.acceleration):
         return 0
@@ -343,7 +343,7 @@ def _distance(acceleration: Array, angular_velocity: Array, accel: Array, gyro: 
 
 
 def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> bool:
-    """Whether rows (n, 3) go with a simulation when the simulation is changed, whatever is done to their numbers.
+    """Return whether rows (n, 3) go with a simulation when the simulation is changed, whatever is done to their numbers.
 
     What is done to them, any linear map and offset, is read off one run; it has to foretell the other run to within half of
     the change between the two. A recording does not change, and has nothing in common with the change. Numbers that are mixed up
@@ -367,7 +367,7 @@ _SAME_NUMBER = 1e-7
 
 
 def _found_among(true: Array, rows: Array) -> float:
-    """Which share of the true numbers stands anywhere in the rows."""
+    """Return the share of the true numbers that occurs anywhere in the rows."""
     there = np.sort(rows, axis=None)
     at = np.clip(np.searchsorted(there, true.ravel()), 1, len(there) - 1)
     gaps = np.minimum(np.abs(there[at] - true.ravel()), np.abs(there[at - 1] - true.ravel()))
@@ -375,7 +375,7 @@ def _found_among(true: Array, rows: Array) -> float:
 
 
 def _rows(story: Story, n: int, available: int) -> tuple[Rows, Rows]:
-    """Which rows of the student's to hold against which rows of the truth: slices where they are equally far apart."""
+    """Return the indices of the student's rows and of the true rows to compare: slices if the rows are equally far apart."""
     if not story.aliased and not story.at:
         late, skip = (
             story.first - story.lag,

@@ -1,4 +1,4 @@
-"""What a noise model does, told from its moments: which of them are off, and what that shows.
+"""Explanation of a noise model from its moments: which of them are wrong, and which faults predict that.
 
 The reads of one `NoisyIMU` in two states, with the noise and the biases that it was told, become `Facts` of each sensor; a second
 instance, one with zero noise and zero bias, and many without a given bias separate what looks alike in the first.
@@ -73,7 +73,7 @@ class Facts:
 
     @cached_property
     def still(self) -> bool:
-        """Whether reads in one state do not differ."""
+        """Return whether reads in one state do not differ."""
         return bool(np.all(self.spread <= EXACT * self.std))
 
     @cached_property
@@ -84,7 +84,7 @@ class Facts:
 
     @cached_property
     def restless(self) -> bool:
-        """Whether most reads differ from the one before."""
+        """Return whether most reads differ from the one before."""
         return bool(np.median(np.abs(self.increments).max(axis=2)) > EXACT * self.std)
 
     @cached_property
@@ -106,7 +106,7 @@ class Facts:
 
 
 def _closest(values: Array) -> float:
-    """How near the two closest different values are to each other; 0 where all are alike."""
+    """Return the smallest distance between two different values; 0 if all are equal."""
     apart = np.diff(np.unique(values))
     return round(float(apart[apart > EXACT].min(initial=np.inf)), 15) if (apart > EXACT).any() else 0.0
 
@@ -116,12 +116,12 @@ def _are_multiples(values: Array, step: float) -> bool:
 
 
 def accumulates(facts: Facts) -> bool:
-    """Whether each read carries the noise of the reads before: successive ones hardly differ from each other."""
+    """Return whether each read carries the noise of the reads before: successive ones hardly differ from each other."""
     return not facts.still and bool(min(st.autocorrelation(state, 1).min() for state in facts.centred) > 0.9)
 
 
 def one_signed(facts: Facts) -> bool:
-    """Whether, on every axis, the reads begin at truth plus bias and go to one side of it, as absolute values do."""
+    """Return whether, on every axis, the reads begin at truth plus bias and go to one side of it, as absolute values do."""
     if facts.still:
         return False
     beside, edge = facts.residual - facts.bias, 0.05 * facts.pooled_spread
@@ -130,13 +130,13 @@ def one_signed(facts: Facts) -> bool:
 
 
 def half_width_is_std(facts: Facts) -> bool:
-    """Whether the noise fills ± std evenly: a uniform law with the standard deviation taken for its half width."""
+    """Return whether the noise fills ± std evenly: a uniform law with the standard deviation taken for its half width."""
     largest = float(np.abs(facts.centred).max())
     return 0.95 * facts.std < largest < 1.05 * facts.std and abs(facts.pooled_spread / facts.std - 3**-0.5) < 0.05
 
 
 def size_is_right(facts: Facts, spread: float | None = None) -> bool:
-    """Whether the pooled spread and that of each axis agree with the standard deviation asked for.
+    """Return whether the pooled spread and that of each axis agree with the standard deviation asked for.
 
     Rounding adds to each value half a grain at most, and so to a spread: the triangle inequality.
     """
@@ -151,7 +151,7 @@ def size_is_right(facts: Facts, spread: float | None = None) -> bool:
 
 
 def proportional(facts: Facts) -> bool:
-    """Whether the spread goes with the size of the reading, over axes and states."""
+    """Return whether the spread goes with the size of the reading, over axes and states."""
     size = np.abs(facts.truth).ravel()
     spread = facts.spread.ravel()
     if facts.still or len(np.unique(size.round(6))) < 3:
@@ -162,7 +162,7 @@ def proportional(facts: Facts) -> bool:
 
 @dataclass(frozen=True)
 class _Sizes:
-    """What is known of the noise's size: both sensors in the long run, of a second instance, and where no noise was asked for."""
+    """Facts about the size of the noise: of one instance, of a second one, and of one with a standard deviation of zero."""
 
     sensors: Sequence[Facts]
     again: Sequence[Facts]
@@ -174,17 +174,17 @@ class _Sizes:
 
     @cached_property
     def noisy(self) -> bool:
-        """Whether both sensors' reads differ."""
+        """Return whether both sensors' reads differ."""
         return not any(self.still)
 
     @cached_property
     def obeyed(self) -> bool:
-        """Whether both sensors' reads differ, and only where noise was asked for."""
+        """Return whether both sensors' reads differ, and only where noise was asked for."""
         return self.noisy and all(facts.still for facts in self.silent)
 
 
 def size_mistakes(sensors: Sequence[Facts], again: Sequence[Facts], silent: Sequence[Facts]) -> list[str]:
-    """What a wrong size of the noise shows.
+    """Return the faults that a wrong standard deviation shows.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def size_mistakes(sensors: Sequence[Facts], again: Sequence[Facts], silent: Sequ
 
 
 def bias_is_redrawn(sensors: Sequence[Facts], silent: Sequence[Facts]) -> bool:
-    """Whether reads without noise vary, and the noisy ones clearly more: a bias drawn on every read, with the noise on top.
+    """Return whether reads without noise vary, and the noisy ones clearly more: a bias drawn on every read, with the noise on top.
 
     Noise of a fixed size, whatever was asked for, varies as much in both. The spread of 600 values errs by 3 %. Reads of which a
     few are off have jumps, and their bias stays.
@@ -224,7 +224,7 @@ def _is_constant(facts: Facts, silent: Facts) -> bool:
 
 
 def _one_draw(seen: _Sizes) -> bool:
-    """Whether every read is the clean reading and one draw that is repeated."""
+    """Return whether every read is the clean reading and one draw that is repeated."""
     return all(np.ptp(f.offset, axis=0).max() <= 2 * st.Z * f.std for f in seen.sensors)
 
 
@@ -269,44 +269,44 @@ _SIZES: list[Named[_Sizes]] = [
 
 @dataclass(frozen=True)
 class _Biases:
-    """What is known of the biases: the sensors whose offset is not the given one, each with the other sensor, and both."""
+    """Facts about the biases: the sensors whose offset is not the given bias, each beside the other sensor, and both."""
 
     wrong: list[tuple[Facts, Facts]]
     sensors: Sequence[Facts]
 
 
 def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
-    """What an offset that is not the given bias shows, over both sensors."""
+    """Return the faults that an offset other than the given bias shows."""
     pairs = zip(sensors, reversed(sensors), strict=True)
     wrong = [(facts, other) for facts, other in pairs if not bias_is_right(facts)]
     return mistakes_of(_BIASES, _Biases(wrong, sensors)) if wrong else []
 
 
 def _each(predicts: Callable[[Facts, Facts], bool]) -> Callable[[_Biases], bool]:
-    """Of every sensor that is wrong, with the other one beside it."""
+    """Return a test that holds if `predicts` holds for every wrong sensor, beside the other one."""
     return lambda seen: all(predicts(facts, other) for facts, other in seen.wrong)
 
 
 def _shared(seen: _Biases) -> bool:
-    """Whether a sensor has the other's bias, or every wrong one the bias of its first axis on all three."""
+    """Return whether a sensor has the other's bias, or every wrong one the bias of its first axis on all three."""
     others = any(_offset_is(facts, other.bias) for facts, other in seen.wrong)
     return others or all(_offset_is(facts, np.full(3, facts.bias[0])) for facts, _ in seen.wrong)
 
 
 def _shifted(facts: Facts, other: Facts) -> bool:
-    """Whether the noise has a mean, the same on all axes and in all states."""
+    """Return whether the noise has a mean, the same on all axes and in all states."""
     del other
     return bool(np.ptp(facts.offset - facts.bias) <= 2 * mean_bound(facts))
 
 
 def _permutes(facts: Facts) -> bool:
-    """Whether the components of the given bias are there, on other axes."""
+    """Return whether the components of the given bias are there, on other axes."""
     others = [list(order) for order in itertools.permutations(range(3)) if order != (0, 1, 2)]
     return sum(_offset_is(facts, facts.bias[order]) for order in others) == 1
 
 
 def _biases_exchanged(sensors: Sequence[Facts]) -> bool:
-    """Whether each sensor has the other's given bias."""
+    """Return whether each sensor has the other's given bias."""
     return all(_offset_is(f, g.bias) for f, g in zip(sensors, reversed(sensors), strict=True))
 
 
@@ -316,7 +316,7 @@ def mean_bound(facts: Facts) -> float:
 
 
 def bias_is_right(facts: Facts) -> bool:
-    """Whether truth plus bias is the mean, in each state and over both."""
+    """Return whether truth plus bias is the mean, in each state and over both."""
     states, reads, _ = facts.residual.shape
     gap = np.abs(facts.offset - facts.bias)
     overall = np.abs(facts.offset.mean(axis=0) - facts.bias)
@@ -334,13 +334,13 @@ def _offset_is(facts: Facts, wanted: Array) -> bool:
 
 
 def _follows_bias(facts: Facts) -> bool:
-    """Whether the offset is some multiple of the given bias."""
+    """Return whether the offset is some multiple of the given bias."""
     factor = float(facts.offset.mean(axis=0) @ facts.bias / (facts.bias @ facts.bias))
     return _offset_is(facts, factor * facts.bias)
 
 
 def _stale(facts: Facts) -> bool:
-    """Whether every state gives what the first one gave, bias included."""
+    """Return whether every state gives what the first one gave, bias included."""
     first = facts.truth[0] + facts.bias - facts.truth
     return bool(np.abs(facts.offset - first).max() <= mean_bound(facts))
 

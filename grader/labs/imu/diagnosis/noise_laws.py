@@ -32,14 +32,14 @@ _FEW = 0.25
 
 
 def drifts(silent: Facts) -> bool:
-    """Whether reads that were asked for no noise move, and each by little against what they move by in the end."""
+    """Return whether reads that were asked for no noise move, and each by little against what they move by in the end."""
     if silent.still:
         return False
     return float(np.mean(silent.increments**2) / (2 * np.mean(silent.centred**2))) < _SMOOTH
 
 
 def creeps(biases: Array) -> bool:
-    """Whether biases (instances, reads, 3) move from read to read by little against how they differ between instances."""
+    """Return whether biases (instances, reads, 3) move from read to read by little against how they differ between instances."""
     moves = float(np.sqrt(np.mean(np.diff(biases, axis=1) ** 2)))
     between = float(np.sqrt(np.mean(np.var(biases[:, 0], axis=0))))
     return EXACT * max(1.0, float(np.abs(biases).max())) < moves < _CREEPS * between
@@ -72,7 +72,7 @@ def correlation(facts: Facts, lag: int) -> float:
 
 
 def correlated(facts: Facts) -> bool:
-    """Whether a read depends on one of the three before it, other than by adding to it."""
+    """Return whether a read depends on one of the three before it, other than by adding to it."""
     if facts.still or accumulates(facts):
         return False
     bound = st.correlation_bound(facts.residual.shape[1])
@@ -86,7 +86,7 @@ def innovation(facts: Facts) -> float:
 
 
 def clipped(facts: Facts) -> bool:
-    """Whether the reads are what a normal law of the size asked for leaves within some bound.
+    """Return whether the reads are what a normal law of the size asked for leaves within some bound.
 
     A bound shows where nothing goes beyond `_CUT`, or where the largest deviation comes again, to the last digit.
     """
@@ -98,7 +98,7 @@ def clipped(facts: Facts) -> bool:
 
 
 def _repeats_extremes(facts: Facts) -> bool:
-    """Whether four at least of the largest and least values, one an axis and state, come twice, to the last digit.
+    """Return whether four at least of the largest and least values, one an axis and state, come twice, to the last digit.
 
     Double precision repeats one with a probability of 1e-12, single precision with 2e-4, and four of twelve with 1e-12.
     """
@@ -108,7 +108,7 @@ def _repeats_extremes(facts: Facts) -> bool:
 
 
 def density(sensors: Sequence[Facts], timestep: float) -> bool:
-    """Whether both sensors' noise is as far off as a density taken for a standard deviation is: by the root of rate or step."""
+    """Return whether the noise of both sensors is wrong by the root of the rate or of the time step, as a noise density is."""
     ratios = [facts.pooled_spread / facts.std for facts in sensors]
     return any(all(abs(r / root - 1) < 0.07 for r in ratios) for root in (timestep**0.5, timestep**-0.5))
 
@@ -119,7 +119,7 @@ def living(facts: Facts) -> Array:
 
 
 def is_normal(facts: Facts) -> bool:
-    """Whether mean deviation and standard deviation are as far apart as a normal law has them; still axes aside."""
+    """Return whether mean deviation and standard deviation are as far apart as a normal law has them; still axes aside."""
     values = living(facts)
     if not values.size:
         return True

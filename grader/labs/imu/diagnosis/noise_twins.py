@@ -1,4 +1,4 @@
-"""What two noise models differ by that were made from the same seed, with one thing changed: the rest drops out."""
+"""Difference of two noise models from the same seed with one parameter changed: everything else cancels."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Twins:
 
     @cached_property
     def seeded(self) -> bool:
-        """Whether the same seed gives the same reads; where it does not, differences tell nothing."""
+        """Return whether the same seed gives the same reads; where it does not, differences tell nothing."""
         return same(self.base, self.again, EXACT)
 
     @cached_property
@@ -39,11 +39,11 @@ class Twins:
         return np.asarray(self.other - self.base)
 
     def adds_bias(self, grain: float = 0.0) -> bool:
-        """Whether every read is larger by just what the bias is larger by, to the precision that the reads have."""
+        """Return whether every read is larger by just what the bias is larger by, to the precision that the reads have."""
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL + grain)
 
     def begins_with_bias(self) -> bool:
-        """Whether the first read is, to a twentieth: all that can be asked of a bias that does not stay."""
+        """Return whether the first read is, to a twentieth: all that can be asked of a bias that does not stay."""
         return self.seeded and same(self.response[0], self.change, 0.05 * float(np.abs(self.change).max()))
 
     def ignores_bias(self) -> bool:
@@ -58,6 +58,6 @@ class Twins:
         return float(np.sqrt(np.mean(added**2) / 2)) if self.seeded else 0.0
 
     def scales(self) -> bool:
-        """Whether what reads differ by from one to the next is `factor` times as large."""
+        """Return whether what reads differ by from one to the next is `factor` times as large."""
         wanted = self.factor * np.diff(self.base, axis=0)
         return self.seeded and bool(wanted.any()) and same(np.diff(self.scaled, axis=0), wanted, TRUTH_ATOL)

@@ -59,7 +59,7 @@ class Run:
 
     @property
     def obeys(self) -> bool:
-        """Whether every output follows from the one before as in the sheet; infinity and NaN do not."""
+        """Return whether every output follows from the one before as in the sheet; infinity and NaN do not."""
         return bool(np.all(self.off <= ATOL))
 
     @cached_property
@@ -110,7 +110,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Whether another past changes the output for the same measurements, by more than chance does."""
+        """Return whether another past changes the output for the same measurements, by more than chance does."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()

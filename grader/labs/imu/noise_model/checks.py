@@ -133,7 +133,7 @@ def _spread(reads: Reads, unit: str) -> str:
 
 
 def _alike(axes: Array, reads: Reads) -> bool:
-    """Whether the axes' spreads differ by no more than chance lets those of one size differ."""
+    """Return whether the axes' spreads differ by no more than chance lets those of one size differ."""
     states, count, _ = reads.residual.shape
     low, high = st.spread_bounds(states * count, states)
     return bool(axes.max() / axes.min() <= high / low) if axes.min() > 0 else False

@@ -1,4 +1,4 @@
-"""Why noisy readings are not the sheet's: hypotheses over the size of the noise, its law, and the biases."""
+"""Hypotheses on the faults of a noise model: size of the noise, its distribution, and the biases."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _size_is_right(facts: Facts, which: int) -> bool:
 
 
 def _has_size(reads: Reads) -> bool:
-    """Whether noise of this law has the size, also where it adds up, has one sign, is cut off or is uniform."""
+    """Return whether noise of this law has the size, also where it adds up, has one sign, is cut off or is uniform."""
     if diagnosis.accumulates(reads):
         return diagnosis.size_is_right(reads, float(np.sqrt(np.mean(reads.increments**2))))
     if diagnosis.one_signed(reads):  # |normal| has the root mean square that was asked for, an exponential law the mean
@@ -64,7 +64,7 @@ def _has_size(reads: Reads) -> bool:
 
 
 def _law_explains(facts: Facts, wrong: Sequence[int]) -> bool:
-    """Whether the noise goes with the size asked for, or has it but for a few reads, and only has another law."""
+    """Return whether the noise goes with the size asked for, or has it but for a few reads, and only has another law."""
     reads = [facts.steady[i] for i in wrong]
     if not all(diagnosis.one_signed(each) or not laws.is_normal(each) for each in reads):
         return False
@@ -81,7 +81,7 @@ def _known_size(named: Named[diagnosis._Sizes]) -> Callable[[Facts], bool]:
 
 
 def without_draw(facts: Facts) -> bool:
-    """Whether reads do not differ, and stay the same where more noise is asked for: an offset, but no draw that is repeated."""
+    """Return whether all reads are equal, also with more noise: an offset, not one draw that is repeated."""
     seeded = bool(facts.twins) and all(twins.seeded for twins in facts.twins)
     return facts.still and seeded and all(same(t.scaled, t.base, diagnosis.TRUTH_ATOL) for t in facts.twins)
 
@@ -100,7 +100,7 @@ def _redrawn_explains_size(facts: Facts) -> bool:
 
 
 def bias_is_right(reads: Reads) -> bool:
-    """Whether the given bias is in the readings, as far as noise that adds up or has one sign lets it be seen."""
+    """Return whether the given bias is in the readings, as far as noise that adds up or has one sign lets it be seen."""
     if diagnosis.accumulates(reads):
         return bool(np.abs(reads.residual[0, 0] - reads.bias).max() <= 2 * st.Z * reads.std)
     return diagnosis.one_signed(reads) or diagnosis.bias_is_right(reads)
@@ -113,7 +113,7 @@ def _off(facts: Facts) -> list[int]:
 
 
 def _is_added(facts: Facts, which: int) -> bool:
-    """Whether another bias changes the readings by just that, whatever else is in them."""
+    """Return whether another bias changes the readings by just that, whatever else is in them."""
     if not facts.twins:
         return False
     twins = facts.twins[which]
@@ -160,7 +160,7 @@ def _known_bias(named: Named[diagnosis._Biases]) -> Callable[[Facts], bool]:
 
 
 def _ids_exchanged(facts: Facts) -> bool:
-    """Whether each sensor has the other's bias and the other's standard deviation."""
+    """Return whether each sensor has the other's bias and the other's standard deviation."""
     return diagnosis.bias_mistakes(facts.sensors) == ["biases-exchanged"] and _told_size(facts) == ["stds-swapped"]
 
 
@@ -173,7 +173,7 @@ def _means(facts: Facts) -> list[Array]:
 
 
 def noisy(facts: Facts) -> bool:
-    """Whether reads differ although no noise is asked for, so that a default bias cannot be told from one read to the next."""
+    """Return whether reads without noise differ, so that a default bias cannot be measured from them."""
     still = [reads.still or drifts for reads, drifts in zip(facts.silent, facts.drifting, strict=True)]
     return not all(still) and not facts.redrawn
 
@@ -211,7 +211,7 @@ def one_for_all_instances(facts: Facts) -> list[int]:
 
 
 def _none_at_all(facts: Facts) -> bool:
-    """Whether no bias is in the readings, given or drawn: one fault, which given_bias charges where there is noise."""
+    """Return whether no bias is in the readings, given or drawn: one fault, which given_bias charges where there is noise."""
     return bool(none_drawn(facts)) and diagnosis.bias_mistakes(facts.sensors) == ["no-bias"]
 
 
@@ -220,7 +220,7 @@ def _one_number(facts: Facts) -> list[int]:
 
 
 def _one_for_every_bias(facts: Facts) -> bool:
-    """Whether one constant stands in the place of each bias, given or drawn: one fault, too, and no worse than no bias at all."""
+    """Return whether a constant replaces each bias, given or drawn: one fault, no worse than no bias."""
     constant = set(one_for_all_instances(facts))
     return (
         bool(constant)
@@ -331,7 +331,7 @@ def _one_for_axes(facts: Facts) -> bool:
 
 
 def _by_strays_alone(facts: Facts) -> bool:
-    """Whether two channels are correlated by no more than what a few far values of theirs make."""
+    """Return whether two channels are correlated by no more than what a few far values of theirs make."""
     values = columns(facts)
     _, i, j = most_correlated(values)
     signs = st.correlations(np.sign(values))
@@ -339,7 +339,7 @@ def _by_strays_alone(facts: Facts) -> bool:
 
 
 def changed(facts: Facts) -> Array:
-    """Which of time, qpos, qvel and sensordata a read changes."""
+    """Return a mask of time, qpos, qvel and sensordata: which of them a read changes."""
     return np.asarray(~(facts.disturbance <= NO_CHANGE))
 
 

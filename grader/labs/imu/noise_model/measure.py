@@ -36,7 +36,7 @@ noise at 20 times its size reaches 50."""
 
 
 def judged(student: Student, truth: Traces, key: str) -> NoiseRun:
-    """What the checks judge: reads with given biases; with the submission's own where it stumbles over given ones only."""
+    """Return the reads that are judged: with given biases, or with its own if the model fails only with given ones."""
     return _sound_form(student, truth, asked(student, truth, key, given=takes_biases(student, truth, key)))
 
 
@@ -59,7 +59,7 @@ def _is_sound(run: NoiseRun) -> bool:
 
 @found_once
 def returns_exchanged(student: Student, truth: Traces) -> bool:
-    """Whether each vector is the other sensor's, with that sensor's bias."""
+    """Return whether each vector is the other sensor's, with that sensor's bias."""
     run = asked(student, truth, "given", given=True)
     if not _is_sound(run):
         return False
@@ -69,7 +69,7 @@ def returns_exchanged(student: Student, truth: Traces) -> bool:
 
 
 def is_one_twice(student: Student, truth: Traces) -> bool:
-    """Whether one sensor comes in both places, with its noise: what is the same without any is no sensor."""
+    """Return whether one sensor comes in both places, with its noise: what is the same without any is no sensor."""
     run = asked(student, truth, "given", given=True)
     same = _is_sound(run) and np.array_equal(run.accel, run.gyro)
     return same and bool(np.ptp(run.accel, axis=1).all())
@@ -80,7 +80,7 @@ def _exchanged(run: NoiseRun) -> NoiseRun:
 
 
 def takes_biases(student: Student, truth: Traces, key: str) -> bool:
-    """Whether a run with given biases is as good as one without: otherwise given_bias charges what it raises."""
+    """Return whether a run with given biases is as good as one without: otherwise given_bias charges what it raises."""
     return (
         asked(student, truth, key, given=True).fault is None
         or asked(student, truth, key, given=False).fault is not None
@@ -160,7 +160,7 @@ def _keeps_its_offset(facts: Reads) -> bool:
 
 
 def _would_show(facts: Reads) -> bool:
-    """Whether the sensor changes with the state by more than the noise hides."""
+    """Return whether the sensor changes with the state by more than the noise hides."""
     return bool(np.ptp(facts.truth, axis=0).max() > 4 * diagnosis.mean_bound(facts))
 
 
@@ -190,7 +190,7 @@ def which_drift(student: Student, truth: Traces) -> list[bool]:
 
 @found_once
 def from_one_seed(student: Student, truth: Traces) -> list[Twins] | None:
-    """What the submission makes of one seed; None where it did not answer with whole vectors."""
+    """Return instances from one seed, each with one parameter changed; None if a reading is not whole."""
     run = _twins(student, truth)
     if not _is_sound(run):
         return None
@@ -224,7 +224,7 @@ def _twins(student: Student, truth: Traces) -> NoiseRun:
 
 @found_once
 def reads_the_sensors(student: Student, truth: Traces) -> bool:
-    """Whether the readings follow the state: a new instance in another state reads something else, by more than chance.
+    """Return whether the readings follow the state: a new instance in another state reads something else, by more than chance.
 
     It may be any sensor, in any order, sign, unit or scale. True where nothing can be told.
     """
@@ -286,7 +286,7 @@ ALL = ("noise_size", "given_bias", "default_bias", "white_and_gaussian", "axes_a
 
 @dataclass(frozen=True)
 class Facts:
-    """What is known of one noise model; of each pair, the accelerometer's comes first.
+    """Facts about one noise model; in each pair the accelerometer comes first.
 
     Attributes
     ----------
@@ -333,7 +333,7 @@ class Facts:
 
     @cached_property
     def still(self) -> bool:
-        """Whether neither sensor's reads differ."""
+        """Return whether neither sensor's reads differ."""
         return all(reads.still for reads in self.steady)
 
     @cached_property

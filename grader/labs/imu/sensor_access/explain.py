@@ -208,16 +208,16 @@ class Explained:
         return known is not None and _agree(visit.got[sensor], known.predict(visit.scene, sensor))
 
     def _partly_right(self, sensor: int) -> bool:
-        """Whether most numbers of the other IMUs are right, so that some are altered."""
+        """Return whether most numbers of the other IMUs are right, so that some are altered."""
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Whether numbers are missing that no wrong place accounts for."""
+        """Return whether numbers are missing that no wrong place accounts for."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
     def near(self, visit: Visit) -> bool:
-        """Whether both sensors are off by less than a real one's noise."""
+        """Return whether both sensors are off by less than a real one's noise."""
         pairs = zip(visit.got, (self.meant(visit, i) for i in BOTH), SHEETS_NOISE, strict=True)
         return all(bool(np.abs(got - there).max() <= little) for got, there, little in pairs)
 

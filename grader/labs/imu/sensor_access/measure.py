@@ -25,7 +25,7 @@ BOTH = (0, 1)
 
 @dataclass(frozen=True)
 class Scene:
-    """What the simulator holds while a reader is called with one IMU's ids in k states.
+    """State of the simulator in k states in which the reader is called with the ids of one IMU.
 
     Attributes
     ----------

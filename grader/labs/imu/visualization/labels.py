@@ -131,7 +131,7 @@ _RATE_WORDS = re.compile(f"{_NAMES[1]}|{_hints('angular_velocity')}")
 
 @_once
 def claims(text: str) -> frozenset[int]:
-    """Which sensor a text speaks of: 0 acceleration, 1 angular velocity; by its words, else by its unit."""
+    """Return the sensors that a text names, 0 acceleration and 1 angular velocity: by its words, else by its unit."""
     words = plain(text)
     found = {0} if _ACCELERATION_WORDS.search(words) else set()
     if _RATE_WORDS.search(words):

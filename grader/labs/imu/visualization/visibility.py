@@ -165,7 +165,7 @@ class _Window:
 
 
 def _window(panel: Axes, codes: Codes, free: Mask) -> _Window | None:
-    """None where the panel is switched off, or no larger than a stroke."""
+    """Return the pixels of a panel; None if it is invisible or no larger than a stroke."""
     left, low, right, high = panel.position
     height, width = codes.shape
     rows = slice(*sorted(int(np.clip(share * height, 0, height)) for share in (1 - high, 1 - low)))
@@ -237,7 +237,7 @@ def _by_parts(x: Array, inside: Mask, seen: Mask) -> Sight:
 def _shown_points(
     curve: Curve, place: _Places, window: _Window, others: Sequence[Array], wide: float, patience: Patience
 ) -> Mask:
-    """Which points of a curve can be told from what is around them."""
+    """Return a mask of the points of a curve that differ visibly from their surroundings."""
     shown = np.zeros(len(place.rows), bool)
     inks: Sequence[Array | None] = _inks(curve) or [None]
     for ink, mixed in itertools.product(inks, ([], others)):
@@ -338,7 +338,7 @@ def _boxed(values: NDArray[Any], squares: NDArray[np.intp]) -> Array:
 
 
 def _widened(mask: Mask, reach: int) -> Mask:
-    """Each pixel with those around it, first along the columns, then along the rows."""
+    """Return the mask dilated by `reach` pixels along both axes."""
     for _ in range(2):
         mask = np.ascontiguousarray(mask)
         wide = mask.copy()

@@ -146,13 +146,13 @@ class _Still:
         self._moved = False
 
     def changes(self) -> list[float]:
-        """What the first read changed; where it moved the simulation, each of the next is looked after."""
+        """Return the changes by the first read, and note whether it moved the simulation: then `again` restores it."""
         found = changes_of(self._before, state_of(self._data))
         self._moved = any(found[:3])
         return found
 
     def again(self, row: np.ndarray) -> None:
-        """As it was before the read that gave this row."""
+        """Restore the state before the read that returned this row, and remove the effect of the change from the row."""
         if self._moved:
             row -= (self._sensordata - self._clean)[self._columns]
             put_in_state(self._model, self._data, self._qpos, self._qvel)
@@ -160,7 +160,7 @@ class _Still:
 
 
 def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Callable[..., Any]:
-    """What builds a `NoisyIMU` from biases, with the standard deviations of these fields or others, and gives what reads it."""
+    """Return a function that builds a `NoisyIMU` from biases and standard deviations, and returns its read function."""
     kind = submission.find("NoisyIMU", fields["path"])
     way = way_of(kind, calls.NOISY)
     answer["departs"] = list(way.departs)
@@ -197,7 +197,7 @@ def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer
 
 
 def _two_within(reading: Any) -> Iterable[Any]:
-    """Both vectors out of another form: six numbers in a line, or two vectors among other things, the gyroscope's by its name."""
+    """Return both vectors of another form: six numbers in a row, or two vectors among other values, named or in order."""
     parts = parts_of(reading)
     if len(parts) == 6:
         return np.reshape(numbers([part for _, part in parts]), (2, 3))
