@@ -307,15 +307,27 @@ def test_a_download_of_resubmissions_reports_nobody_as_missing(run: Run, tmp_pat
     assert code == 0, err
     assert column(Path("out/gradebook.csv"), "name")["alice"] == "Alice Adams"
     assert "Alice Adams" in Path("out/submissions/alice/report.html").read_text(encoding="utf-8")
+    replaced = "imugrade: other files than on record count now: bob (97 → 95.5)\n"
     assert (code, err) == (
         0,
-        f"{another}imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n",
+        f"{another}{replaced}imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n",
     )
     assert "1 graded" in out
     assert (
         run("export", "out", "-f", "csv", "-o", "marks.csv")[2].splitlines()[1]
         == "imugrade: blank: 1 (Dora D: no submission)"
     )
+
+
+def test_an_older_download_that_brings_earlier_files_back_is_told(run: Run, tmp_path: Path) -> None:
+    assert run("grade", "class", "-o", "out")[0] == 0
+    hand_in(tmp_path / "again", bob=1, carol=0)
+    assert "count now: bob (97 → 100)\n" in run("grade", "again", "-o", "out")[2]
+    told = "other files than on record would count: bob\n"
+    assert run("grade", "class", "-o", "out", "--dry-run")[1] == f"0 would be graded · 3 on record\n{told}"
+    code, _, err = run("grade", "class", "-o", "out")
+    assert (code, err) == (0, "imugrade: other files than on record count now: bob (100 → 97)\n")
+    assert "other files" not in run("grade", "class", "-o", "out")[2]
 
 
 def test_diff_says_a_changed_weight_once(run: Run, before: dict[str, float]) -> None:

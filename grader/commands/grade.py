@@ -110,7 +110,7 @@ def grade(
         return 0
     changed = classroom.change(order, found)
     if dry_run:
-        for line in (classroom.counted(order, found), *([changed.told()] if changed else [])):
+        for line in (*classroom.forecast(order, found), *([changed.told()] if changed else [])):
             print(line)
         return 0
     if changed is not None:

@@ -22,7 +22,7 @@ from grader.course.pool import Outcome as Marked
 from grader.course.publishing import Publisher, publish, publish_class
 from grader.course.record import Key, Store
 from grader.course.submission_archive import pack
-from grader.course.warnings import gone, of_policy, outdated, remarks
+from grader.course.warnings import gone, named_lines, of_policy, outdated, remarks, replaced
 from grader.engine.chart_data import Evidence, unpacked
 from grader.engine.check_runner import known_checks
 from grader.engine.grader import Marker
@@ -108,8 +108,8 @@ class Audience(Protocol):
 class Outcome:
     """Outcome of a run: results by id, the number resumed from the record, unplaced files and warnings.
 
-    `remarks` holds outdated overrides and the warnings that the previous run did not give; `known` counts the warnings that it
-    did give and that still hold. `remarked` counts recorded results that were regraded because the rubric had changed.
+    `remarks` holds replaced submissions, outdated overrides and the warnings that the previous run did not give; `known` counts
+    the warnings that it did give and that still hold. `remarked` counts recorded results that were regraded because the rubric had changed.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -240,18 +240,25 @@ def change(order: Order, found: Class) -> Change | None:
     return changed
 
 
-def counted(order: Order, found: Class) -> str:
-    """Return how many submissions a run would grade, and how many are on record; nothing is graded."""
+def forecast(order: Order, found: Class) -> list[str]:
+    """Return how many submissions a run would grade, and which files on record others would replace; nothing is graded."""
     kept: list[bool] = []
+    given: dict[str, set[str]] = {}
+    present: dict[str, Result] = {}
     with Reader() as reader:
         if (order.out / FILE_NAME).is_file():
             with Store.existing(order.out) as store:
-                again = installed_since(store)
-                kept = [
-                    not order.force and each.id not in again and store.has(_key(each, order), order.rubric)
-                    for _, each in reader.each(found.entries)
-                ]
-    return f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record"
+                again, present = installed_since(store), store.present()
+                for _, each in reader.each(found.entries):
+                    given.setdefault(each.id, set()).add(each.sha256)
+                    kept.append(
+                        not order.force and each.id not in again and store.has(_key(each, order), order.rubric)
+                    )
+    others = [id_ for id_ in given if id_ in present and present[id_].provenance["submission_sha256"] not in given[id_]]
+    return [
+        f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record",
+        *named_lines("other files than on record would count", others),
+    ]
 
 
 def installed_since(store: Store) -> set[str]:
@@ -286,7 +293,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
         )
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
-        was = store.settings()
+        was, before = store.settings(), store.final_grades()
         store.keep_settings(replace(order.settings, isolation=was.isolation if was else ""), keep_before=moves)
         told = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
         remarked = store.told().get("remark", [])
@@ -310,7 +317,8 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
         )
         store.keep_told({**told, "remark": now})
     new = [line for line in now if line not in remarked]
-    outcome.remarks, outcome.known = (*outdated(final_grades), *new), len(now) - len(new)
+    outcome.remarks = (*replaced(before, final_grades), *outdated(final_grades), *new)
+    outcome.known = len(now) - len(new)
     return outcome
 
 

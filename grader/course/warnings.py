@@ -20,20 +20,20 @@ _A_FEW = 5  # names
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
     """Yield lines about equal and empty submissions, missing packages, lateness without a time, and the roster."""
     for ids in equal(final_grades.values()):
-        yield from _lines("the same files were handed in by", ids)
+        yield from named_lines("the same files were handed in by", ids)
     nothing = [s.id for s in final_grades.values() if s.result.status in ("empty", "unreadable")]
-    yield from _lines("no gradable files (review what was handed in)", nothing)
+    yield from named_lines("no gradable files (review what was handed in)", nothing)
     odd = [s.id for s in final_grades.values() if not_understood(s.result)]
-    yield from _lines("an answer that the grader could not read (review what the code returns)", odd)
+    yield from named_lines("an answer that the grader could not read (review what the code returns)", odd)
     stopped = [s.id for s in final_grades.values() if timed_out(s.result)]
-    yield from _lines("every check timed out (review what the code does)", stopped)
+    yield from named_lines("every check timed out (review what the code does)", stopped)
     yield from missing_packages.lines({s.id: missing_packages.failed(s.result) for s in final_grades.values()})
     applied = [s.id for s in final_grades.values() if any(repair.author == AUTOMATIC for repair in s.result.repairs)]
-    yield from _lines("repaired automatically (review the change)", applied)
+    yield from named_lines("repaired automatically (review the change)", applied)
     untimed = [s.id for s in final_grades.values() if s.late and s.late.due and s.late.seconds is None]
-    yield from _lines("late, but without a time (add a column `submitted` to the roster)", untimed)
-    yield from _lines("in the roster, no submission", absent)
-    yield from _lines("not in the roster, or matched by several people there", unknown)
+    yield from named_lines("late, but without a time (add a column `submitted` to the roster)", untimed)
+    yield from named_lines("in the roster, no submission", absent)
+    yield from named_lines("not in the roster, or matched by several people there", unknown)
 
 
 def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
@@ -45,11 +45,11 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
         many = f"{len(untimed)} of {len(final_grades)} hand-ins"
         yield f"the late policy deducts nothing from {many}: their time is unknown (add a column `submitted` to the roster)"
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
-    yield from _lines("late on the platform, but in time by the roster and the late policy", in_time)
+    yield from named_lines("late on the platform, but in time by the roster and the late policy", in_time)
     people = [person for each in final_grades.values() for person in each.hand_in.people]
     known = {text.casefold() for person in people for text in person.called}
     known |= {id_.casefold() for id_ in final_grades}
-    yield from _lines(
+    yield from named_lines(
         "with an extension in the rubric, but no submission has this name",
         [who for who in policy.extensions if who.casefold() not in known],
     )
@@ -64,6 +64,16 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
     if left and 2 * len(left) <= len(final_grades):
         more = f"; and {len(left) - _A_FEW} more" if len(left) > _A_FEW else ""
         yield f"on record and in the gradebook, but not in this download: {'; '.join(left[:_A_FEW])}{more}"
+
+
+def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Iterator[str]:
+    """Yield lines about submissions on record that now count by other files, with the final grades of both."""
+    changed = [
+        f"{id_} ({_final(before[id_])} → {_final(now)})"
+        for id_, now in after.items()
+        if id_ in before and _digest(before[id_]) != _digest(now)
+    ]
+    yield from named_lines("other files than on record count now", changed)
 
 
 def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
@@ -81,6 +91,14 @@ def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
 def timed_out(result: Result) -> bool:
     outcomes = {check.outcome for criterion in result.criteria for check in criterion.checks}
     return outcomes == {"timeout"}
+
+
+def _digest(final_grade: FinalGrade) -> object:
+    return final_grade.result.provenance.get("submission_sha256")
+
+
+def _final(final_grade: FinalGrade) -> str:
+    return "blank" if final_grade.final is None else words.number(final_grade.final)
 
 
 def _outdated(final_grade: FinalGrade, adjustment: Adjustment) -> str:
@@ -107,7 +125,7 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
     yield from (ids for ids in same.values() if len(ids) > 1)
 
 
-def _lines(what: str, names: Sequence[str]) -> Iterator[str]:
+def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
     """Yield the names in lines of `A_LINE`, separated by semicolons because many names are ``Last, First``."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
