@@ -108,8 +108,9 @@ class Audience(Protocol):
 class Outcome:
     """Outcome of a run: results by id, the number resumed from the record, unplaced files and warnings.
 
-    `remarks` holds replaced submissions, outdated overrides and the warnings that the previous run did not give; `known` counts
-    the warnings that it did give and that still hold. `remarked` counts recorded results that were regraded because the rubric had changed.
+    `remarks` holds replaced submissions, outdated overrides and the warnings that the previous run did not give; `known` counts the
+    warnings that it did give and that still hold. `remarked` counts recorded results that were regraded because the rubric had
+    changed.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -251,9 +252,7 @@ def forecast(order: Order, found: Class) -> list[str]:
                 again, present = installed_since(store), store.present()
                 for _, each in reader.each(found.entries):
                     given.setdefault(each.id, set()).add(each.sha256)
-                    kept.append(
-                        not order.force and each.id not in again and store.has(_key(each, order), order.rubric)
-                    )
+                    kept.append(not order.force and each.id not in again and store.has(_key(each, order), order.rubric))
     others = [id_ for id_ in given if id_ in present and present[id_].provenance["submission_sha256"] not in given[id_]]
     return [
         f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record",
