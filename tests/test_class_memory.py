@@ -260,6 +260,23 @@ def test_what_if_starts_from_the_rubric_of_the_class(run: Run, before: dict[str,
     assert "2 of 3 moved" in run("diff", "out")[1]
 
 
+def test_the_mean_is_that_of_the_final_grades_of_the_graded_everywhere(run: Run, tmp_path: Path) -> None:
+    hand_in(tmp_path / "class", dora=None)
+    rubric_with(tmp_path / "late.yaml", LATE)
+    Path("roster.csv").write_text(ROSTER)
+    assert (
+        "mean of graded 90.3\n"
+        in run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv")[1]
+    )
+    assert "mean of graded 90.3" in words(Path("out/index.html").read_text(encoding="utf-8"))
+    rubric_with(tmp_path / "later.yaml", (LATE[0], LATE[1].replace("10%", "20%")))
+    told = run("grade", "class", "-o", "out", "--rubric", "later.yaml", "--change")[2]
+    assert "mean of graded 90.3 to 83.7\n" in told
+    assert "mean of graded 90.3 → 83.7\n" in run("diff", "out")[1]
+    with desk_over(Path("out").absolute()) as desk:
+        assert "mean of graded 83.7 → 90.3" in words(desk.get("/what-if?late:per_day=10%25").text)
+
+
 # ---- what people said ----
 
 

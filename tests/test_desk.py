@@ -589,7 +589,7 @@ def test_plain_words_are_an_appeal_of_whom_the_form_names(desk: Desk) -> None:
 
 def test_the_class_moves_before_anything_is_saved_and_the_saved_rubric_says_the_same(desk: Desk, out: Path) -> None:
     page = words(desk.get(f"/what-if?weight:{ADDRESS}=14").text)
-    assert "2 of 3 final grades change; mean final grade 96.7 → 94.7" in page
+    assert "2 of 3 final grades change; mean of graded 96.7 → 94.7" in page
     assert row(out, "bob")["total"] == "94"
     assert desk.post("/what-if", {f"weight:{ADDRESS}": "14", "do": "save"}).status == 303
     (file,) = out.glob("rubric-*.yaml")

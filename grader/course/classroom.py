@@ -34,7 +34,7 @@ from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.people import late_policy, roster
-from grader.people.final_grade import FinalGrade, HandIn, Person
+from grader.people.final_grade import FinalGrade, HandIn, Person, graded
 from grader.people.identity import Meant
 from grader.people.roster import NO_ROSTER, Roster
 from grader.platforms.classes import Entry, read_class
@@ -106,14 +106,15 @@ class Audience(Protocol):
 
 @dataclass
 class Outcome:
-    """Outcome of a run: results by id, the number resumed from the record, unplaced files and warnings.
+    """Outcome of a run: results by id, how many are from the record, unplaced files and warnings.
 
-    `remarks` holds replaced submissions, outdated overrides and the warnings that the previous run did not give; `known` counts the
-    warnings that it did give and that still hold. `remarked` counts recorded results that were regraded because the rubric had
-    changed.
+    `grades` holds the final grades of the graded submissions. `remarks` holds replaced submissions, outdated overrides and the
+    warnings that the previous run did not give; `known` counts the warnings that it did give and that still hold. `remarked` counts
+    recorded results that were regraded because the rubric had changed.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
+    grades: list[float] = field(default_factory=list)
     resumed: int = 0
     remarked: int = 0
     leftovers: tuple[str, ...] = ()
@@ -316,6 +317,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
         )
         store.keep_told({**told, "remark": now})
     new = [line for line in now if line not in remarked]
+    outcome.grades = graded(final_grades[id_] for id_ in outcome.results)
     outcome.remarks = (*replaced(before, final_grades), *outdated(final_grades), *new)
     outcome.known = len(now) - len(new)
     return outcome

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from grader.base.text import printable
 from grader.engine.results import CheckResult, Result
-from grader.people.final_grade import FinalGrade
+from grader.people.final_grade import FinalGrade, graded
 from grader.report import words
 
 _CAUSES = {
@@ -53,8 +53,7 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def _mean(final_grades: list[FinalGrade]) -> str:
-    graded = (final_grade for final_grade in final_grades if final_grade.result.status == "graded")
-    finals = [final_grade.final for final_grade in graded if final_grade.final is not None]
+    finals = graded(final_grades)
     return f"{statistics.fmean(finals):.1f}" if finals else "–"
 
 

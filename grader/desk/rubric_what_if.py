@@ -24,7 +24,7 @@ from grader.desk.overviews import framed
 from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import LARGEST
-from grader.people.final_grade import FinalGrade
+from grader.people.final_grade import FinalGrade, graded
 from grader.report import overview, words
 
 _SHOWN = 50
@@ -217,7 +217,7 @@ def _outlook(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) 
     ]
     moves.sort(key=lambda move: (-abs(move.by), move.final_grade.id))
     top = max((each.result.max_score for side in (before, after) for each in side.values()), default=100.0)
-    scores = [[each.final for each in side.values() if each.final is not None] for side in (before, after)]
+    scores = [graded(side.values()) for side in (before, after)]
     means = [words.number(round(statistics.fmean(side), 1)) if side else "–" for side in scores]
     return Outlook(
         tuple(moves[:_SHOWN]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -241,6 +241,11 @@ def given_out(final_grades: Mapping[str, FinalGrade], reviewed: Collection[str] 
         return empty and final_grade.id not in reviewed and all(each.alone for each in final_grade.adjustments)
 
     return {id_: replace(final_grade, unseen=nothing(final_grade)) for id_, final_grade in final_grades.items()}
+
+
+def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
+    """Return the final grades of the graded submissions: the basis of each mean and distribution of a class."""
+    return [each.final for each in final_grades if each.result.status == "graded" and each.final is not None]
 
 
 def beneath(criterion: CriterionResult) -> dict[str, float | None]:

@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 from grader.base.text import printable
 from grader.engine.results import Result
-from grader.people.final_grade import FinalGrade
+from grader.people.final_grade import FinalGrade, graded
 from grader.report import words
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
@@ -161,7 +161,7 @@ def entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry
                 *(["adjusted"] if final_grade.adjustments else []),
             ]
         ),
-        tags=(*_tags(final_grade), *([f"score:{_bin(result.score, top)}"] if result.status == "graded" else [])),
+        tags=(*_tags(final_grade), *(f"score:{_bin(grade, top)}" for grade in graded([final_grade]))),
     )
 
 
@@ -220,20 +220,20 @@ def numbers(entries: Iterable[Entry]) -> dict[str, int]:
     return {tag: number for number, tag in enumerate(dict.fromkeys(tag for each in entries for tag in each.tags))}
 
 
-def figures(scores: list[float]) -> list[tuple[str, str]]:
-    if not scores:
+def figures(grades: list[float]) -> list[tuple[str, str]]:
+    if not grades:
         return []
     return [
-        ("mean of graded", words.number(round(statistics.fmean(scores), 1))),
-        ("median", words.number(round(statistics.median(scores), 1))),
-        ("lowest", words.number(min(scores))),
-        ("highest", words.number(max(scores))),
+        ("mean of graded", words.number(round(statistics.fmean(grades), 1))),
+        ("median", words.number(round(statistics.median(grades), 1))),
+        ("lowest", words.number(min(grades))),
+        ("highest", words.number(max(grades))),
     ]
 
 
-def bars(scores: list[float], top: float) -> list[Bar]:
-    """Return the histogram of the scores in bins of equal width, highest first."""
-    counts = Counter(_bin(score, top) for score in scores)
+def bars(grades: list[float], top: float) -> list[Bar]:
+    """Return the histogram of the grades in bins of equal width, highest first."""
+    counts = Counter(_bin(grade, top) for grade in grades)
     tallest = max(counts.values(), default=1)
     edges = [words.number(round(place * top / _BINS, 2)) for place in range(_BINS + 1)]
     labels = [f"{low}–{high}" for low, high in itertools.pairwise(edges)]
@@ -242,9 +242,9 @@ def bars(scores: list[float], top: float) -> list[Bar]:
     ]
 
 
-def _bin(score: float, top: float) -> int:
-    """Return the bin of a score. A score on an edge belongs to the higher bin."""
-    return min(max(int(_BINS * score / (top or 1.0) + 1e-9), 0), _BINS - 1)
+def _bin(grade: float, top: float) -> int:
+    """Return the bin of a grade. A grade on an edge belongs to the higher bin."""
+    return min(max(int(_BINS * grade / (top or 1.0) + 1e-9), 0), _BINS - 1)
 
 
 def mistakes(final_grades: Iterable[FinalGrade]) -> list[Mistake]:

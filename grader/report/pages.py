@@ -17,7 +17,7 @@ from grader.base.text import printable
 from grader.engine.chart_data import Chart
 from grader.engine.faults import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
-from grader.people.final_grade import FinalGrade, Person
+from grader.people.final_grade import FinalGrade, Person, graded
 from grader.report import causes, charts, overview, words
 from grader.report.causes import Cause, causes_of, part_of
 
@@ -210,7 +210,7 @@ def index_page(
         People of the roster without a submission.
     """
     results = [final_grade.result for final_grade in final_grades.values()]
-    scores = [result.score for result in results if result.status == "graded"]
+    grades = graded(final_grades.values())
     columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
     named = sorted(final_grades.values(), key=lambda each: (overview.by_name(each.name), each.id))
     entries = [overview.entry(final_grade, columns, top) for final_grade in named]
@@ -221,8 +221,8 @@ def index_page(
         "table.js",
         next((result.lab for result in results), LabName()),
         count=len(final_grades),
-        figures=overview.figures(scores),
-        bars=overview.bars(scores, top),
+        figures=overview.figures(grades),
+        bars=overview.bars(grades, top),
         columns=columns,
         entries=entries,
         at_once=_AT_ONCE,

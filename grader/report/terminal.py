@@ -30,6 +30,7 @@ class ClassTotals(Protocol):
     """Totals of a run over a class."""
 
     results: dict[str, Result]
+    grades: list[float]
     resumed: int
     leftovers: tuple[str, ...]
 
@@ -289,13 +290,12 @@ def _more(command: str, setting: Setting) -> list[Text]:
 
 def show_class(outcome: ClassTotals, index: str, console: Console) -> None:
     """Print the last lines of a run over a class: counts, mean, submissions that were not graded, where the pages are."""
-    scores = [result.score for result in outcome.results.values() if result.status == "graded"]
     fresh = len(outcome.results) - outcome.resumed
     facts = [f"{fresh} graded"] + ([f"{outcome.resumed} on record"] if outcome.resumed else [])
     for status in ("empty", "unreadable"):
         count = sum(result.status == status for result in outcome.results.values())
         facts += [f"of these {count} {status}"] if count else []
-    facts += [f"mean of graded {statistics.fmean(scores):.1f}"] if scores else []
+    facts += [f"mean of graded {statistics.fmean(outcome.grades):.1f}"] if outcome.grades else []
     console.print(Text(" · ".join(facts)), soft_wrap=True)
     for leftover in outcome.leftovers:
         console.print(Text(f"Not placed: {printable(leftover, 300)}"), soft_wrap=True)

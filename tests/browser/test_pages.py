@@ -113,7 +113,7 @@ def test_a_bar_leads_to_those_who_stand_in_it_and_goes_together_with_the_other_f
     bar = page.locator(".distribution").get_by_role("button", name="10–20 points")
     bar.focus()
     page.keyboard.press("Enter")
-    assert {10.0 <= float(score) < 20.0 for score in column(page, "Score")} == {True}
+    assert {10.0 <= float(score) < 20.0 for score in column(page, "Final")} == {True}
     assert str(len(column(page, "Name"))) == bar.inner_text().split()[-1]
     page.get_by_label("Find").fill("no such name")
     assert column(page, "Name") == []
