@@ -40,17 +40,6 @@ def test_every_submission_is_marked_once_and_every_marker_closed(tmp_path: Path)
     assert multiprocessing.active_children() == []
 
 
-def test_markers_stay_warm_from_one_submission_to_the_next(tmp_path: Path) -> None:
-    grade(tmp_path, "a", "b", "c")
-    pids = {line.split()[1] for line in (tmp_path / "marked").read_text().splitlines()}
-    assert len(pids) == 1
-    assert pids != {str(os.getpid())}
-
-
-def test_nothing_is_started_when_there_is_nothing_to_mark(tmp_path: Path) -> None:
-    assert list(mark_all(iter(()), partial(no_marker, tmp_path), 4)) == []
-
-
 def test_a_marker_that_is_killed_is_replaced_and_its_submission_marked_again(tmp_path: Path) -> None:
     outcomes = grade(tmp_path, "a", "once", "b")
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
@@ -69,16 +58,6 @@ def test_what_lay_ready_at_a_marker_that_was_killed_is_nobodys_failure(tmp_path:
     unmarked = {id_ for id_, outcome in outcomes.items() if isinstance(outcome, Unmarked)}
     assert unmarked == {id_ for id_ in outcomes if id_.startswith("kill")}
     assert sorted(FakeMarker(tmp_path).marked()) == ["a", "b", "kill", "kill", "kill-again", "kill-again"]
-
-
-def test_a_marker_goes_on_while_its_last_result_is_written_down(tmp_path: Path) -> None:
-    run = mark_all(iter([submission("a"), submission("b")]), partial(fake_marker, tmp_path), 1)
-    next(run)
-    until = time.monotonic() + 10
-    while FakeMarker(tmp_path).marked() != ["a", "b"]:
-        assert time.monotonic() < until
-        time.sleep(0.02)
-    assert [each.id for each, _ in run] == ["b"]
 
 
 def test_a_fault_of_the_grader_is_handed_back_with_its_words(tmp_path: Path) -> None:
@@ -104,12 +83,6 @@ def test_a_marker_that_grows_without_end_is_ended(tmp_path: Path) -> None:
     outcomes = bounded(tmp_path, Bounds(memory_bytes=300 << 20), "a", "fat", "b")
     assert outcomes.pop("fat") == Stopped("more than 0.292969 GB of memory")
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
-
-
-def test_a_submission_that_stops_one_marker_and_kills_another_is_stopped(tmp_path: Path) -> None:
-    assert bounded(tmp_path, Bounds(wall_s=3.0), "first wait, then kill") == {
-        "first wait, then kill": Stopped("no end within 3 s")
-    }
 
 
 def test_a_marker_that_cannot_be_opened_ends_the_run(tmp_path: Path) -> None:

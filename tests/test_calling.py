@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import ast
-import math
 import re
 from types import ModuleType
 from typing import Any
 
 import pytest
 
-from grader.labs.imu.worker import calls
 from grader.worker import fuzzy_names, stepping
 from grader.worker.calling import Slot, way_of
 from grader.worker.missing_imports import MissingImports
@@ -219,51 +217,3 @@ def _method(name: str) -> str:
 def test_one_method_a_letter_away_is_the_required_one(text: str, meant: str | None) -> None:
     found = dict(fuzzy_names.misspelled_methods(ast.parse(text).body, ["LowPassFilter.update"]))
     assert found == ({} if meant is None else {"LowPassFilter.update": meant})
-
-
-class InTime:
-    """A filter that is made of a cutoff, in Hz, and the time between two measurements."""
-
-    def __init__(self, cutoff_hz: float, dt: float, initial_value: Any = None) -> None:
-        self.alpha, self.value = dt / (1 / (2 * math.pi * cutoff_hz) + dt), initial_value
-
-
-class ByRate(InTime):
-    def __init__(self, fc: float = 10.0, fs: float = 100.0) -> None:
-        super().__init__(fc, 1 / fs)
-
-
-class ByConstant(InTime):
-    def __init__(self, tau: float, dt: float) -> None:
-        super().__init__(1 / (2 * math.pi * tau), dt)
-
-
-@pytest.mark.parametrize("kind", [InTime, ByRate, ByConstant])
-@pytest.mark.parametrize("alpha", [0.01, 0.1, 0.5, 0.99])
-def test_a_filter_that_is_made_of_times_gets_those_of_alpha(kind: type[InTime], alpha: float) -> None:
-    build, departs = calls.filter_by(kind)
-    assert (build({"alpha": alpha}).alpha, departs) == (pytest.approx(alpha, rel=1e-9), ["alpha"])
-
-
-def test_a_filter_of_times_has_the_sheets_alpha_where_none_is_given_and_its_initial_value() -> None:
-    built = calls.filter_by(InTime)[0]({"initial_value": 3.0})
-    assert (built.alpha, built.value) == (pytest.approx(0.1), 3.0)
-
-
-@pytest.mark.parametrize("alpha", [0.0, 1.0])
-def test_the_ends_of_alpha_have_a_cutoff_too(alpha: float) -> None:
-    assert calls.filter_by(InTime)[0]({"alpha": alpha}).alpha == pytest.approx(alpha, abs=1e-6)
-
-
-def _one_of_both(alpha: float = 0.1, initial_value: Any = None, cutoff_hz: float = 0.0, dt: float = 0.002) -> float:
-    return alpha
-
-
-def _whatever(**options: Any) -> Any:
-    return options["alpha"]
-
-
-@pytest.mark.parametrize("kind", [_one_of_both, _whatever])
-def test_who_takes_alpha_is_given_alpha(kind: Any) -> None:
-    build, departs = calls.filter_by(kind)
-    assert (build({"alpha": 0.3}), departs) == (0.3, [])

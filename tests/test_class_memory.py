@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from grader.course.database import FILE_NAME
-from grader.desk.overviews import queue
 from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
 from tests.desk import desk_over, words
 
@@ -111,13 +110,6 @@ def test_the_version_before_stays_and_diff_compares_with_it(run: Run, before: di
     assert "2 of 3 moved" in out
 
 
-def test_a_rubric_with_other_comments_changes_nothing(run: Run, before: dict[str, float]) -> None:
-    rubric_with(Path("rub.yaml"), HEAVIER, ("# The rubric", "# Our rubric"))
-    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub.yaml")
-    assert (code, err) == (0, "")
-    assert totals() == before
-
-
 def test_a_rubric_that_asks_other_things_says_how_many_are_graded_again(
     run: Run, before: dict[str, float], ran: list[str]
 ) -> None:
@@ -152,19 +144,6 @@ def test_the_roster_and_the_attempt_rule_need_not_be_given_again(run: Run, tmp_p
     code, _, err = run("grade", "class", "-o", "out", "--attempts", "latest")
     assert code == 2
     assert "another attempt rule (latest in place of best)" in err
-
-
-def test_a_roster_that_moves_no_score_is_told_and_used(run: Run, before: dict[str, float]) -> None:
-    Path("roster.csv").write_text("id,name\nalice,Alice A\nbob,Bob B\ncarol,Carol C\n")
-    code, _, err = run("grade", "class", "-o", "out", "--roster", "roster.csv")
-    assert (code, err) == (0, "imugrade: a roster: no score changes\n")
-    assert column(Path("out/gradebook.csv"), "name")["carol"] == "Carol C"
-    Path("roster.csv").write_text("id,name\nalice,Alice B\nbob,Bob B\ncarol,Carol C\n")
-    assert (
-        run("grade", "class", "-o", "out", "--roster", "roster.csv")[2]
-        == "imugrade: another roster: no score changes\n"
-    )
-    assert run("diff", "out")[0] == 2
 
 
 def test_other_dates_in_a_roster_are_told_with_what_they_do(run: Run, tmp_path: Path) -> None:
@@ -241,25 +220,6 @@ def test_a_weaker_isolation_level_than_that_of_the_class_is_refused(run: Run, be
     assert totals().keys() == {*before, "dora"}
 
 
-def test_what_if_starts_from_the_rubric_of_the_class(run: Run, before: dict[str, float], tmp_path: Path) -> None:
-    rubric_with(tmp_path / "late.yaml", HEAVIER, LATE)
-    Path("roster.csv").write_text(ROSTER)
-    assert run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv", "--change")[0] == 0
-    assert totals("final")["alice"] == 80.0
-    with desk_over(Path("out").absolute()) as desk:
-        page = desk.get("/what-if").text
-        assert f'name="weight:{CHECK}" inputmode="decimal" size="4" value="9"' in page
-        assert "graded with another rubric" not in words(page)
-        assert desk.post("/what-if", {f"weight:{CHECK}": "6", "do": "mark"}).status == 303
-        desk.book.settled()
-    assert totals("final")["alice"] == 80.0
-    assert totals()["bob"] > before["bob"]
-    saved = totals()
-    assert run("grade", "class", "-o", "out")[0] == 0
-    assert totals() == saved
-    assert "2 of 3 moved" in run("diff", "out")[1]
-
-
 def test_the_mean_is_that_of_the_final_grades_of_the_graded_everywhere(run: Run, tmp_path: Path) -> None:
     hand_in(tmp_path / "class", dora=None)
     rubric_with(tmp_path / "late.yaml", LATE)
@@ -296,24 +256,6 @@ def test_an_override_says_that_the_weight_beneath_it_has_changed(run: Run, befor
     assert run("grade", "class", "-o", "out")[2] == ""
 
 
-def test_an_empty_submission_that_was_marked_as_reviewed_is_exported(run: Run, before: dict[str, float]) -> None:
-    hand_in(Path("class"), dora=None)
-    assert run("grade", "class", "-o", "out")[0] == 0
-    assert column(Path("out/gradebook.csv"), "total")["dora"] == ""
-    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[0] == 2
-    with desk_over(Path("out").absolute()) as desk:
-        looks = desk.book.on_thread(lambda: queue(desk.book))
-        (look,) = [each for each in looks if each.reason.kind == "empty"]
-        desk.book.on_thread(
-            lambda: desk.book.mark_reviewed([("dora", look.reason.kind, look.reason.about)], "prof", done=True)
-        )
-        desk.book.settled()
-    assert column(Path("out/gradebook.csv"), "total")["dora"] == "0"
-    code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv")
-    assert (code, err) == (0, "imugrade: graded: 4\n")
-    assert column(Path("marks.csv"), "final")["dora"] == "0"
-
-
 def test_a_download_of_resubmissions_reports_nobody_as_missing(run: Run, tmp_path: Path) -> None:
     Path("roster.csv").write_text("id,name\nalice,Alice A\nbob,Bob B\ncarol,Carol C\ndora,Dora D\n")
     assert "no submission: Dora D\n" in run("grade", "class", "-o", "out", "--roster", "roster.csv")[2]
@@ -345,17 +287,6 @@ def test_an_older_download_that_brings_earlier_files_back_is_told(run: Run, tmp_
     code, _, err = run("grade", "class", "-o", "out")
     assert (code, err) == (0, "imugrade: other files than on record count now: bob (100 → 97)\n")
     assert "other files" not in run("grade", "class", "-o", "out")[2]
-
-
-def test_diff_says_a_changed_weight_once(run: Run, before: dict[str, float]) -> None:
-    rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
-    hand_in(Path("class"), alice=0)
-    assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")[0] == 0
-    lines = run("diff", "out")[1].splitlines()
-    assert lines.count(f"{CHECK}  worth 7.82 → 9.23 points") == 1
-    assert [line for line in lines if line.startswith(f"  {CHECK}")] == [
-        f"  {CHECK}  passed 7.82 / 7.82 → failed 0 / 9.23"
-    ]
 
 
 def test_those_who_are_not_in_the_download_stay_as_they_are_and_that_is_told(

@@ -11,7 +11,6 @@ import pytest
 
 from tests.class_commands import Run, commands, hand_in
 from tests.corpus.writing import zipped
-from tests.desk import desk_over
 
 GITHUB_ROSTER = '"identifier","github_username","github_id","name"\n"s1001","jdoe-gh","9001","Jane Doe"\n"s1002","rroe42","9002",""\n"s1003","","",""\n'
 """What GitHub Classroom downloads as `classroom_roster.csv`."""
@@ -157,33 +156,6 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     ]
     assert run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank", "--unreadable", "0")[0] == 0
     assert [row["final"] for row in rows("marks.csv")] == ["100", "0", ""]
-
-
-def test_two_of_one_name_are_shown_with_their_ids(run: Run) -> None:
-    hand_in(Path("class"), a1=1, a2=1, b1=1)
-    Path("roster.csv").write_text("id,name\na1,Ann Lee\na2,ann lee\nb1,Bob Roe\n")
-    assert run("grade", "class", "-o", "out", "--roster", "roster.csv")[0] == 0
-    page = Path("out/index.html").read_text()
-    for name in ("Ann Lee (a1)", "ann lee (a2)", "Bob Roe"):
-        assert f">{name}</a>" in page
-    with desk_over(Path("out").resolve()) as desk:
-        for path in ("/class", "/regrade-requests", "/submission/a1"):
-            assert "Ann Lee (a1)" in desk.get(path).text, path
-
-
-def test_an_ambiguous_name_is_told_with_those_that_it_may_mean(run: Run) -> None:
-    canvas_download(doejane_101=1, doejane_102=0)
-    assert run("grade", "canvas.zip", "-o", "out")[0] == 0
-    told = "is ambiguous: it may mean doejane_101 (doejane) or doejane_102 (doejane); give the id\n"
-    wish = ("--criterion", "filtering", "--points", 3, "--comment", "x")
-    assert run("adjust", "out", "Jane Doe", *wish) == (2, "", f"imugrade: Jane Doe {told}")
-
-
-def test_the_beginning_of_several_ids_is_ambiguous(run: Run) -> None:
-    hand_in(Path("class"), jane_1=1, jane_2=0)
-    assert run("grade", "class", "-o", "out")[0] == 0
-    code, _, err = run("grade", "class", "-o", "out", "--only", "jane")
-    assert (code, err) == (2, "imugrade: jane is ambiguous: it may mean jane_1, jane_2; give the id\n")
 
 
 def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:

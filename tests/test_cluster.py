@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,10 +18,9 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from grader import cli
 from grader.base.errors import GraderError, RequestError
 from grader.course import classroom, cluster, cluster_worker
-from grader.course.pool import KILLED, Bounds, Outcome, Stopped, Unmarked
+from grader.course.pool import KILLED, Bounds, Outcome, Unmarked
 from grader.course.record import Store
 from grader.engine import rubric
 from grader.engine.chart_data import Evidence
@@ -72,18 +71,6 @@ class Site:
         with self.client() as client:
             until(lambda: len(client.nthreads()) == count)
         return [worker.pid for worker in self._workers]
-
-    @contextmanager
-    def with_nanny(self) -> Iterator[None]:
-        """Have one worker more, of the kind that starts by itself."""
-        nanny = self._start("worker", self.address, "--nthreads", "1")
-        try:
-            with self.client() as client:
-                until(lambda: len(client.nthreads()) == 1)
-            yield
-        finally:
-            nanny.terminate()
-            nanny.wait()
 
     def client(self) -> Client:
         return Client(self.address, set_as_default=False)
@@ -232,10 +219,6 @@ def test_every_submission_is_marked_once_and_every_marker_closed(site: Site, tmp
     assert {path.name for path in tmp_path.glob("closed-*")} == {f"closed-{pid}" for pid in marked_by}
 
 
-def test_no_cluster_is_needed_when_there_is_nothing_to_mark(tmp_path: Path) -> None:
-    assert list(cluster.mark_all(iter(()), partial(no_marker, tmp_path), "tcp://127.0.0.1:1", Bounds())) == []
-
-
 def test_no_more_submissions_are_in_memory_than_there_are_workers(site: Site, tmp_path: Path) -> None:
     site.staff(2)
     taken: list[str] = []
@@ -250,30 +233,6 @@ def test_no_more_submissions_are_in_memory_than_there_are_workers(site: Site, tm
         assert len(taken) <= done + 2
 
 
-def test_a_fault_of_the_grader_is_handed_back_with_its_words_and_the_marker_replaced(
-    site: Site, tmp_path: Path
-) -> None:
-    site.staff(1)
-    outcomes = grade(site, tmp_path, "bug", "a")
-    assert outcomes["bug"] == Unmarked("GraderError: the zygote is gone")
-    assert isinstance(outcomes["a"], Result)
-    assert sorted(FakeMarker(tmp_path).marked()) == ["a", "bug", "bug"]
-
-
-def test_a_run_that_is_given_up_closes_its_markers(site: Site, tmp_path: Path) -> None:
-    site.staff(1)
-    run = cluster.mark_all(map(submission, "abc"), partial(fake_marker, tmp_path), site.address, Bounds())
-    next(run)
-    run.close()
-    until(lambda: list(tmp_path.glob("closed-*")))
-    with site.client() as client:
-        assert not [name for seats in client.run(seats_taken).values() for name in seats]
-
-
-def seats_taken(dask_worker: object) -> list[str]:
-    return [name for name in dask_worker.plugins if name.startswith("imugrade")]  # type: ignore[attr-defined]
-
-
 def test_a_submission_that_kills_two_markers_is_handed_back_and_no_worker_is_lost(site: Site, tmp_path: Path) -> None:
     pids = site.staff(2)
     outcomes = grade(site, tmp_path, "a", "kill", "b", "c")
@@ -281,24 +240,6 @@ def test_a_submission_that_kills_two_markers_is_handed_back_and_no_worker_is_los
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
     assert FakeMarker(tmp_path).marked().count("kill") == 2
     assert site.staff(2) == pids
-
-
-def test_a_marker_that_does_not_answer_is_ended_there_too_and_no_worker_is_lost(site: Site, tmp_path: Path) -> None:
-    pids = site.staff(2)
-    outcomes = bounded(site, tmp_path, Bounds(wall_s=2.0), "a", "burn", "b", "c")
-    assert outcomes.pop("burn") == Stopped("no end within 2 s")
-    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
-    assert FakeMarker(tmp_path).marked().count("burn") == 2
-    assert site.staff(2) == pids
-
-
-def test_a_worker_that_has_a_nanny_ends_a_marker_too(site: Site, tmp_path: Path) -> None:
-    """As `dask worker` starts them by itself: as daemons, which multiprocessing allows no children."""
-    site.staff(0)
-    with site.with_nanny():
-        outcomes = bounded(site, tmp_path, Bounds(wall_s=2.0), "a", "wait", "b")
-    assert outcomes.pop("wait") == Stopped("no end within 2 s")
-    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
 
 
 # --- what is refused, in one line -----------------------------------------------------------------------------------
@@ -332,21 +273,6 @@ def test_a_worker_with_other_versions_is_refused(
     assert not (tmp_path / "marked").exists()
 
 
-def test_a_worker_without_imugrade_is_refused(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    site.staff(1)
-    monkeypatch.setattr(cluster_worker.Seat, "__reduce__", lambda seat: (not_there, ()))
-    told = refusal(site.address)
-    assert told.startswith(f"--cluster {site.address}: a worker cannot grade (")
-    assert "No module named 'imugrade_not_there'" in told
-    assert told.endswith("; install the same imugrade[cluster] there")
-
-
-def not_there() -> object:
-    import imugrade_not_there
-
-    return imugrade_not_there
-
-
 def test_a_cluster_without_workers_is_refused(site: Site) -> None:
     site.staff(0)
     assert refusal(site.address) == (
@@ -359,8 +285,6 @@ def test_a_cluster_without_workers_is_refused(site: Site) -> None:
     [
         ("tcp://127.0.0.1:1", "nothing came within 0.5 s"),
         ("nowhere", "missing port number in address 'nowhere'"),
-        ("no://where:1", "unknown address scheme 'no' "),
-        ("tls://127.0.0.1:1", "TLS expects a `ssl_context` argument "),
     ],
 )
 def test_an_address_where_no_scheduler_is_is_refused(
@@ -384,23 +308,6 @@ def test_an_address_where_something_else_is_is_refused(site: Site, monkeypatch: 
 def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert refusal("tcp://127.0.0.1:1") == "--cluster needs Dask; install it with: pip install 'imugrade[cluster]'"
-
-
-def test_the_command_tells_it_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.delenv("IMUGRADE_SEED", raising=False)
-    monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 0.2)
-    arguments = ["grade", str(hand_in(tmp_path / "class", full=False)), "-o", str(tmp_path / "out")]
-    assert cli.main([*arguments, "--cluster", "tcp://127.0.0.1:1"]) == 2
-    assert capsys.readouterr().err.splitlines() == [
-        "imugrade: --cluster tcp://127.0.0.1:1: no Dask scheduler answers there (nothing came within 0.2 s)"
-    ]
-    assert cli.main([*arguments, "--cluster", "tcp://127.0.0.1:1", "--jobs", "2"]) == 2
-    assert (
-        capsys.readouterr().err
-        == "imugrade: --jobs does not work with --cluster; start more workers on the cluster instead\n"
-    )
 
 
 # --- a cluster that goes away -----------------------------------------------------------------------------------------
@@ -428,39 +335,6 @@ def test_a_cluster_that_loses_its_last_worker_is_given_up_in_time(
     assert lost(site, tmp_path, pid) == (
         f"the cluster at {site.address} has had no worker for 1 s; start some, then give the same command again"
     )
-
-
-def test_a_connection_that_cannot_be_closed_changes_nothing(
-    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As when the scheduler ends while its client gives up connecting to it."""
-
-    async def broken(client: Client, *, fast: bool = False) -> None:
-        await closing_as_ever(client, fast=fast)
-        raise RuntimeError("Cannot change state of expiring Timeout")
-
-    site.staff(1)
-    closing_as_ever = Client._close
-    monkeypatch.setattr(Client, "_close", broken)
-    assert isinstance(grade(site, tmp_path, "a")["a"], Result)
-    run = cluster.mark_all(iter([submission("b")]), partial(no_marker, tmp_path), site.address, Bounds())
-    with pytest.raises(RequestError, match="no marker for"):
-        next(run)
-
-
-@pytest.mark.parametrize("moment", ["__init__", "nthreads", "register_plugin", "submit"])
-def test_a_scheduler_that_goes_away_at_any_moment_is_told_in_one_line(
-    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
-) -> None:
-    def gone(*_: object, **__: object) -> None:
-        raise OSError("Timed out during handshake while connecting to tcp://127.0.0.1:1")
-
-    site.staff(1)
-    monkeypatch.setattr(Client, moment, gone)
-    with pytest.raises((RequestError, GraderError)) as told:
-        grade(site, tmp_path, "a")
-    assert site.address in str(told.value)
-    assert "\n" not in str(told.value)
 
 
 def test_a_scheduler_that_goes_away_ends_the_run(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

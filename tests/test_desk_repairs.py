@@ -15,10 +15,8 @@ from typing import Any
 import pytest
 
 from grader.course.class_grading import Recipe, recipe
-from grader.desk.asking import Ask
 from grader.desk.editing import as_bytes, editable
 from grader.desk.repair_jobs import Job, RepairJobs
-from grader.desk.repairing import editor
 from grader.labs.imu.lab import LAB
 from tests import class_commands
 from tests.class_commands import column, commands
@@ -125,13 +123,6 @@ def test_a_preview_shows_both_grades_by_criterion_and_records_nothing(desk: Desk
     assert (out / "gradebook.csv").read_bytes() == before
 
 
-def test_the_copy_is_graded_in_another_process_and_once(desk: Desk, out: Path) -> None:
-    saved(desk, previewed(desk))
-    pids = (out.parent / "seen").read_text().split()
-    assert len(pids) == 1
-    assert str(os.getpid()) not in pids
-
-
 def test_a_saved_repair_is_one_of_the_command(desk: Desk, out: Path) -> None:
     page = saved(desk, previewed(desk))
     assert "ada: filters.py repaired, 94 points before, 95 points now" in words(page)
@@ -151,11 +142,6 @@ def test_the_same_repair_is_offered_to_the_same_file_with_the_same_error(desk: D
     told = words(saved(desk, page, also="bob"))
     assert "bob: filters.py repaired, 94 points before, 95 points now" in told
     assert column(out / "gradebook.csv", "total") == {"ada": "95", "bob": "95", "cyd": "97", "dan": "94"}
-
-
-def test_nobody_else_is_repaired_unless_selected(desk: Desk, out: Path) -> None:
-    saved(desk, previewed(desk), also="cyd")
-    assert column(out / "gradebook.csv", "total") == {"ada": "95", "bob": "94", "cyd": "97", "dan": "94"}
 
 
 @pytest.mark.parametrize(
@@ -179,14 +165,6 @@ def test_an_error_stands_beside_its_field_and_what_was_typed_stays(
     assert ("kept &lt;b&gt;" in page) == (name != "comment")
     assert ('value="3"' in page) == (name != "deduct")
     assert column(out / "gradebook.csv", "total")["ada"] == "94"
-
-
-def test_a_text_that_was_not_previewed_is_previewed_first(desk: Desk, out: Path) -> None:
-    page = saved(desk, previewed(desk), text="# 0.75\n")
-    assert "Sum of 100 94 98.5 +4.5" in words(page)
-    assert column(out / "gradebook.csv", "total")["ada"] == "94"
-    assert "98.5 points before" not in saved(desk, page)
-    assert column(out / "gradebook.csv", "total")["ada"] == "94"  # 98.5 less 5, and never below
 
 
 def test_an_unchanged_file_and_a_worse_one_are_not_saved(desk: Desk) -> None:
@@ -248,11 +226,6 @@ def test_a_browser_changes_no_byte_of_a_file_that_nobody_edited(content: bytes) 
     assert as_bytes(content, text.replace("\n", "\r\n")) == content
 
 
-def test_an_edited_line_gets_the_line_ending_of_its_file() -> None:
-    assert as_bytes(b"a\r\nb\r\nc\n", "a\nB\nc\n") == b"a\r\nB\r\nc\n"
-    assert as_bytes(b"a\nb", "a\nb\nc") == b"a\nb\nc"
-
-
 @pytest.mark.parametrize(
     ("path", "content", "why"),
     [
@@ -263,22 +236,6 @@ def test_an_edited_line_gets_the_line_ending_of_its_file() -> None:
 )
 def test_what_a_browser_cannot_keep_is_not_edited_in_it(path: str, content: bytes, why: str) -> None:
     assert why in editable(path, content).why
-
-
-def test_a_file_of_another_encoding_says_so() -> None:
-    assert editable("a.py", "s = 'é'\n".encode("latin-1")).note.startswith("This file is not UTF-8.")
-    assert as_bytes("s = 'é'\n".encode("latin-1"), "s = 'é'\n") == "s = 'é'\n".encode()
-
-
-def test_a_job_that_ends_while_its_page_is_written_is_still_running_on_that_page(desk: Desk) -> None:
-    """Otherwise the page has neither the outcome nor a reason to be loaded again."""
-    job = Job("preview", "ada", "filters.py", "# 1\n")
-    made = desk.book.on_thread(
-        lambda: editor(desk.book, desk.book.final_grades()["ada"], Ask("prof", query={"job": [str(kept(desk, job))]}))
-    )
-    job.ended.set()
-    assert made is not None
-    assert (made.running, made.rows) == (True, ())
 
 
 def kept(desk: Desk, job: Job) -> int:

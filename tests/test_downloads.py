@@ -64,10 +64,6 @@ def test_the_shape_is_told_in_one_line(shape: str, title: str, tmp_path: Path) -
     assert read_class([path], LAB.files).told == (f"{path}: {title}, 7 submissions",)
 
 
-def test_a_plain_folder_of_folders_is_told_by_nothing(tmp_path: Path) -> None:
-    assert read_class([classes.folders(STUDENTS, tmp_path / "in")], LAB.files).told == ()
-
-
 def test_zipped_clones_are_clones_and_one_without_a_file_is_an_empty_submission(tmp_path: Path) -> None:
     members = {"lab-a/filters.py": "a", "lab-a/.git/HEAD": "x", "lab-b/.git/": "", "__MACOSX/lab-a": "x"}
     found = read_class([zip_of(tmp_path / "c.zip", dict(members))], LAB.files)
@@ -200,20 +196,6 @@ def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp
     )
 
 
-def test_of_archives_that_canvas_numbered_the_newest_is_the_submission(tmp_path: Path) -> None:
-    found = canvas(
-        tmp_path, "a_1_10_lab-1.zip", "a_1_12_lab-3.zip", "a_1_11_lab-2.zip", "b_2_20_data-1.csv", "b_2_21_data-2.csv"
-    )
-    assert [(e.id, e.sources[0]) for e in found.entries] == [
-        ("a_1", ("a_1_12_lab-3.zip", "lab.zip")),
-        ("b_2", ("b_2_20_data-1.csv", "data-1.csv")),
-    ]
-    assert [line.partition(":")[0].rpartition("/")[2] for line in found.leftovers] == [
-        "a_1_10_lab-1.zip",
-        "a_1_11_lab-2.zip",
-    ]
-
-
 def test_anonymous_students_text_entries_and_strays_are_all_accounted_for(tmp_path: Path) -> None:
     found = canvas(tmp_path, "LATE_anon_x7Qz1_500_filters.py", "roe_103_text.html", "b_2_20_filters.py", "readme.md")
     assert [(e.id, e.read().status) for e in found.entries] == [
@@ -237,18 +219,12 @@ READ_IN_TWO_WAYS = (
 @pytest.mark.parametrize(
     ("name", "known", "who"),
     [
-        ("12345_678_901_filters.py", {}, "678"),  # a display name of digits is no id
-        ("12345_LATE_678_901_filters.py", {}, "678"),
-        ("_678_901_filters.py", {}, "678"),  # a name of which Canvas keeps no sign
+        ("12345_678_901_filters.py", {}, "678"),
         ("zzz_101_5_666_901_filters.py", {}, None),
         ("zzz_101_5_666_901_filters.py", ROSTER, "666"),
-        ("zzz_101_666_901_filters.py", {"101": "Doe, Jane"}, None),
-        ("mller_101_901_04_01_filters.py", {"101": "Müller, Li"}, None),
-        ("mllerli_101_901_04_01_filters.py", {"101": "Müller, Li"}, "101"),
         ("doejane_101_901_04_01_filters.py", {}, None),
         ("doejane_101_901_04_01_filters.py", ROSTER, "101"),
-        ("roe_55_text.html", {}, "55"),
-        ("a_7_55_text.html", {}, "7"),  # a file of that name
+        ("a_7_55_text.html", {}, "7"),
     ],
 )
 def test_a_name_with_numbers_in_it_is_who_the_roster_knows_or_nobody(
@@ -260,20 +236,7 @@ def test_a_name_with_numbers_in_it_is_who_the_roster_knows_or_nobody(
     assert found.leftovers == (() if who else (f"{path}/{name}: {READ_IN_TWO_WAYS}",))
 
 
-def test_of_a_file_that_begins_with_numbers_another_of_the_same_student_leaves_no_doubt(tmp_path: Path) -> None:
-    found = canvas(tmp_path, "doejane_101_9001_04_01_notes.py", "doejane_101_9002_filters.py")
-    assert [set(entry.read().files) for entry in found.entries] == [{"04_01_notes.py", "filters.py"}]
-
-
 # ---- several attempts ----
-
-
-def test_every_file_of_an_earlier_attempt_is_named(tmp_path: Path) -> None:
-    first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old", "a_1_11_imu_reader.py": "old"})
-    second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
-    assert read_class([first, second], LAB.files).leftovers == (
-        f"{first}/a_1_10_filters.py, a_1_11_imu_reader.py: an earlier attempt; the latest one is graded",
-    )
 
 
 def test_a_download_that_lies_beside_what_was_unpacked_from_it_is_told_as_that(tmp_path: Path) -> None:
@@ -333,21 +296,6 @@ def test_moodle_online_text_and_feedback_stand_beside_the_files(tmp_path: Path) 
     )
 
 
-@pytest.mark.parametrize(
-    ("member", "reply"),
-    [
-        ("Jane Doe_12_assignsubmission_file_/filters.py", "Jane Doe_12_assignsubmission_file_/"),
-        ("Jane Doe_12_assignsubmission_file_filters.py", "Jane Doe_12_assignsubmission_file_"),
-    ],
-)
-def test_feedback_goes_back_under_the_very_name_that_came(member: str, reply: str, tmp_path: Path) -> None:
-    found = read_class(
-        [zip_of(tmp_path / "m.zip", {member: "f", "B_9_assignsubmission_file_/filters.py": "g"})], LAB.files
-    )
-    replies = {entry.id: entry.hand_in.reply for entry in found.entries}
-    assert replies.get("Jane_Doe_12") == reply
-
-
 @pytest.mark.parametrize("known", [{}, {"12": "Jane Doe"}, {"12": "Jane Doe", "9": "B"}])
 def test_a_moodle_name_that_holds_another_persons_number_is_who_the_roster_knows_or_nobody(
     known: dict[str, str], tmp_path: Path
@@ -388,19 +336,6 @@ def test_a_group_is_one_submission_of_all_its_people_in_any_order(tmp_path: Path
     assert found.leftovers == (f"{tmp_path}/g.zip/submission_1: an earlier attempt; the latest one is graded",)
 
 
-def test_a_submission_without_people_and_folders_on_one_side_only_are_kept_in_sight(tmp_path: Path) -> None:
-    records = {
-        "submission_1": {":submitters": None, ":created_at": "2026-11-20 13:00:00"},
-        "submission_2": {":submitters": [submitter("Ann Lee", "s1")]},
-    }
-    found = export(tmp_path, records, "submission_1", "submission_3")
-    assert [(entry.id, entry.hand_in.submitted) for entry in found.entries] == [("submission_1", "")]
-    assert found.leftovers == (
-        f"{tmp_path}/g.zip/submission_2: submission_metadata.yml names it, and it has no folder",
-        f"{tmp_path}/g.zip/submission_3: submission_metadata.yml does not name it, so whose it is cannot be told",
-    )
-
-
 @pytest.mark.parametrize("text", ["{", "- a", "!!python/object/apply:os.system ['true']", "\0", ""])
 def test_metadata_that_cannot_be_read_is_no_export(text: str, tmp_path: Path) -> None:
     found = export(tmp_path, text, "submission_1")
@@ -425,9 +360,3 @@ def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Pat
     assert found["rob-lab4-anna-a"].submitted == "2026-11-21T21:00:00+00:00"
     assert (found["rob-lab4-a"].marked_late, found["rob-lab4-anna-a"].marked_late) == (False, True)
     assert found["rob-lab4-new"].people[0].name == "rob-lab4-new"
-
-
-def test_one_clone_is_one_submission_also_where_it_holds_another(tmp_path: Path) -> None:
-    classes._clone(tmp_path / "me", {"solution.py": "x"})
-    classes._clone(tmp_path / "me" / "vendored", {"tool.py": "x"})
-    assert [entry.id for entry in read_class([tmp_path / "me"], LAB.files).entries] == ["me"]

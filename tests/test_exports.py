@@ -120,11 +120,6 @@ def test_canvas_gets_the_student_columns_verbatim_and_the_one_assignment() -> No
     assert unmatched(filled) == ["Müller"]
 
 
-@pytest.mark.parametrize("column", ["Lab 04-01", "4711", "Lab 04-01 (4711)"])
-def test_the_assignment_may_be_called_by_title_number_or_heading(column: str) -> None:
-    assert canvas.fill(canvas_file("D,101,s1,jd,A,,,"), "t.csv", column, class_of(final_grade("x", JANE))).grades == 1
-
-
 @pytest.mark.parametrize(
     ("template", "column", "line"),
     [
@@ -134,19 +129,12 @@ def test_the_assignment_may_be_called_by_title_number_or_heading(column: str) ->
             "t.csv: name the assignment with --column; columns found: Lab 03 (4700), Lab 04-01 (4711)",
         ),
         (
-            canvas_file(),
-            "Lab",
-            "t.csv: --column Lab means none or several; columns found: Lab 03 (4700), Lab 04-01 (4711)",
-        ),
-        (
             canvas_file("D,101,s1,jd,A,,,"),
             "4700",
             "t.csv: the assignment is out of 50, and the rubric out of 100; add --scale to have the points scaled, "
             "or make them equal on the platform or in rubric.yaml",
         ),
         (b"a,b\n", None, "t.csv: is not a Canvas gradebook; export one in Canvas with Grades > Export"),
-        (b"", None, "t.csv: is empty; give the file that the platform exports"),
-        (b"Student\xff", None, "t.csv: is not UTF-8; export it again as UTF-8 CSV"),
         (b'Student,"x\nID', None, "t.csv:1: is not CSV here; export the file again"),
     ],
 )
@@ -189,18 +177,6 @@ def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline(
     assert filled.data.decode() == text + "87,5"
 
 
-def test_a_grade_that_stands_there_already_is_replaced_with_a_word_on_it() -> None:
-    template = canvas_file("Doe,101,,,A,,40,", "Roe,102,,,A,,87.50,")
-    everyone = class_of(final_grade("jd", JANE), final_grade("roe", Person("Roe", "102", "canvas")))
-    filled = canvas.fill(template, "t.csv", "4711", everyone)
-    assert filled.replaced == ["Doe (40 → 87.5)"]
-
-
-def test_canvas_s_own_test_student_is_nobody_whom_anyone_misses() -> None:
-    filled = canvas.fill(canvas_file('"Student, Test",9,,f00,A,,,', "Roe,102,,,A,,,"), "t.csv", "4711", {})
-    assert unmatched(filled) == ["Roe"]
-
-
 def test_points_are_scaled_to_what_the_assignment_is_out_of_where_that_is_asked_for() -> None:
     filled = canvas.fill(
         canvas_file("D,101,s1,jd,A,,,"), "t.csv", "4700", class_of(final_grade("x", JANE)), scaled=True
@@ -227,14 +203,6 @@ def test_a_worksheet_comes_back_with_every_other_byte_as_it_was() -> None:
     other = '"Participant 13","=1+1 ""X""",x@example.edu,-,"",55.00,100.00,Yes,"Friday, 1",""'
     filled = moodle.fill(worksheet(row.format("", ""), other), "w.csv", None, class_of(final_grade("a", MOODLE)))
     assert filled.data == worksheet(row.format("87.5", '"Marks: Sensor access 87.5 / 100"'), other)
-
-
-def test_a_teachers_own_comment_and_a_locked_grade_stay() -> None:
-    rows = ['"Participant 12",J,,,,,100,Yes,-,well done', '"Participant 13",K,,,,1,100,No,-,']
-    everyone = class_of(final_grade("a", MOODLE), final_grade("b", Person("K", "13", "moodle")))
-    filled = moodle.fill(worksheet(*rows), "w.csv", None, everyone)
-    assert filled.data == worksheet('"Participant 12",J,,,,87.5,100,Yes,-,well done', rows[1])
-    assert filled.kept == ["K"]
 
 
 def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_of_ours() -> None:
@@ -274,12 +242,6 @@ def test_a_worksheet_in_another_language_has_its_commas_its_comments_and_its_loc
     filled = moodle.fill(template.encode(), "w.csv", "Bewertung", everyone)
     assert filled.data.decode() == GERMAN.format(title, "87,5", '"Marks: Sensor access 87.5 / 100"')
     assert filled.kept == ["Teilnehmer/in13"]
-
-
-def test_where_a_worksheet_has_no_comments_the_last_column_is_left_alone() -> None:
-    template = "".join(";".join(line.split(";")[:-1]) + "\n" for line in GERMAN.format("x", "", "").splitlines())
-    filled = moodle.fill(template.encode(), "w.csv", "Bewertung", class_of(final_grade("a", MOODLE)))
-    assert filled.data.decode() == template.replace(";;100,00", ";87,5;100,00")
 
 
 # ---- Gradescope, and CSV in general ----
@@ -336,8 +298,6 @@ def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
     [
         ("Jane Doe", "Jane", "Doe"),
         ("Doe, Jane", "Jane", "Doe"),
-        ("Wei Li, Jr.", "Wei", "Li, Jr."),
-        ("Jane van Doe", "Jane van", "Doe"),
         ("Plato", "", "Plato"),
     ],
 )
@@ -413,11 +373,6 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
     [
         (["-f", "excel"], f"--format excel: unknown value; choose {', '.join(FORMATS)}"),
         (["-f", "canvas"], "--format canvas needs --template with the file that it exports"),
-        (["-f", "csv", "--template", "x"], "--format csv takes no --template"),
-        (
-            ["-f", "moodle", "--template", "nowhere.csv"],
-            "nowhere.csv: cannot be read (No such file or directory); give the file that the platform exports",
-        ),
     ],
 )
 def test_an_export_that_makes_no_sense_is_one_line(
@@ -426,25 +381,3 @@ def test_an_export_that_makes_no_sense_is_one_line(
     with graded(tmp_path / "out") as out:
         assert cli.main(["export", str(out), *arguments]) == 2
     assert capsys.readouterr().err == f"imugrade: {line}\n"
-
-
-def test_a_folder_that_holds_no_graded_class_is_told_and_stays_empty(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for command in (["export", "-f", "csv"], ["adjust"], ["diff", str(tmp_path)]):
-        assert cli.main([command[0], str(tmp_path), *command[1:]]) == 2
-        assert (
-            capsys.readouterr().err
-            == f"imugrade: {tmp_path}: no class was graded there; give the output folder of `imugrade grade`\n"
-        )
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_reports_of_a_plain_class_have_no_place_to_go_and_that_is_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with graded(tmp_path / "out") as out:
-        assert cli.main(["export", str(out), "-f", "csv", "--feedback", str(tmp_path / "r.zip")]) == 0
-    told = capsys.readouterr()
-    assert told.out == f"{out}/marks.csv  1 grade\n{tmp_path}/r.zip  0 reports\n"
-    assert told.err == "imugrade: graded: 1\nimugrade: no report for the platform to place: alice\n"

@@ -69,30 +69,11 @@ def test_accelerometer_and_gyroscope_come_in_both_orders(model: mujoco.MjModel) 
     assert {accel < gyro for accel, gyro in imus(model)} == {True, False}
 
 
-def test_sensors_of_other_sizes_lie_before_and_between(model: mujoco.MjModel) -> None:
-    assert {1, 3, 4} <= set(model.sensor_dim)
-    first, last = min(min(pair) for pair in imus(model)), max(max(pair) for pair in imus(model))
-    assert first > 0
-    assert any(model.sensor_dim[i] != 3 for i in range(first, last))
-
-
-def test_the_generators_know_where_the_lab_model_keeps_its_imus(model: mujoco.MjModel) -> None:
-    assert {int(model.sensor_adr[sensor]) for pair in imus(model) for sensor in pair} == worlds.LAB_ADDRESSES
-
-
 def test_the_initial_pose_is_the_equilibrium(model: mujoco.MjModel) -> None:
     assert np.abs(balance.missing_forces(model)).max() < 1e-3  # N or N m, of a weight of 350 N
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert np.abs(data.qacc).max() < 1e-2
-
-
-def test_solving_for_the_balance_again_changes_nothing_that_matters() -> None:
-    text = LAB_MODEL.read_text(encoding="utf-8")
-    before, after = (mujoco.MjModel.from_xml_string(one) for one in (text, balance.balanced(text)))
-    np.testing.assert_allclose(after.qpos0, before.qpos0, atol=1e-7)
-    np.testing.assert_allclose(after.qpos_spring, before.qpos_spring, atol=1e-6)
-    np.testing.assert_allclose(after.geom_pos, before.geom_pos, atol=1e-6)
 
 
 def test_solving_for_the_balance_recovers_from_a_change() -> None:
@@ -115,15 +96,6 @@ def test_standing_reads_gravity_from_the_first_step_on_for_five_seconds(model: m
 def test_the_push_makes_it_sway(push: dict[str, FloatArray]) -> None:
     assert np.abs(push["angular_velocity"][:, 1]).max() > 0.3
     assert np.ptp(push["acceleration"][:, 0]) > 1.0
-
-
-def test_no_channel_is_idle_after_the_push(push: dict[str, FloatArray]) -> None:
-    assert (push["acceleration"][:1500].std(axis=0) > 0.1).all()
-    assert (push["angular_velocity"][:1500].std(axis=0) > 0.01).all()
-
-
-def test_over_the_three_seconds_of_the_sheet_z_hovers_around_gravity(push: dict[str, FloatArray]) -> None:
-    assert push["acceleration"][:1500, 2].mean() == pytest.approx(-9.81, abs=0.1)
 
 
 def test_after_the_push_it_settles(push: dict[str, FloatArray]) -> None:
@@ -158,12 +130,3 @@ def test_the_four_imus_are_mounted_in_four_ways(model: mujoco.MjModel) -> None:
     apart = [np.abs(a - b).max() for i, a in enumerate(mounted) for b in mounted[:i]]
     assert min(apart) > 0.3
     assert min(np.abs(one - np.eye(3)).max() for one in mounted) > 0.3  # none is the world's frame
-
-
-def test_the_magnetometer_reads_the_world_field_in_the_torso_frame(model: mujoco.MjModel) -> None:
-    data = mujoco.MjData(model)
-    data.qpos[3:7] = [0.9, 0.1, -0.3, 0.2]
-    mujoco.mj_normalizeQuat(model, data.qpos)
-    mujoco.mj_forward(model, data)
-    attitude = data.site("torso_imu").xmat.reshape(3, 3)
-    np.testing.assert_allclose(data.sensor("torso_magnetometer").data, attitude.T @ model.opt.magnetic, atol=1e-12)

@@ -138,29 +138,6 @@ def test_the_terminal_tells_a_lost_check_with_the_labels_in_their_order() -> Non
     )
 
 
-def test_in_a_pipe_nothing_is_padded_or_broken() -> None:
-    out = io.StringIO()
-    title = "Reads the right sensor when the model's sensors are in another order than in the lab's own model"
-    show(result(lost(title=title), notes=("A note.",)), Console(file=out, width=80), LAB)
-    assert out.getvalue() == (
-        " ✗ Sensor access  0 / 6\n"
-        " ✓ Extension: allan variance  1 of 1 shown\n"
-        "   Score  0 / 6\n"
-        "\n"
-        "Next  Step 2, get_imu_readings\n"
-        "\n"
-        f" ✗ failed  {title}  0 / 6\n"
-        "   Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²\n"
-        "   Got       accel = [ 1.000  0.412 -0.031]\n"
-        "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i\n"
-        "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address\n"
-        "\n"
-        "Note  A note.\n"
-        "\n"
-        "Rerun  imugrade check --only sensor_access\n"
-    )
-
-
 def starter() -> Result:
     """Three parts that are still to be written, and what could not be reached."""
 
@@ -202,25 +179,6 @@ def test_one_cause_is_one_block_in_the_order_of_the_sheets_steps() -> None:
     )
 
 
-def test_a_file_that_is_no_python_is_told_once_with_the_line_and_a_caret() -> None:
-    got = "Got       SyntaxError: '(' was never closed at filters.py, line 3\n          f = g(\n               ^"
-    rows = [
-        lost(message=f"Expected  {name}\n{got}", title=name, misconceptions=("does-not-import",), hint="Mend it.")
-        for name in ("one", "two", "three")
-    ]
-    assert (
-        " ✗ failed   one                                                            0 / 6\n"
-        "   Expected  one\n"
-        "   Got       SyntaxError: '(' was never closed at filters.py, line 3\n"
-        "             f = g(\n"
-        "                  ^\n"
-        " ✗ failed   two                                                            0 / 6\n"
-        " ✗ failed   three                                                          0 / 6\n"
-        "   Costs     18 points now. Everything else was graded without it.\n"
-        "   Try       Mend it.\n"
-    ) in terminal(result(*rows), width=80)
-
-
 def test_code_that_does_not_run_comes_first_with_what_it_costs() -> None:
     rows = (
         lost(title="A wrong value", lab_step=2),
@@ -256,21 +214,6 @@ def test_code_that_does_not_run_comes_first_with_what_it_costs() -> None:
     )
 
 
-def test_checks_that_were_told_the_same_are_one_block_and_others_are_not() -> None:
-    same = {"misconceptions": (), "lab_step": None}
-    shown = terminal(
-        result(lost(title="a", **same), lost(title="b", **same), lost(title="c", message="Got  x", **same))
-    )
-    assert [block.count("✗ failed") for block in shown.split("\n\n")] == [0, 0, 2, 1, 0]
-    assert "explain" not in shown
-
-
-def test_other_numbers_of_the_same_mistake_are_told_with_what_was_expected() -> None:
-    other = "Expected  gyro ≈ [1 2 3]\nGot       gyro = [3 2 1]"
-    shown = terminal(result(lost(title="a"), lost(title="b", message=other), lost(title="c")))
-    assert shown.count("Expected  accel ≈ ") == shown.count("Expected  gyro ≈ ") == shown.count("Try ") == 1
-
-
 def test_points_gained_and_lost_since_the_last_check_are_marked() -> None:
     now = result(
         check(id="sensor_access.a", title="Gained"),
@@ -285,31 +228,6 @@ def test_points_gained_and_lost_since_the_last_check_are_marked() -> None:
         ["✗", "failed", "Lost", "0", "/", "6,", "was", "3"],
     ]
     assert sum("✓ passed" in row for row in rows) == 1
-
-
-@pytest.mark.parametrize(
-    ("before", "said"),
-    [
-        ({}, ""),
-        ({"sensor_access.other": 1.0}, ""),
-        ({"sensor_access.follows_address": 6.0}, "no change since the last check"),
-    ],
-)
-def test_a_score_is_compared_where_all_of_it_was_known_before(before: dict[str, float], said: str) -> None:
-    (row,) = (row for row in terminal(result(check()), before=before).splitlines() if "Score" in row)
-    assert row.partition("6 / 6")[2].strip() == said
-
-
-def test_a_part_that_has_become_complete_is_told_by_its_total_alone() -> None:
-    assert "was" not in terminal(result(check()), before={"sensor_access.follows_address": 0.0})
-
-
-def test_where_nothing_is_left_to_do_the_screen_says_what_to_hand_in() -> None:
-    assert terminal(result()).endswith(
-        "\n\nHand in  imu_reader.py, noisy_imu.py, filters.py, imu_data.png, filtered_imu.png\n"
-    )
-    assert "Hand in" not in terminal(result(lost(), check()))
-    assert "Hand in" not in terminal(result(), only="sensor_access")
 
 
 def test_a_submission_with_nothing_to_mark_is_told_in_one_line() -> None:
@@ -333,11 +251,6 @@ def test_of_one_criterion_what_was_earned_is_folded_into_one_line_below_what_was
     )
     shown = terminal(result(*passed, lost(lab_step=2, title="Lost")), only="sensor_access")
     assert shown.index("Lost") < shown.index(" ✓ passed   2 checks")
-
-
-def test_with_verbose_every_passed_check_is_shown_below_what_was_lost() -> None:
-    shown = terminal(result(check(lab_step=2), lost(lab_step=2, title="Lost")), verbose=True)
-    assert shown.index("✗ failed   Lost") < shown.index("✓ passed   Reads the right sensor")
 
 
 def test_at_84_of_100_the_screen_has_forty_lines_at_most() -> None:
@@ -381,11 +294,6 @@ def test_points_that_are_open_are_a_dash_and_not_a_zero() -> None:
     assert ">–<" in index({"a": made})
 
 
-@pytest.mark.parametrize(("points", "word"), [(0.0, "failed"), (2.0, "partial")])
-def test_a_lost_check_to_which_a_price_leaves_points_is_called_partly_earned(points: float, word: str) -> None:
-    assert words.row(check("failed", points), "filtering", LabName()).outcome.word == word
-
-
 def test_a_message_keeps_its_plain_sentences_and_its_further_lines() -> None:
     raised = check("error", 0.0, expected="no exception", got="ValueError: no\nEvil  x\nGot       nothing")
     assert words.row(raised, "filtering", LabName()).lines == (
@@ -399,17 +307,6 @@ def test_a_message_keeps_its_plain_sentences_and_its_further_lines() -> None:
     plain = check("skipped", 0.0, said="Needs a reader.")
     assert words.row(plain, "filtering", LabName()).lines == (words.Line("", "Needs a reader."),)
     assert plain.message == "Needs a reader."
-
-
-@pytest.mark.parametrize(("outcome", "word"), OUTCOMES)
-def test_what_to_read_and_to_run_stands_where_points_were_lost_and_nowhere_else(outcome: Outcome, word: str) -> None:
-    shown = terminal(result(check(outcome, None if outcome == "not_judged" else 0.0, lab_step=2)))
-    assert (
-        ("Next" in shown)
-        == ("Rerun" in shown)
-        == ("Lab 04-01, Step 2" in shown)
-        == (word not in ("passed", "skipped", "not judged"))
-    )
 
 
 def test_hostile_text_reaches_the_terminal_as_text() -> None:
@@ -484,39 +381,12 @@ def test_the_index_links_each_report_and_counts_the_class() -> None:
     assert re.search(r"sensor id as address\s*1\s*Bob", text)
 
 
-def test_the_bins_of_the_distribution_have_equal_widths() -> None:
-    page = index({str(i): made for i, made in enumerate([result(), result(), result(lost())])})
-    bars = Tags(page[page.index('class="distribution"') : page.index("</ul>")]).text
-    told = re.findall(r"([\d.–]+) points: (\d+)", bars)
-    assert told[:2] == [("18–20", "2"), ("16–18", "0")]
-    assert told[-2:] == [("2–4", "0"), ("0–2", "1")]
-    assert len(told) == 10
-
-
-def test_a_fault_of_an_extension_is_not_among_what_deducts_points() -> None:
-    made = result()
-    row = check("failed", 0.0, max_points=0.0, id="allan_variance.a", misconceptions=("adev-is-avar",))
-    extended = replace(made, extensions=(replace(made.extensions[0], checks=(row,)),))
-    assert "adev-is-avar" in extended.misconceptions
-    assert "adev is avar" not in index({"a": extended})
-
-
 def test_names_are_sorted_without_case_and_accents_and_by_their_numbers() -> None:
     names = ["Zoe", "Élodie", "eve", "Student 10", "Student 9", "Özil", "Adam"]
     page = index({str(k): result(name=name) for k, name in enumerate(names)})
     table = page[page.index('<table id="submissions"') : page.index('<h2 id="checks"')]
     shown = re.findall(r'report.html">([^<]*)</a>', table)
     assert shown == ["Adam", "Élodie", "eve", "Özil", "Student 9", "Student 10", "Zoe"]
-
-
-def test_columns_that_people_and_dates_add_are_explained_where_they_are_shown() -> None:
-    given = Adjustment("sensor_access", 5.0, "", "Ada", "2026-11-21T21:00:00+00:00", {})
-    page = Tags(index_page({"x": FinalGrade("x", result(lost()), HandIn(), (given,))})).text
-    assert "Final: the grade, with overrides." in page
-    assert "Bonus" not in page
-    credit = replace(result(), extra_credit_cap=4.0)
-    assert "Bonus: extra credit for extensions." in Tags(index({"a": credit})).text
-    assert "Final:" not in Tags(index({"a": result()})).text
 
 
 def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself() -> None:
@@ -532,10 +402,6 @@ def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself()
     options = [attributes["value"] for tag, attributes in Tags(page).tags if tag == "option"]
     assert options == ["", "sensor_access.follows_address", "sensor_access.follows_address"]
     assert "Request a regrade" not in report_page(FinalGrade("", result()))
-
-
-def test_an_empty_class_has_an_index() -> None:
-    assert "0 submissions" in Tags(index({})).text
 
 
 def losses(page: str) -> str:
@@ -576,19 +442,6 @@ def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_
     )
 
 
-def test_where_nothing_came_the_mistake_says_what_it_was() -> None:
-    late = lost(misconceptions=("never-returns",), message="Expected  an answer within the time limit\nGot       none")
-    told = losses(report_page(FinalGrade("x", result(late)), (), catalogue(LAB)))
-    assert re.search(r"−6\s*The code does not end within its time limit\s*The limit is many times", told)
-
-
-def test_what_was_earned_or_not_reached_is_folded() -> None:
-    page = report(result(check(), lost(), check("skipped", 0.0, id="sensor_access.b", message="Needs a reader.")))
-    folded = re.findall(r"<details class=\"folded\">.*?<summary>(.*?)</summary>(.*?)</details>", page, re.DOTALL)
-    assert [heading for heading, _ in folded[:2]] == ["1 check not graded", "1 check passed"]
-    assert "Needs a reader." in folded[0][1]
-
-
 def test_a_submission_that_could_not_be_opened_says_why_and_has_no_rows() -> None:
     row = check("skipped", 0.0, message="It could not be opened.")
     page = report(result(row, row, status="unreadable", notes=("It is no zip archive.",)))
@@ -617,11 +470,6 @@ def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_fi
     assert "Overrides whose automatic points have changed since: Bob." in row
 
 
-def test_a_report_without_charts_says_where_there_are_some() -> None:
-    assert "drawn for public scenarios only" in report(result())
-    assert "drawn for public scenarios only" not in report(result(), *hostile_charts())
-
-
 def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
     other = replace(result(), provenance={**result().provenance, "rubric_sha256": "f" * 64})
     assert (
@@ -631,10 +479,6 @@ def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
     assert "not comparable" not in index({"a": result(), "b": result()})
 
 
-def test_equal_results_give_equal_pages() -> None:
-    assert report(result(lost())) == report(result(lost()))
-
-
 def test_in_a_pipe_every_submission_that_is_marked_is_one_plain_line(capsys: pytest.CaptureFixture[str]) -> None:
     with Lines() as lines:
         lines.begins(3)
@@ -642,10 +486,3 @@ def test_in_a_pipe_every_submission_that_is_marked_is_one_plain_line(capsys: pyt
         lines.done("bob", result(lost(), status="empty"), resumed=True)
         lines.done("eve\n", result(check("not_judged", None), status="incomplete"), resumed=False)
     assert capsys.readouterr().out == "1/3 alice 87.5\n3/3 eve\\x0a not judged\n"
-
-
-def test_the_histogram_counts_the_submissions_that_the_mean_is_of() -> None:
-    page = index({"ann": result(name="ann"), "eve": result(lost(), name="eve", status="empty")})
-    bars = re.findall(r'<span class="num">(\d+)</span>(?:</button>|</div>)', page)
-    assert len(bars) == 10
-    assert sum(map(int, bars)) == 1

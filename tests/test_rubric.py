@@ -17,7 +17,7 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.engine import rubric
 from grader.engine.lab import Lab
-from grader.engine.rubric import CheckWeight, RubricError
+from grader.engine.rubric import RubricError
 from grader.engine.rubric_nodes import Reader
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
@@ -89,20 +89,6 @@ def test_what_a_mark_depends_on_changes_the_hash(old: str, new: str) -> None:
     assert rubric.parse(LAB, edited(old, new).encode()).sha256 != rubric.load(LAB).sha256
 
 
-def test_slips_of_every_kind_are_told_in_one_round() -> None:
-    text = edited("follows_address: 6", "follows_adress: 6").replace("points: 20", "points: -1", 1)
-    text = text.replace("time_axis: 3", "time_axis: many")
-    told = problems(text + "mistakes: {no-such: 1}\n")
-    assert [line.partition(": ")[2].partition(";")[0] for line in told] == [
-        "the check sensor_access.follows_address (Reads the sensors that the ids name, wherever they lie in sensordata and "
-        "in whichever model) has no weight under sensor_access",
-        "the points of sensor_access must be a number from 0 to 1000, not '-1'",
-        "there is no check sensor_access.follows_adress (did you mean sensor_access.follows_address?)",
-        "the weight of time_axis must be a number from 0 to 1000, not 'many'",
-        "there is no fault 'no-such'",
-    ]
-
-
 # ---- the late policy ----
 
 
@@ -144,28 +130,10 @@ def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed(
             ["due: 2026-11-20T23:59"],
             "due must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not '2026-11-20T23:59'",
         ),
-        (
-            ["due: soon"],
-            "due must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'soon'",
-        ),
         ([DUE, "per_day: 110%"], "per_day must be a number of points or a percentage from 0 % to 100 %, not '110%'"),
-        ([DUE, "per_day: -5"], "per_day must be a number from 0 to 1000, not '-5'; correct it"),
-        (
-            [DUE, "grace_minuts: 5"],
-            "unknown key 'grace_minuts' in late (did you mean grace_minutes?); correct or remove it",
-        ),
         ([DUE, "per_day: 7.125"], "per_day must have at most two decimals, not '7.125'; round it"),
         ([DUE, "grace_minutes: -1"], "grace_minutes must be a number from 0 to 100000, not '-1'; correct it"),
         ([DUE, "cut_off_days: soon"], "cut_off_days must be a number from 0 to 1000, not 'soon'; correct it"),
-        (
-            [DUE, "extensions: {jane: []}"],
-            "the extension of jane must be a date and time with its offset from UTC, like"
-            " 2026-11-20T23:59+01:00, not a list or a mapping",
-        ),
-        (
-            [DUE, f"extensions: {{{'j' * 61}: soon}}"],
-            f"the extension of {'j' * 59}… must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'soon'",
-        ),
         (
             [DUE, "extensions: [jane]"],
             "extensions must be `who: date` lines; who is an id, a name or an e-mail address",
@@ -193,13 +161,6 @@ def test_a_date_that_cannot_be_read_extends_nothing() -> None:
     policy = rubric._late(reader, node, 100.0)
     assert policy is not None
     assert list(policy.extensions) == ["joe"]
-
-
-def test_a_late_policy_is_lines_of_its_keys() -> None:
-    (told,) = problems(SHIPPED.decode() + "late: soon\n")
-    assert told.endswith(
-        ": late must be `key: value` lines with the keys due, grace_minutes, per_day, cut_off_days, extensions, tz"
-    )
 
 
 # ---- the price of mistakes ----
@@ -242,46 +203,6 @@ def test_mistakes_cost_what_the_rubric_says_in_whichever_order() -> None:
     assert one.asked_sha256 == rubric.load(LAB).asked_sha256
 
 
-def test_without_prices_no_mistake_has_one() -> None:
-    assert rubric.load(LAB).mistakes == {}
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        (
-            "limits:\n",
-            "limits: 3\nmore:\n",
-            "limits must be `key: value` lines with the keys call_cpu_s, submission_cpu_s",
-        ),
-        (
-            "  - id: allan_variance\n",
-            "  - 3\n  - id: allan_variance\n",
-            "this extension must be `key: value` lines with the keys id, title, file, points, checks",
-        ),
-        (
-            "      returns: 2\n",
-            '      "re\\eturns": no\n',
-            "the weight of re\\x1bturns must be a number from 0 to 1000, not 'no'; correct it",
-        ),
-    ],
-)
-def test_what_is_told_of_a_line_can_be_shown_and_names_its_keys_in_their_order(old: str, new: str, told: str) -> None:
-    text = edited(old, new)
-    assert f"rubric.yaml:{line_of(text, new)}: {told}" in problems(text)
-
-
-def test_the_price_of_a_mistake_with_an_odd_name_is_told_as_it_can_be_shown() -> None:
-    told = problems(SHIPPED.decode() + 'mistakes: {"no\\ebias": much}\n')
-    assert any("what no\\x1bbias costs must be a number" in line for line in told)
-
-
-def test_an_extension_of_the_due_date_stands_once() -> None:
-    text = with_late(DUE, "extensions:", "  jane: 2026-11-24T23:59+01:00", "  jane: 2026-11-25T23:59+01:00")
-    (told,) = problems(text)
-    assert "'jane' appears twice in extensions (first on line " in told
-
-
 def test_points_of_several_parts_are_whole_hundredths_together() -> None:
     text = SHIPPED.decode()
     for points in ("0.1", "0.2", "0", "0", "0"):
@@ -296,25 +217,6 @@ def test_points_of_several_parts_are_whole_hundredths_together() -> None:
 def test_an_extension_may_have_no_checks(empty: str) -> None:
     text = re.sub(r"(file: live_plot\.py\n)    checks:\n(?:      .*\n)*", rf"\1    {empty}\n", SHIPPED.decode())
     assert rubric.parse(LAB, text.encode()).extensions[-1].checks == ()
-
-
-def test_a_slip_in_the_name_of_a_check_alone_is_told_by_the_checks_that_there_are() -> None:
-    slipped = rubric.parse(LAB, edited("follows_address: 6", "follows_adress: 6").encode())
-    with pytest.raises(RubricError, match=r"there is no check sensor_access\.follows_adress"):
-        rubric.match_checks(slipped, {check.id: "a title" for check in rubric.load(LAB).checks})
-
-
-def test_checks_without_a_weight_are_told_in_the_order_of_their_names() -> None:
-    shipped = rubric.load(LAB)
-    more = [f"magic.{name}" for name in "hgfedcba"]
-    with pytest.raises(RubricError) as refusal:
-        rubric.match_checks(shipped, dict.fromkeys((*more, *(check.id for check in shipped.checks)), "new"))
-    assert re.findall(r"the check (magic\.\w) ", str(refusal.value)) == sorted(more)
-
-
-def test_the_checks_of_a_rubric_can_be_gone_through_more_than_once() -> None:
-    checks = rubric.load(LAB).checks
-    assert list(checks) == list(checks) != []
 
 
 # ---- what is asked for ----
@@ -348,16 +250,6 @@ def test_the_own_checks_beside_a_rubric_are_its_python_files_in_their_order(tmp_
     assert rubric.parse(LAB, SHIPPED).own_checks == ()
 
 
-def test_own_checks_are_read_in_the_order_of_their_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "checks").mkdir()
-    for name in "abc":
-        (tmp_path / "checks" / f"{name}.py").touch()
-    found = sorted((tmp_path / "checks").glob("*.py"))
-    for order in (found, found[::-1]):
-        monkeypatch.setattr(Path, "glob", lambda _self, _pattern, order=order: iter(order))
-        assert [name for name, _ in rubric.own_checks(LAB, tmp_path)] == ["a.py", "b.py", "c.py"]
-
-
 def test_marks_and_what_is_asked_depend_on_what_own_checks_say(tmp_path: Path) -> None:
     (tmp_path / "checks").mkdir()
 
@@ -374,16 +266,6 @@ def test_marks_and_what_is_asked_depend_on_what_own_checks_say(tmp_path: Path) -
     assert (dearer[0] != one[0], dearer[1]) == (True, one[1])
     slower = rubric.parse(LAB, edited("call_cpu_s: 10", "call_cpu_s: 9").encode())
     assert slower.asked_sha256 != without.asked_sha256
-
-
-def test_the_rubric_of_an_installation_lies_with_the_lab(tmp_path: Path) -> None:
-    class Kit(Lab):
-        folder = tmp_path  # type: ignore[assignment]
-
-    kit = Kit(**{each.name: getattr(LAB, each.name) for each in fields(LAB)})
-    assert rubric.shipped(kit) == rubric.shipped(LAB)
-    (tmp_path / "rubric.yaml").write_bytes(SHIPPED)
-    assert rubric.shipped(kit) == tmp_path / "rubric.yaml"
 
 
 def test_a_kits_own_checks_lie_beside_the_labs(tmp_path: Path) -> None:
@@ -450,25 +332,14 @@ def test_every_key_of_a_criterion_is_needed(key: str) -> None:
          " 'allan.txt'; correct it"),
         ("file: allan_variance.py", "file: ../allan.py", "the file of allan_variance must be the name of a .py file, not"
          " '../allan.py'; correct it"),
-        ("file: allan_variance.py", "file: [allan.py]", "the file of allan_variance must be text, not a list or a mapping;"
-         " write it in quotes"),
         ("file: allan_variance.py", "file: allan_variance.py\n    points: many", "the points of allan_variance must be a"
          " number from 0 to 1000, not 'many'; correct it"),
-        ("title: Allan variance", "title: 3", "the title of allan_variance must be text, not '3'; write it in quotes"),
     ],
 )  # fmt: skip
 def test_a_slip_in_an_extension_is_told_with_its_line(old: str, new: str, told: str) -> None:
     text = edited(old, new)
     line = line_of(text, new) + new.count("\n")
     assert problems(text) == [f"rubric.yaml:{line}: {told}"]
-
-
-def test_a_missing_check_is_told_at_its_own_part() -> None:
-    shipped = rubric.load(LAB)
-    known = {check.id: "a title" for check in shipped.checks} | {"allan_variance.new": "New"}
-    with pytest.raises(RubricError) as refusal:
-        rubric.match_checks(shipped, known)
-    assert str(refusal.value).startswith(f"rubric.yaml:{line_of(SHIPPED.decode(), 'id: allan_variance')}: the check ")
 
 
 def test_the_checks_of_a_part_must_be_lines_and_of_a_criterion_one_at_least() -> None:
@@ -484,12 +355,8 @@ def test_the_checks_of_a_part_must_be_lines_and_of_a_criterion_one_at_least() ->
     ("points", "weights", "shares"),
     [
         (10.0, [1, 1, 1], [3.34, 3.33, 3.33]),
-        (1.0, [1, 5, 1], [0.14, 0.72, 0.14]),
-        (0.05, [3, 2, 4], [0.02, 0.01, 0.02]),
-        (5.0, [2.9, 1.3, 2.2], [2.27, 1.01, 1.72]),  # equal remainders of decimals, which no float has
-        (1.0, [0.1, 0.1, 0.1], [0.34, 0.33, 0.33]),
+        (5.0, [2.9, 1.3, 2.2], [2.27, 1.01, 1.72]),
         (10.0, [2, 0, 2], [5.0, 0.0, 5.0]),
-        (5.0, [0, 0], [0.0, 0.0]),
         (0.0, [1, 2], [0.0, 0.0]),
     ],
 )
@@ -497,12 +364,6 @@ def test_what_is_left_over_goes_to_the_largest_remainder_and_of_equal_ones_to_th
     points: float, weights: list[float], shares: list[float]
 ) -> None:
     assert rubric._shares(points, weights) == shares
-
-
-def test_a_check_knows_its_points_and_its_line() -> None:
-    check = rubric.load(LAB).check("sensor_access.follows_address")
-    line = line_of(SHIPPED.decode(), "follows_address")
-    assert check == CheckWeight("sensor_access.follows_address", 6.0, 6.0, line)
 
 
 def test_a_rubric_goes_to_another_process() -> None:
@@ -624,17 +485,6 @@ def test_a_file_that_is_no_tree_is_refused_in_one_line(data: bytes, problem: str
     assert problems(data) == [f"rubric.yaml:{problem}"]
 
 
-def test_a_list_is_no_rubric() -> None:
-    keys = "criteria, extensions, limits, model, extra_credit, late, mistakes, repairs"
-    assert problems("- a") == [f"rubric.yaml:1: the rubric must be `key: value` lines with the keys {keys}"]
-
-
-def test_missing_keys_are_told() -> None:
-    assert problems("model: {}") == [
-        f"rubric.yaml:1: the rubric has no key `{key}`; add it" for key in ("criteria", "extensions", "limits")
-    ]
-
-
 @pytest.mark.parametrize(
     "weight", ["inf", ".inf", "-0.1", "1000.1", "1e999", "0x10", "1_0", "1:30", "", "yes", "'6'", "[6]"]
 )
@@ -645,10 +495,6 @@ def test_a_weight_is_a_plain_number(weight: str) -> None:
         f"rubric.yaml:{line_of(text, 'follows_address')}: the weight of follows_address must be a number"
         f" from 0 to 1000, not {shown}; correct it"
     ]
-
-
-def test_a_leading_zero_is_no_octal_number() -> None:
-    assert rubric.parse(LAB, edited("call_cpu_s: 10", "call_cpu_s: 012").encode()).limits.call_cpu_s == 12.0
 
 
 def test_more_problems_than_a_screen_holds_are_counted() -> None:
@@ -736,15 +582,6 @@ def test_a_path_without_a_file_is_one_line(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.yaml", Path("a\0b")):
         with pytest.raises(RubricError, match=r"there is no such file; give the path of a rubric\.yaml$"):
             rubric.load(LAB, path)
-
-
-def test_a_large_file_is_refused_as_it_lies_on_the_disk(tmp_path: Path) -> None:
-    file = tmp_path / "rubric.yaml"
-    file.write_bytes(SHIPPED + b"#" * (1_000_000 - len(SHIPPED)))
-    assert rubric.load(LAB, file).sha256 == rubric.load(LAB).sha256
-    file.write_bytes(SHIPPED + b"#" * (1_000_001 - len(SHIPPED)))
-    with pytest.raises(RubricError, match=r"rubric\.yaml:1: the file is larger than 1 MB"):
-        rubric.load(LAB, file)
 
 
 def test_checks_and_rubric_must_match() -> None:

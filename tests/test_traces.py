@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import pickle
 import re
 import shutil
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,7 +22,6 @@ from grader.labs.imu.lab import LAB
 from reference import traces as recorder
 from reference.scenarios import PUBLIC_SEED, drawn_settings, generator
 from reference.variants import TIMESTEPS
-from reference.worlds import LAB_MODEL
 
 SHIPPED = Path(bundles.__file__).with_name("public.npz")
 SECRET = "correct horse ✓"
@@ -69,16 +66,6 @@ def test_another_seed_gives_other_numbers_under_the_same_names(hidden: Path, tmp
     assert all(one.models[name] != other.models[name] for name in ("lab", "shuffled", "many_imus"))
 
 
-def test_hidden_and_public_bundles_have_the_same_scenarios_and_arrays(public: Path, hidden: Path) -> None:
-    one, other = truth.load(public), truth.load(hidden)
-    assert one.arrays.keys() == other.arrays.keys()
-    for key, array in one.arrays.items():
-        assert (array.ndim, array.dtype) == (other.arrays[key].ndim, other.arrays[key].dtype), key
-    assert {name: set(s.scalars) for name, s in one.scenarios.items()} == {
-        name: set(s.scalars) for name, s in other.scenarios.items()
-    }
-
-
 def test_the_public_seed_as_a_secret_does_not_give_the_public_numbers(tmp_path: Path) -> None:
     hidden = truth.load(recorder.record(tmp_path, PUBLIC_SEED, "hidden"))
     assert np.abs(hidden.arrays["noise/accel_bias"] - bundles.shipped().arrays["noise/accel_bias"]).max() > 0.01
@@ -101,28 +88,6 @@ def test_the_shipped_bundle_is_what_the_reference_records_now(public: Path) -> N
         if not key.endswith("sensor_type"):  # MuJoCo renumbers its sensor types between versions
             limit = ROUND_OFF * max(1.0, float(np.abs(array).max()))
             np.testing.assert_allclose(ours.arrays[key], array, rtol=0, atol=limit, err_msg=key)
-
-
-def test_the_shipped_bundle_is_small_and_says_where_it_comes_from() -> None:
-    manifest = bundles.shipped().manifest
-    assert SHIPPED.stat().st_size < 1_500_000
-    assert manifest["seed"] == PUBLIC_SEED
-    assert manifest["versions"].keys() == {"python", "mujoco", "numpy"}
-    assert manifest["units"]["acceleration"] == "m/s²"
-
-
-def test_every_model_in_the_manifest_compiles_and_has_the_sensors_of_its_scenarios() -> None:
-    ours = bundles.shipped()
-    for name in ("reading_lab", "reading_shuffled"):
-        scenario = ours[name]
-        model = mujoco.MjModel.from_xml_string(ours.models[scenario.model or ""])
-        assert scenario.sensordata.shape == (len(scenario.qpos), model.nsensordata)
-        assert len(scenario.scalars["sensor_names"]) == model.nsensor
-        np.testing.assert_array_equal(scenario.sensor_adr, model.sensor_adr)
-
-
-def test_the_lab_model_in_the_manifest_is_the_lab_model() -> None:
-    assert bundles.shipped().models["lab"] == LAB_MODEL.read_text(encoding="utf-8")
 
 
 # --- what the scenarios are good for --------------------------------------------------------------------------------
@@ -169,15 +134,6 @@ def test_in_shuffled_models_no_id_is_an_address_and_no_gyroscope_follows_its_acc
         assert abs(gyro.adr[0] - accel.adr[0]) != 3
 
 
-def test_all_six_channels_of_the_tumble_are_alive_and_unlike_each_other(public: Path, hidden: Path) -> None:
-    for bundle in both(public, hidden):
-        tumble = bundle["tumbling"]
-        channels = np.hstack([tumble.acceleration, tumble.angular_velocity])
-        assert (np.sqrt((channels**2).mean(axis=0)) > 0.2).all()
-        apart = [np.sqrt(((channels[:, i] - channels[:, j]) ** 2).mean()) for i in range(6) for j in range(i)]
-        assert min(apart) > 0.1
-
-
 def test_other_pushes_can_be_told_from_the_right_one(public: Path, hidden: Path) -> None:
     for bundle in both(public, hidden):
         for name in ("push", "push_dirty"):
@@ -187,22 +143,6 @@ def test_other_pushes_can_be_told_from_the_right_one(public: Path, hidden: Path)
             for key in others:
                 assert scenario[key].shape == (n, 3)
                 assert np.sqrt(((scenario[key] - scenario.acceleration[:n]) ** 2).mean()) > 0.1, key
-
-
-def test_rows_come_after_each_step_and_two_more_than_asked_for(public: Path, hidden: Path) -> None:
-    for bundle in both(public, hidden):
-        for name in ("push", "push_dirty"):
-            s = bundle[name]
-            n, timestep = s.scalars["n_steps"], s.scalars["timestep"]
-            assert n * timestep == pytest.approx(s.scalars["duration_s"])
-            np.testing.assert_allclose(s.time, timestep * np.arange(1, n + 3), atol=1e-9)
-            assert s.acceleration.shape == s.angular_velocity.shape == (n + 2, 3)
-
-
-def test_the_dirty_state_shows_where_the_clock_was_not_reset(public: Path) -> None:
-    s = truth.load(public)["push_dirty"]
-    assert float(s.dirty_time) > 0.05
-    np.testing.assert_allclose(s.alt_time_not_reset_time - s.time[: s.scalars["n_steps"]], s.dirty_time)
 
 
 @pytest.mark.parametrize("usual", [factor * 0.002 for factor in TIMESTEPS])
@@ -216,17 +156,6 @@ def test_drawn_settings_stay_within_what_the_sheet_would_ask(seed: int, usual: f
     assert drawn.dirty_timestep != usual
 
 
-def test_noise_states_have_no_small_and_no_equal_channels_and_biases_stand_out(public: Path, hidden: Path) -> None:
-    for bundle in both(public, hidden):
-        s = bundle["noise"]
-        channels = np.hstack([s.acceleration, s.angular_velocity])
-        assert np.abs(channels).min() > 0.3
-        for sensor in ("accel", "gyro"):
-            sigmas = np.abs(s[f"{sensor}_bias"]) / s.scalars[f"{sensor}_noise_std"]
-            assert sigmas.min() >= 3.0
-            assert np.diff(np.sort(sigmas)).min() > 0.9
-
-
 # --- reading a bundle -----------------------------------------------------------------------------------------------
 
 
@@ -238,13 +167,6 @@ def test_scenarios_are_read_by_key_and_by_attribute_and_cannot_be_changed() -> N
         push.acceleration[0] = 0.0
     with pytest.raises(AttributeError, match="scenario 'push' has no array 'accelerations'"):
         _ = push.accelerations
-
-
-def test_a_bundle_survives_the_way_to_another_process() -> None:
-    ours = bundles.shipped()
-    other = pickle.loads(pickle.dumps(ours))
-    assert other.sha256 == ours.sha256
-    np.testing.assert_array_equal(other["push"].time, ours["push"].time)
 
 
 def refusal(path: Path) -> str:
@@ -269,14 +191,6 @@ def test_a_changed_manifest_is_noticed(copy: Path) -> None:
     assert "do not match their manifest" in refusal(copy)
 
 
-def test_other_versions_in_the_manifest_are_no_change_of_content(copy: Path) -> None:
-    manifest = copy.with_suffix(".json")
-    record = json.loads(manifest.read_text(encoding="utf-8"))
-    record["versions"]["python"] = "3.99.0"
-    manifest.write_text(json.dumps(record), encoding="utf-8")
-    assert truth.load(copy).sha256 == bundles.shipped().sha256
-
-
 def test_a_missing_manifest_is_named(copy: Path) -> None:
     copy.with_suffix(".json").unlink()
     assert (
@@ -285,20 +199,10 @@ def test_a_missing_manifest_is_named(copy: Path) -> None:
     )
 
 
-def test_missing_arrays_are_named(copy: Path) -> None:
-    copy.unlink()
-    assert refusal(copy) == f"{copy}: cannot read the traces (No such file or directory)"
-
-
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not an archive", b"\x80\x04pickled", b"\x93NUMPY"])
 def test_what_is_no_bundle_is_refused_in_one_line(copy: Path, content: bytes) -> None:
     copy.write_bytes(content)
     assert refusal(copy) == f"{copy}: not a trace bundle, or a damaged one; record the traces again"
-
-
-def test_a_cut_off_bundle_is_refused(copy: Path) -> None:
-    copy.write_bytes(copy.read_bytes()[:100_000])
-    assert "not a trace bundle, or a damaged one" in refusal(copy)
 
 
 def test_pickled_objects_are_not_loaded(copy: Path) -> None:
@@ -318,15 +222,6 @@ def test_pickled_objects_are_not_loaded(copy: Path) -> None:
 def test_a_broken_manifest_is_refused_in_one_line(copy: Path, text: str, complaint: str) -> None:
     copy.with_suffix(".json").write_text(text, encoding="utf-8")
     assert complaint in refusal(copy)
-
-
-def test_a_manifest_that_names_arrays_which_are_not_there_is_refused(copy: Path) -> None:
-    manifest = copy.with_suffix(".json")
-    record = json.loads(manifest.read_text(encoding="utf-8"))
-    record["scenarios"]["push"]["arrays"].append("nothing")
-    record["sha256"] = recorder.fingerprint(bundles.shipped().arrays, record)
-    manifest.write_text(json.dumps(record), encoding="utf-8")
-    assert "incomplete manifest" in refusal(copy)
 
 
 # --- obtaining one --------------------------------------------------------------------------------------------------
@@ -420,27 +315,12 @@ def test_public_traces_are_recorded_again_on_another_simulator(
     assert recordings == [("public", PUBLIC_SEED)]
 
 
-def test_public_traces_are_the_shipped_ones_where_recording_is_impossible(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    with_mujoco(monkeypatch, "9.9.9")
-    monkeypatch.setattr(recording.sys, "executable", str(tmp_path / "no python here"))
-    assert bundles.obtain(None, tmp_path).sha256 == bundles.shipped().sha256
-    monkeypatch.setattr(recording, "folder_of", lambda lab: None)
-    assert bundles.obtain(None, tmp_path).sha256 == bundles.shipped().sha256
-
-
 def test_hidden_traces_without_the_reference_are_a_wrong_request(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(recording, "folder_of", lambda lab: None)
     with pytest.raises(RequestError, match="hidden traces need the reference, which is not installed here"):
         bundles.obtain(SECRET, tmp_path)
-
-
-def test_an_empty_seed_is_a_wrong_request(tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match="the seed is empty"):
-        bundles.obtain(" ", tmp_path)
 
 
 def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
@@ -451,13 +331,6 @@ def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
     (tmp_path / "reference" / "traces.py").write_text("raise OSError('no space left')\n", encoding="utf-8")
     monkeypatch.setattr(recording, "_SOURCES", tmp_path)
     with pytest.raises(GraderError, match="recording the hidden traces failed: OSError: no space left"):
-        bundles.obtain(SECRET, tmp_path / "cache")
-
-
-def test_a_python_that_cannot_be_started_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    (tmp_path / "python").write_text("of somebody else", encoding="utf-8")
-    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    with pytest.raises(GraderError, match=r"^recording the hidden traces failed: .*/python: Permission denied$"):
         bundles.obtain(SECRET, tmp_path / "cache")
 
 
@@ -482,14 +355,3 @@ def test_the_cache_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert recording.default_cache_dir() == tmp_path
     monkeypatch.delenv("IMUGRADE_CACHE")
     assert recording.default_cache_dir() != tmp_path
-
-
-# --- the recorder's command -----------------------------------------------------------------------------------------
-
-
-def test_the_command_prints_the_path_and_a_seed_of_its_own_is_hidden(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert recorder.main(["--out", str(tmp_path), "--seed", "spring term"]) == 0
-    assert capsys.readouterr().out.strip() == str(tmp_path / "hidden.npz")
-    assert truth.load(tmp_path / "hidden.npz").name == "hidden"

@@ -31,7 +31,7 @@ from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.sandbox import Worker
-from tests.benchmarks import cold, guard
+from tests.benchmarks import guard
 from tests.benchmarks.measuring import PLAIN_PYTEST, cost
 from tests.corpus.faulty import FAULTY
 from tests.corpus.sound import SOUND
@@ -199,7 +199,6 @@ def main() -> int:
         sample, sheet = (Path(class_of(1, Path(scratch, kind), CLASSES[kind])[0]) for kind in ("sound", "sheet"))
         (counts, parts), (of_sheet, _) = questions(sample), questions(sheet)
         mebibytes = [memory(sample) for _ in range(given.rounds)]
-        from_cold = cold.measure(max(5, given.rounds), sample)
         asked = {"sound": Path(scratch, "sound.json"), "sheet": Path(scratch, "sheet.json")}
         for kind, its in (("sound", counts), ("sheet", of_sheet)):
             asked[kind].write_text(json.dumps(its))
@@ -210,7 +209,7 @@ def main() -> int:
     print("\n| contender | CPU s a submission | of the floor | of plain pytest |\n| --- | --- | --- | --- |")
     for name, spent in median.items():
         print(f"| {name} | {spent:.3f} | {spent / median['floor']:.2f} | {spent / median['plain pytest']:.2f} |")
-    print(f"\n{cold.table(from_cold)}\n\n| part of a submission | CPU ms | share | times |\n| --- | --- | --- | --- |")
+    print("\n| part of a submission | CPU ms | share | times |\n| --- | --- | --- | --- |")
     whole = sum(spent for _, spent, _ in parts)
     for name, spent, times in parts[:10]:
         print(f"| {name} | {spent:.0f} | {100 * spent / whole:.0f} % | {times} |")
@@ -222,11 +221,6 @@ def main() -> int:
         "faulty": ratios(cpu["ours, one fault in each"], ours),
         "markers": ratios(wall["ours, one marker on one core"], wall["ours, two markers"]),
         "memory": guard.Seen.of(mebibytes),
-        "first": ratios(from_cold["begun"], from_cold["bare"]),
-        "verdict": ratios(from_cold["check"], from_cold["bare"]),
-        "help": guard.Seen.of(from_cold["help"]),
-        "again": guard.Seen.of(from_cold["again"]),
-        "explain": guard.Seen.of(from_cold["explain"]),
     }
     beside = {
         "two floors side by side, of one": ratios(wall["floor"], wall["two floors side by side"]),

@@ -34,11 +34,6 @@ FIGURES = {
     "faulty": Figure("CPU of a faulty submission, of a sound one", 2.0),
     "markers": Figure("submissions of two markers on two cores by the clock, of one on one", 1.9, more=True),
     "memory": Figure("private MB of a marker with its zygote", 250.0),
-    "first": Figure("first line of a cold check, of the bare imports", 0.6),
-    "verdict": Figure("its verdict, of the bare imports", 2.0),
-    "help": Figure("seconds of `imugrade --help`", 0.12),
-    "again": Figure("seconds from a save to the verdict of `--watch`", 1.0),
-    "explain": Figure("seconds of `imugrade explain`", 0.25),
 }
 
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from grader.base.errors import Crashed, TimedOut
+from grader.base.errors import TimedOut
 from grader.intake import Submission
 from grader.sandbox.wire import Frame
 from tests.corpus.sheet import VERBATIM
 from tests.recordings import store
-from tests.recordings.answers import Answer, RecordedSandbox, RecordedWorker, Recording, UnrecordedError
+from tests.recordings.answers import Answer, RecordedWorker, Recording
 from tests.recordings.marker import Counts, RecordedMarker, without_charts
 
 # --- workers ----------------------------------------------------------------------------------------------------------
@@ -44,16 +43,6 @@ def worker(recording: Recording, heard: list[str]) -> RecordedWorker:
     return RecordedWorker(recording, lambda: Echo(heard))  # type: ignore[arg-type, return-value]
 
 
-def test_a_question_that_is_recorded_needs_no_sandbox() -> None:
-    recording = Recording()
-    heard: list[str] = []
-    first = worker(recording, heard)
-    answers = [first.ask(op).fields for op in ("a", "b")]
-    again = worker(recording, [])
-    assert [again.ask(op).fields for op in ("a", "b")] == answers
-    assert (heard, again.cpu_s, first.cpu_s) == (["a", "b"], 1.0, 1.0)
-
-
 def test_a_question_that_is_not_recorded_is_asked_after_those_before_it() -> None:
     recording = Recording()
     worker(recording, []).ask("a")
@@ -65,38 +54,6 @@ def test_a_question_that_is_not_recorded_is_asked_after_those_before_it() -> Non
     assert changed.ask("c").fields == {"op": "c", "asked": 2}
     assert changed.ask("d").fields == {"op": "d", "asked": 3}
     assert (heard, recording.new, len(recording.answers)) == (["a", "c", "d"], True, 3)
-
-
-def test_a_question_counts_by_its_fields_arrays_and_what_was_asked_before() -> None:
-    recording = Recording()
-    heard: list[str] = []
-    for fields, array in (({"n": 1}, [1.0]), ({"n": 2}, [1.0]), ({"n": 1}, [2.0]), ({"n": 1}, [1.0 + 1e-12])):
-        worker(recording, heard).ask("a", fields, {"x": np.array(array)})
-    both = worker(recording, heard)
-    both.ask("b")
-    both.ask("a", {"n": 1}, {"x": np.array([1.0])})
-    assert heard == ["a"] * 3 + ["b", "a"]
-
-
-def test_a_failure_is_recorded_and_nothing_can_be_asked_after_it() -> None:
-    recording = Recording()
-    for heard in ([], ["none"]):
-        dying = worker(recording, heard)
-        dying.ask("a")
-        with pytest.raises(TimedOut, match="no answer") as failure:
-            dying.ask("die")
-        assert (failure.value.cpu_s, failure.value.wall_s, dying.place(), dying.alive) == (1.0, 2.0, "line 1", False)
-        with pytest.raises(Crashed):
-            dying.ask("a")
-    assert heard == ["none"]
-
-
-def test_without_leave_to_record_a_missing_answer_is_an_error() -> None:
-    def refuse() -> Any:
-        raise UnrecordedError("not recorded")
-
-    with pytest.raises(UnrecordedError):
-        RecordedSandbox(refuse).worker().ask("a")
 
 
 # --- markers ----------------------------------------------------------------------------------------------------------
