@@ -66,15 +66,9 @@ def test_a_tar_is_read_to_its_end_and_no_further_whatever_it_claims(
     "source",
     [
         '"' + '\\"' * 190_000,
-        "'" + "\\'" * 190_000,
-        '"\\' * 190_000,
         '"""' + "\"'" * 190_000,
-        "'''" + '""" \'' * 70_000,
-        "rb" * 190_000 + '"',
         'f"{' * 130_000,
         "'\n\"" * 130_000,
-        "#" * 380_000,
-        "." * 380_000,
     ],
     ids=range(10),
 )
@@ -104,21 +98,6 @@ def test_a_label_is_read_in_time_in_proportion_to_its_length(word: str) -> None:
             labels.counts_samples,
         ):
             read(text)
-
-
-def test_a_label_is_read_once_however_many_curves_bear_it() -> None:
-    text = "metersec" * 25
-    with cpu_within(2):
-        for _ in range(100_000):
-            labels.unit_of(text), labels.claims(text), labels.axis_of(text), labels.plain(text)
-
-
-def test_units_in_words_are_still_read() -> None:
-    assert labels.unit_of("Aceleración (metros por segundo al cuadrado)") == "m/s²"
-    assert labels.unit_of("Meter pro Quadratsekunde, meters per second squared") == "m/s²"
-    assert labels.unit_of("velocidad angular (radianes por segundo)") == "rad/s"
-    assert labels.unit_of("angular rate in degrees per second") == "deg/s"
-    assert labels.unit_of("ускорение (метров в секунду), м/с2") == "m/s²"
 
 
 # Replies --------------------------------------------------------------------------------------------------------------

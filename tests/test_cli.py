@@ -3,7 +3,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -15,7 +14,7 @@ import pytest
 import grader
 from grader import cli
 from grader.base.errors import GraderError, RequestError
-from grader.commands import checking, completion
+from grader.commands import checking
 from grader.course import classroom
 from grader.engine import recording, traces
 from grader.engine.results import Result
@@ -104,11 +103,6 @@ def test_a_path_that_does_not_exist_is_one_line(run: Run, tmp_path: Path) -> Non
     assert run("grade", path, "-o", tmp_path / "out") == (2, "", line)
 
 
-def test_an_unknown_criterion_is_one_line_with_what_was_probably_meant(run: Run, tmp_path: Path) -> None:
-    line = "imugrade: --only filterin: the rubric has no such criterion; did you mean filtering?\n"
-    assert run("check", hand_in(tmp_path / "me"), "--only", "filterin") == (2, "checking me …\n", line)
-
-
 def test_a_rubric_that_is_missing_or_broken_is_told(run: Run, students: Path, tmp_path: Path) -> None:
     code, _, err = run("grade", students, "-o", tmp_path / "out", "--rubric", tmp_path / "no.yaml")
     assert (code, err) == (2, f"imugrade: {tmp_path}/no.yaml: there is no such file; give the path of a rubric.yaml\n")
@@ -144,14 +138,6 @@ def test_an_unknown_submission_id_is_one_line(run: Run, students: Path, tmp_path
     )
 
 
-def test_a_report_that_cannot_be_written_is_one_line(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    checked(monkeypatch, result())
-    (tmp_path / "file").touch()
-    code, _, err = run("check", tmp_path, "--html", tmp_path / "file" / "report.html")
-    assert (code, err.count("\n")) == (2, 1)
-    assert "cannot write it" in err
-
-
 # --- failures of ours: one line, exit code 3 --------------------------------------------------------------------------
 
 
@@ -164,12 +150,6 @@ def test_a_fault_of_the_grader_is_one_line_and_exit_code_3(
     assert (code, out) == (3, f"checking {tmp_path.name} …\n")
     assert all(line.startswith("imugrade: ") for line in err.splitlines())
     assert err.startswith("imugrade: the grader itself failed: ")
-
-
-def test_the_traceback_is_shown_to_who_asks_for_it(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    checked(monkeypatch, GraderError("the sandbox is gone"))
-    monkeypatch.setenv("IMUGRADE_DEBUG", "1")
-    assert "Traceback" in run("check", tmp_path)[2]
 
 
 def test_a_check_that_could_not_be_judged_is_exit_code_3(
@@ -255,12 +235,6 @@ def test_a_watching_check_says_at_once_that_it_checks_and_is_ended_by_an_interru
     assert [line for line in lines if "Score" in line] == ["   Score  0 / 6", "   Score  20 / 20"]
 
 
-def test_tab_completes_criteria_and_what_can_be_explained() -> None:
-    assert completion.criteria("data_") == ["data_collection"]
-    assert completion.explained("sensor-") == ["sensor-id-as-address", "sensor-not-found"]
-    assert completion.explained("filtering.f") == ["filtering.follows_recursion"]
-
-
 def test_a_shell_gets_its_completions_with_exit_code_0() -> None:
     asked = {"COMP_WORDS": "imugrade check --only nois", "COMP_CWORD": "3", "_IMUGRADE_COMPLETE": "complete_bash"}
     done = subprocess.run(
@@ -268,14 +242,6 @@ def test_a_shell_gets_its_completions_with_exit_code_0() -> None:
         capture_output=True, text=True, check=False, cwd=ROOT, env={**os.environ, **asked},
     )  # fmt: skip
     assert (done.returncode, done.stdout.strip()) == (0, "noise_model")
-
-
-def test_what_a_watching_check_writes_is_not_watched(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    told: dict[str, object] = {}
-    monkeypatch.setattr(checking, "check_on_save", lambda *_, **named: iter(told.update(named) or ()))
-    page, answer = tmp_path / "r.html", tmp_path / "r.json"
-    assert run("check", hand_in(tmp_path / "alice"), "--watch", "--html", page, "--json", answer)[0] == 0
-    assert told["written"] == [page, answer]
 
 
 # --- grade ------------------------------------------------------------------------------------------------------------
@@ -307,12 +273,6 @@ def test_a_second_run_marks_only_what_changed(run: Run, students: Path, tmp_path
     assert code == 0
     assert sorted(marker.marked()) == ["alice", "bob", "bob", "carol"]
     assert "1 graded · 2 on record · mean of graded 20.0" in told
-
-
-def test_force_marks_everything_again(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> None:
-    run("grade", students, "-o", tmp_path / "out")
-    run("grade", students, "-o", tmp_path / "out", "--force")
-    assert len(marker.marked()) == 6
 
 
 def test_grading_one_submission_keeps_the_others_in_the_gradebook(
@@ -372,15 +332,6 @@ def test_results_do_not_go_where_the_submissions_are(
     assert err == f"imugrade: -o {students / out}: is one of the submissions; choose another folder for the results\n"
 
 
-def test_an_out_that_was_made_beforehand_in_the_class_is_no_submission(
-    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
-) -> None:
-    (students / "out").mkdir()
-    for _ in range(2):
-        assert run("grade", students, "-o", students / "out")[0] == 0
-    assert sorted(marker.marked()) == ["alice", "bob", "carol"]
-
-
 def test_what_cannot_be_placed_is_told_and_costs_nothing(
     run: Run, students: Path, tmp_path: Path, marker: FakeMarker
 ) -> None:
@@ -424,50 +375,6 @@ def test_without_isolation_a_class_is_refused_unless_it_is_trusted(monkeypatch: 
         assert marker.mark(None).status == "graded"  # type: ignore[arg-type]
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
-def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students: Path, tmp_path: Path) -> None:
-    (tmp_path / "marker").mkdir()
-    script = tmp_path / "run.py"
-    script.write_text(
-        "import sys\n"
-        "from functools import partial\n"
-        "from pathlib import Path\n"
-        "from grader import cli\n"
-        "from grader.course import classroom\n"
-        "from tests.made_up import fake_marker\n"
-        "if __name__ == '__main__':\n"
-        "    classroom.opener = lambda order: partial(fake_marker, Path(sys.argv[1]))\n"
-        "    sys.exit(cli.main(sys.argv[2:]))\n"
-    )
-    (students / "bob").rename(students / "wait")
-    command = [
-        sys.executable,
-        str(script),
-        str(tmp_path / "marker"),
-        "grade",
-        str(students),
-        "-o",
-        str(tmp_path / "out"),
-        "-j1",
-    ]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
-    ) as process:
-        assert process.stdout is not None
-        lines = [process.stdout.readline() for _ in range(2)]
-        process.send_signal(signal.SIGINT)
-        rest, err = process.communicate(timeout=180)
-    assert lines == ["1/3 alice 20\n", "2/3 carol 20\n"]
-    assert (process.returncode, rest, err.splitlines()[-1]) == (
-        130,
-        "",
-        "imugrade: stopped; run the same command again to go on",
-    )
-    assert err == "imugrade: stopped; run the same command again to go on\n"
-    assert (tmp_path / "out" / "gradebook.csv").read_text().count("\n") == 3
-
-
 # --- what the commands tell of themselves -----------------------------------------------------------------------------
 
 
@@ -483,11 +390,6 @@ def test_help_is_shown_for_every_command(run: Run, command: str) -> None:
     code, out, err = run(*command.split(), "--help")
     assert (code, err) == (0, "")
     assert out.startswith(f"Usage: imugrade {command}".rstrip())
-
-
-@pytest.mark.parametrize("command", ["check", "grade", "adjust", "export"])
-def test_help_teaches_with_examples(run: Run, command: str) -> None:
-    assert f"Examples:\n    imugrade {command}" in run(command, "--help")[1]
 
 
 def test_help_loads_nothing_heavy() -> None:
@@ -511,13 +413,6 @@ def test_a_reader_that_has_gone_is_neither_a_low_score_nor_a_failure(command: st
         done.stdout.close()
         assert done.stderr.read() == b""
     assert done.returncode == cli.UNREAD
-
-
-def test_python_m_grader_is_the_same_command() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "grader", "--version"], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    assert done.stdout == f"imugrade {grader.__version__}\n"
 
 
 def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> None:
@@ -579,25 +474,6 @@ def test_doctor_records_from_a_throw_away_secret_and_keeps_nothing(
     told = " ".join(run("doctor")[1].split())
     assert told.endswith(f"✓ reference recorded {len(bundles.shipped().scenarios)} scenarios from a throw-away secret")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_doctor_says_what_fails_where_no_secret_can_be_used(
-    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    (tmp_path / "reference").mkdir()
-    (tmp_path / "reference" / "__init__.py").touch()
-    (tmp_path / "reference" / "traces.py").write_text("raise OSError('no model')\n", encoding="utf-8")
-    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(UNWALLED, True, "")])
-    monkeypatch.setattr(recording, "_SOURCES", tmp_path)
-    told = " ".join(run("doctor")[1].split())
-    assert told.endswith("✗ reference recording the hidden traces failed: OSError: no model")
-
-
-def test_doctor_says_where_there_is_no_reference(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(UNWALLED, True, "")])
-    monkeypatch.setattr(recording, "_SOURCES", tmp_path)
-    told = " ".join(run("doctor")[1].split())
-    assert told.endswith("reference not installed: only public traces, no --seed")
 
 
 def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:

@@ -9,10 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from matplotlib.backend_bases import FigureCanvasBase
-from matplotlib.mathtext import MathTextParser
 from matplotlib.ticker import FuncFormatter
 from PIL import Image
 
@@ -53,12 +50,6 @@ def bends_shared_axes(figure: Any) -> None:
     figure.axes[0].sharey(figure.axes[1])
     for axes in figure.axes:
         axes.set_aspect("equal", adjustable="datalim")
-
-
-@settings(max_examples=80, deadline=None, derandomize=True)
-@given(st.from_regex(drawing._PLAIN_MATHEMATICS, fullmatch=True))
-def test_mathematics_that_is_not_parsed_is_well_formed(said: str) -> None:
-    MathTextParser("path").parse(said)
 
 
 @pytest.mark.parametrize(
@@ -104,13 +95,6 @@ def test_looking_shows_what_saving_shows_and_leaves_the_figure_as_it_was(figure:
     before = figure.dpi
     assert np.array_equal(drawing.look(figure).pixels, saved(figure)[0].pixels)
     assert figure.dpi == before
-
-
-def test_a_figure_like_a_ribbon_is_written_too(figure: Any) -> None:
-    figure.set_size_inches(600, 0.5)
-    seen, picture = saved(figure)
-    assert picture.size == (7200, 6)
-    assert max(seen.pixels.shape) <= drawing._SIDE
 
 
 @pytest.mark.parametrize("form", ["png", "pdf", "svg"])
@@ -165,20 +149,3 @@ def test_whatever_covers_a_curve_is_drawn(figure: Any, cover: Callable[[Any], No
 )
 def test_a_submission_that_reads_pictures_back_is_recognised(source: bytes, wanted: bool) -> None:
     assert drawing.reads_pictures_back([b"import numpy", source]) is wanted
-
-
-def test_a_picture_that_is_read_back_is_drawn_as_asked(figure: Any) -> None:
-    target = io.BytesIO()
-    drawing.save_as_asked(really_print, figure.canvas, target, 200, {})
-    picture = Image.open(target)
-    assert picture.size == (2000, 1200)
-    assert np.ptp(np.asarray(picture)) > 100
-    drawing.save_as_asked(really_print, figure.canvas, target := io.BytesIO(), 20_000, {})
-    assert max(Image.open(target).size) == drawing._LONG_SIDE
-
-
-@pytest.mark.parametrize("dpi", [0, -3, float("nan")])
-@pytest.mark.parametrize("save", [drawing.save, drawing.save_as_asked])
-def test_a_dpi_that_means_nothing_is_refused(figure: Any, save: Callable[..., Any], dpi: float) -> None:
-    with pytest.raises(ValueError, match="dpi"):
-        save(really_print, figure.canvas, io.BytesIO(), dpi, {})

@@ -14,13 +14,10 @@ from grader.engine.figures import (
     Curve,
     Entry,
     Figure,
-    Picture,
     Placed,
     Sight,
-    Stray,
     figures_of,
     picture_of,
-    strays_of,
 )
 from grader.sandbox.wire import Frame
 from tests.random_figures import figure_of, frame_of
@@ -81,35 +78,5 @@ def test_a_curve_is_hidden_where_hardly_an_eighth_of_it_is_seen(inside: int, see
     assert Sight(parts < inside, parts < seen).is_hidden is hidden
 
 
-def test_legends_of_the_whole_figure_are_one(frame: Frame) -> None:
-    sample = {"colour": "#000000", "style": "-", "marker": "None", "stroke": ""}
-    facts_of(frame)["legends"] = [[{"text": "x", **sample}], [], [{"text": "y", **sample}]]
-    (figure,) = figures_of(frame)
-    assert [entry.text for entry in figure.legend] == ["x", "y"]
-
-
-def test_a_text_on_a_panel_keeps_its_place_and_its_colour(frame: Frame) -> None:
-    facts_of(frame)["axes"][0]["texts"] = [{"text": "x", "place": [1.0, 2.0], "colour": "#ff0000"}]
-    (figure,) = figures_of(frame)
-    assert figure.axes[0].texts == (Placed("x", (1.0, 2.0), "#ff0000"),)
-
-
-def test_pictures_beside_the_figures_keep_their_reason() -> None:
-    assert strays_of(Frame({"strange": [{"path": "a.png", "reason": "OSError"}]}, {})) == (Stray("a.png", "OSError"),)
-
-
 def test_a_picture_that_cannot_be_read_is_none() -> None:
     assert picture_of(Frame({"readable": False, "reason": "no picture"}, {})) is None
-
-
-def test_a_picture_has_its_size_and_its_pixels() -> None:
-    picture = picture_of(
-        Frame({"readable": True, "size_px": [8, 6], "colours": 2, "ink": 0.1}, {"preview": "p", "palette": "q"})  # type: ignore[dict-item]
-    )
-    assert isinstance(picture, Picture)
-    assert (picture.size_px, picture.ink, picture.preview, picture.palette) == ((8, 6), 0.1, "p", "q")
-
-
-@pytest.mark.parametrize(("path", "name"), [("plots/a.png", "a.png"), ("a.png", "a.png"), (None, "")])
-def test_a_figure_is_called_by_its_file_without_the_folder(path: str | None, name: str) -> None:
-    assert Figure("saved", path, "png", (640, 480)).file_name == name

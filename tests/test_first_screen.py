@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import io
 import json
 import re
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from rich.console import Console
-from rich.text import Text
 
 from grader import cli
 from grader.commands import history
 from grader.commands.prints import Prints
-from grader.commands.watching import View
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.rubric import load
@@ -39,18 +35,6 @@ def test_a_check_remembers_the_points_of_the_last_one(tmp_path: Path) -> None:
     assert history.recalled(tmp_path, result()) == {}
     history.remember(tmp_path, result(check()), {})
     assert history.recalled(tmp_path, result()) == POINTS
-
-
-def test_a_check_of_one_criterion_forgets_nothing_of_the_others(tmp_path: Path) -> None:
-    history.remember(tmp_path, result(check()), {"filtering.a": 3.0})
-    assert history.recalled(tmp_path, result()) == {"filtering.a": 3.0, **POINTS}
-
-
-@pytest.mark.parametrize("key", ["rubric_sha256", "traces_sha256"])
-def test_points_of_another_rubric_or_another_truth_are_not_compared(tmp_path: Path, key: str) -> None:
-    history.remember(tmp_path, result(), {})
-    other = replace(result(), provenance={**result().provenance, key: "f" * 64})
-    assert history.recalled(tmp_path, other) == {}
 
 
 @pytest.mark.parametrize(
@@ -79,28 +63,7 @@ def test_each_path_has_a_memory_of_its_own_whichever_way_it_is_named(
     assert history.recalled(tmp_path / "b", result()) == {}
 
 
-def test_where_nothing_can_be_kept_there_is_no_history_and_no_complaint(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").write_text("mine")
-    monkeypatch.setenv("IMUGRADE_CACHE", str(tmp_path / "file"))
-    assert history.remember(tmp_path, result(check()), {}) == POINTS
-    assert history.recalled(tmp_path, result()) == {}
-    assert (tmp_path / "file").read_text() == "mine"
-
-
 # --- their own prints -------------------------------------------------------------------------------------------------
-
-
-def test_equal_lines_are_counted_under_the_part_that_was_checked() -> None:
-    prints = Prints()
-    prints.hear("sensor_access", "hello\n\nhello\n\x1b[31mred\n")
-    prints.hear("bonuses", "extra\n")
-    prints.hear("filtering", "\n")
-    assert [line.plain for line in prints.told(LAB)] == [
-        "", "Printed by your code", "", "While checking: Sensor access", "  hello  (×2)", "  \\x1b[31mred",
-        "", "While checking: extensions", "  extra",
-    ]  # fmt: skip
 
 
 def test_a_flood_is_cut_and_silence_is_said() -> None:
@@ -178,46 +141,3 @@ def test_an_interrupt_shows_what_was_judged_until_then(
     )
     assert said.err == "imugrade: stopped; run the same command again to go on\n"
     assert not (tmp_path / ".imugrade").exists()
-
-
-# --- a screen that is watched -----------------------------------------------------------------------------------------
-
-
-def viewed(height: int, rows: int) -> tuple[io.StringIO, View, Console]:
-    out = io.StringIO()
-    console = Console(file=out, width=40, height=height, force_terminal=True, color_system=None)
-    view = View(console, "me", "imugrade check")
-    view.show(lambda: [Text(f"row {n}") for n in range(rows)], "checked")
-    return out, view, console
-
-
-def painted(out: io.StringIO) -> list[str]:
-    """The rows since the screen was cleared last."""
-    return out.getvalue().rpartition("\x1b[2J\x1b[H")[2].splitlines()
-
-
-@pytest.mark.parametrize(
-    ("rows", "shown"),
-    [(3, ["row 0", "row 1", "row 2"]), (5, ["row 0", "row 1", "row 2", "row 3", "row 4"]),
-     (6, ["row 0", "row 1", "row 2", "row 3", "… 2 more lines: imugrade check"])],
-)  # fmt: skip
-def test_the_top_of_a_result_stays_on_a_screen_of_eight_lines(rows: int, shown: list[str]) -> None:
-    out, _, console = viewed(8, rows)
-    assert painted(out) == ["me  checked", "", *shown]
-    assert len(painted(out)) < console.height
-
-
-def test_while_it_checks_the_last_result_stays() -> None:
-    out, view, _ = viewed(8, 2)
-    view.tell("checking …")
-    assert painted(out) == ["me  checking …", "", "row 0", "row 1"]
-
-
-def test_a_terminal_of_another_size_is_laid_out_again_and_one_of_the_same_size_is_not() -> None:
-    out, view, console = viewed(6, 9)
-    before = out.getvalue()
-    view.refit()
-    assert out.getvalue() == before
-    console.size = (40, 7)  # type: ignore[assignment]
-    view.refit()
-    assert painted(out)[2:] == ["row 0", "row 1", "row 2", "… 6 more lines: imugrade check"]

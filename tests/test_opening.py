@@ -10,10 +10,7 @@ import pytest
 from grader import cli
 from grader.commands import checking, opening
 from grader.engine.results import Result
-from grader.engine.rubric import load
-from grader.engine.traces import Traces
 from grader.intake import read_submission
-from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.made_up import result
 
@@ -50,11 +47,6 @@ def test_a_notebook_alone_stands_for_the_files(tmp_path: Path) -> None:
     assert opening.found(LAB, beside).startswith("filters.py found; no imu_reader.py")
 
 
-def test_another_program_alone_is_said_to_have_none_of_the_files(tmp_path: Path) -> None:
-    submission = read_submission(hand_in(tmp_path / "me", "lab.py"), LAB.files)
-    assert opening.found(LAB, submission).startswith("no imu_reader.py, no noisy_imu.py")
-
-
 def test_a_name_of_a_folder_cannot_colour_the_terminal(tmp_path: Path) -> None:
     assert "\x1b" not in opening.begins(tmp_path / "\x1b[31mred")
 
@@ -66,46 +58,6 @@ def test_what_is_checked_is_said_before_it_is_read_but_not_of_what_is_not_there(
     assert opening.begins(Path()) == "checking me …"
     assert cli.main(["check", "nowhere"]) == 2
     assert capsys.readouterr().out == ""
-
-
-@pytest.mark.parametrize(("only", "count"), [("filtering", "6 public checks."), ("sensor_access", "5 public checks.")])
-def test_the_third_line_counts_the_public_checks(tmp_path: Path, only: str, count: str) -> None:
-    submission = read_submission(hand_in(tmp_path / "me", "filters.py"), LAB.files)
-    line = opening.waiting(submission, load(LAB), bundles.shipped(), only, secret=False)
-    assert line.startswith(count)
-
-
-def test_hidden_scenarios_wait_only_where_there_is_a_secret(tmp_path: Path) -> None:
-    submission = read_submission(hand_in(tmp_path / "me", "filters.py"), LAB.files)
-    known, unknown = (
-        opening.waiting(submission, load(LAB), bundles.shipped(), None, secret=each) for each in (True, False)
-    )
-    assert "16 hidden scenarios wait: another robot of the same kind" in known
-    assert "wait" not in unknown
-    assert "Your instructor may grade with hidden scenarios: another robot of the same kind" in unknown
-
-
-def test_an_extension_that_was_tried_adds_its_checks(tmp_path: Path) -> None:
-    rubric, bundle = load(LAB), bundles.shipped()
-    some = hand_in(tmp_path / "me", "filters.py")
-    before = int(opening.waiting(read_submission(some, LAB.files), rubric, bundle, None, secret=False).split()[0])
-    after = int(
-        opening.waiting(
-            read_submission(hand_in(some, "multi_imu.py"), LAB.files), rubric, bundle, None, secret=False
-        ).split()[0]
-    )
-    assert after - before == len(next(part for part in rubric.extensions if part.id == "multiple_imus").checks) > 0
-
-
-def test_the_scenarios_that_no_seed_changes_are_told_apart(hidden: Traces) -> None:
-    public = bundles.shipped()
-    same = {
-        name
-        for name, scenario in public.scenarios.items()
-        if {k: v.tobytes() for k, v in scenario.items()} == {k: v.tobytes() for k, v in hidden[name].items()}
-    }
-    assert same == LAB.same_for_all
-    assert public.scenarios.keys() == hidden.scenarios.keys()
 
 
 @pytest.mark.parametrize(("secret", "said"), [("a secret", "hidden scenarios wait"), ("  ", "may grade with hidden")])
@@ -131,16 +83,6 @@ def test_these_lines_stand_above_the_result(
     assert lines[1].startswith("filters.py found")
     assert "public checks. " in lines[2]
     assert lines[3] == ""
-
-
-def test_nothing_is_said_of_files_where_nothing_was_handed_in(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(checking, "check", lambda *_, **__: result(status="empty"))
-    assert cli.main(["check", str(tmp_path)]) == 0
-    shown = capsys.readouterr().out
-    assert " found\n" not in shown
-    assert "public checks" not in shown
 
 
 def test_the_first_line_waits_for_no_simulator_and_no_pytest() -> None:

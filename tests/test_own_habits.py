@@ -29,20 +29,9 @@ FILTER_IN_TIME = {
     "self.alpha = alpha": "self.alpha = dt / (1 / (2 * np.pi * cutoff_hz) + dt)",
 }
 PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
-    "standard deviations": (NOISY, {"accel_noise_std": "acc_std", "gyro_noise_std": "gyr_std"}, {NOISE: 3.0}, OTHER),
-    "sigma for each": (NOISY, {"accel_noise_std": "sigma_a", "gyro_noise_std": "sigma_g"}, {NOISE: 3.0}, OTHER),
-    "standard deviations in the code": (
-        NOISY,
-        {
-            "accel_noise_std=0.05, gyro_noise_std=0.005,": "",
-            "= accel_noise_std": "= 0.05",
-            "= gyro_noise_std": "= 0.005",
-        },
-        {NOISE: 6.0},
-        ("std-ignored",),
-    ),
-    "biases": (NOISY, {"accel_bias": "b_acc", "gyro_bias": "b_gyro"}, {NOISE: 3.0}, OTHER),
-    "no ids": (
+        "standard deviations": (NOISY, {"accel_noise_std": "acc_std", "gyro_noise_std": "gyr_std"}, {NOISE: 3.0}, OTHER),
+        "biases": (NOISY, {"accel_bias": "b_acc", "gyro_bias": "b_gyro"}, {NOISE: 3.0}, OTHER),
+        "no ids": (
         NOISY,
         {
             "model, data, accel_id, gyro_id,": "model, data,",
@@ -53,7 +42,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {NOISE: 3.0},
         OTHER,
     ),
-    "smoothing": (
+        "smoothing": (
         FILTER,
         {
             "alpha=0.1, initial_value=None": "smoothing=0.1, start=None",
@@ -64,14 +53,14 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {RECURSION: 3.0},
         OTHER,
     ),
-    "a cutoff": (FILTER, FILTER_IN_TIME | {"LowPassFilter(alpha=0.1)": "LowPassFilter(10.0, 0.002)"}, {RECURSION: 3.0}, OTHER),
-    "a cutoff with a default": (
+        "a cutoff": (FILTER, FILTER_IN_TIME | {"LowPassFilter(alpha=0.1)": "LowPassFilter(10.0, 0.002)"}, {RECURSION: 3.0}, OTHER),
+        "a cutoff with a default": (
         FILTER,
         FILTER_IN_TIME | {"cutoff_hz, dt,": "cutoff_hz=10.0, dt=0.002,", "LowPassFilter(alpha=0.1)": "LowPassFilter()"},
         {RECURSION: 3.0},
         OTHER,
     ),
-    "a sampling rate": (
+        "a sampling rate": (
         FILTER,
         FILTER_IN_TIME
         | {"cutoff_hz, dt,": "fc, sampling_freq,", "dt / (1 / (2 * np.pi * cutoff_hz) + dt)": "1 / (1 + sampling_freq / (2 * np.pi * fc))"}
@@ -79,14 +68,14 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {RECURSION: 3.0},
         OTHER,
     ),
-    "a time constant": (
+        "a time constant": (
         FILTER,
         FILTER_IN_TIME | {"cutoff_hz, dt,": "tau, dt,", "1 / (2 * np.pi * cutoff_hz)": "tau"}
         | {"LowPassFilter(alpha=0.1)": "LowPassFilter(0.02, 0.002)"},
         {RECURSION: 3.0},
         OTHER,
     ),
-    "an alpha, or a cutoff": (
+        "an alpha, or a cutoff": (
         FILTER,
         {
             "alpha=0.1, initial_value=None": "alpha=0.1, initial_value=None, cutoff_hz=0.0, dt=0.002",
@@ -95,19 +84,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {},
         (),
     ),
-    "no alpha": (
-        FILTER,
-        {"alpha=0.1, initial_value": "initial_value", "self.alpha = alpha": "self.alpha = 0.1", "(alpha=0.1)": "()"},
-        {RECURSION: 6.0},
-        ("alpha-ignored",),
-    ),
-    "no initial value": (
-        FILTER,
-        {", initial_value=None": "", "= initial_value": "= None"},
-        {"filtering.starts_from_first_measurement": 1.5},
-        ("initial-value-ignored",),
-    ),
-    "standard deviations of biases": (
+        "standard deviations of biases": (
         NOISY,
         {
             "accel_bias=None, gyro_bias=None": "accel_bias_std=0.1, gyro_bias_std=0.01",
@@ -117,34 +94,10 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {"noise_model.given_bias": 4.0},
         ("bias-argument-ignored",),
     ),
-    "the time between measurements": (
-        FILTER,
-        {"(self, measurement)": "(self, measurement, dt)", "update(noisy_accel)": "update(noisy_accel, 0.002)"},
-        {RECURSION: 3.0},
-        OTHER,
-    ),
-    "the time between measurements, by default": (
+        "the time between measurements, by default": (
         FILTER, {"(self, measurement)": "(self, measurement, dt=0.002)"}, {}, (),
     ),
-    "data first": (
-        READER,
-        {
-            "(model, data, accel_sensor_id, gyro_sensor_id)": "(data, model, accel_sensor_id, gyro_sensor_id)",
-            "get_imu_readings(model, data, accel_id": "get_imu_readings(data, model, accel_id",
-        },
-        {READ: 3.0},
-        OTHER,
-    ),
-    "data alone": (
-        READER,
-        {
-            "(model, data, accel_sensor_id, gyro_sensor_id)": "(data, accel_sensor_id, gyro_sensor_id)",
-            "get_imu_readings(model, data, accel_id": "get_imu_readings(data, accel_id",
-        },
-        {READ: 3.0},  # the model that it reads as a global stands for the one that is given
-        OTHER,
-    ),
-    "the duration first": (
+        "the duration first": (
         READER,
         {
             "(model, data, duration_seconds=5.0)": "(duration_seconds, model, data)",
@@ -153,7 +106,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {RECORD: 3.0},
         OTHER,
     ),
-    "the number of steps": (
+        "the number of steps": (
         READER,
         {
             "(model, data, duration_seconds=5.0)": "(model, data, n_steps)",
@@ -163,7 +116,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {RECORD: 3.0},
         OTHER,
     ),
-    "ids, and a duration of another name": (
+        "ids, and a duration of another name": (
         READER,
         {
             "(model, data, duration_seconds=5.0):": "(model, data, accel_id, gyro_id, length=5.0):\n    duration_seconds = length",
@@ -172,7 +125,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {},
         (),
     ),
-    "a file name": (
+        "a file name": (
         READER,
         {
             "plot_imu_data(imu_data):": "plot_imu_data(imu_data, filename):",
@@ -182,7 +135,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {PLOT: 2.0},
         OTHER,
     ),
-    "the series one by one": (
+        "the series one by one": (
         READER,
         {
             "plot_imu_data(imu_data):": "plot_imu_data(t, accel, gyro):\n"
@@ -192,7 +145,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {PLOT: 2.0},
         OTHER,
     ),
-}  # fmt: skip
+    }  # fmt: skip
 FORGOTTEN: dict[str, tuple[str, str, dict[str, float]]] = {
     "numpy": (READER, "import numpy as np\n", {}),
     "mujoco": (READER, "import mujoco\n", {}),
@@ -206,24 +159,16 @@ MISSPELLED = (
     ("get_imu_readings", "get_imu_reading"),
     ("simulate_and_collect", "simulateAndCollect"),
 )
-_SENSOR = "mujoco.mjtObj.mjOBJ_SENSOR"
 _STORED = (
     "accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)",
     "accelerations[i] = accel",
     "angular_velocities[i] = gyro",
 )
 EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
-    "a filter that runs away": (FILTER, {"(1 - self.alpha) *": "(1 + self.alpha) *"}, {RECURSION: 6.0}, ("gain-not-one",)),
-    "one sensor in both places": (
+        "one sensor in both places": (
         NOISY, {"return accel_noisy, gyro_noisy": "return gyro_noisy, gyro_noisy"}, {"noise_model.given_bias": 4.0}, (),
     ),
-    "a slice from the id on": (
-        READER,
-        {"data.sensordata[accel_adr:accel_adr+3]": "data.sensordata[accel_sensor_id:accel_adr+3]"},
-        {"sensor_access.follows_address": 6.0},
-        ("sensor-id-as-address",),
-    ),
-    "dates along the axis": (
+        "dates along the axis": (
         READER,
         {
             "import numpy as np\n": "import numpy as np\nfrom datetime import datetime, timedelta\n",
@@ -232,11 +177,10 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         {},
         (),
     ),
-    "a duration along the axis": (
+        "a duration along the axis": (
         READER, {"imu_data['time']": "(1e6 * imu_data['time']).astype('timedelta64[us]')", "Time (s)": "Time (us)"}, {}, (),
     ),
-    "nanoseconds along the axis": (READER, {"imu_data['time']": "1e9 * imu_data['time']", "Time (s)": "Time (ns)"}, {}, ()),
-    "a sandbox plot and bars with names beside the curves": (
+        "a sandbox plot and bars with names beside the curves": (
         READER,
         {
             "plt.savefig('imu_data.png', dpi=150)": "boxes, bars = fig.add_axes([0.8, 0.7, 0.1, 0.1]), fig.add_axes([0.8, 0.2, 0.1, 0.1])\n"
@@ -248,31 +192,14 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         {},
         (),
     ),
-    "a filter of the program's own measurement": (
+        "a filter of the program's own measurement": (
         FILTER, {"measurement.copy()": "noisy_accel.copy()", "self.alpha * measurement": "self.alpha * noisy_accel"},
         {RECURSION: 3.0}, ("global-for-parameter",),
     ),
-    "a filter of the program's own measurement, to which none is given": (
-        FILTER, {"def update(self, measurement)": "def update(self)", "measurement.copy()": "noisy_accel.copy()",
-                 "self.alpha * measurement": "self.alpha * noisy_accel", ".update(noisy_accel)": ".update()"},
-        {RECURSION: 3.0}, ("global-for-parameter",),
-    ),
-    "a reader of names": (
-        READER, {f"model.sensor_adr[{sensor}_sensor_id]": f"model.sensor_adr[mujoco.mj_name2id(model, {_SENSOR}, {sensor}_sensor_id)]" for sensor in ("accel", "gyro")}
-        | {f'mujoco.mj_name2id(model, {_SENSOR}, "torso_{sensor}")': f'"torso_{sensor}"' for sensor in ("accelerometer", "gyroscope")},
-        {READ: 3.0}, OTHER,
-    ),
-    "rows that are stored behind the loop": (
+        "rows that are stored behind the loop": (
         READER, {f"        {line}": f"    {line}" for line in _STORED}, {"data_collection.matches_truth": 6.0}, ("rows-left-zero",),
     ),
-    "rows and stamps that are stored behind the loop": (
-        READER, {f"        {line}": f"    {line}" for line in ("times[i] = data.time", *_STORED)},
-        {"data_collection.matches_truth": 6.0}, ("rows-left-zero",),
-    ),
-    "a bias of four numbers where none is given": (
-        NOISY, {"normal(0, 0.1, 3)": "normal(0, 0.1, 4)"}, {"noise_model.default_bias": 3.0}, ("raises",),
-    ),
-}  # fmt: skip
+    }  # fmt: skip
 
 
 LEGEND, CURVES, LABELS = (

@@ -16,7 +16,7 @@ from grader.base.errors import RequestError
 from grader.course import publishing
 from grader.course.publishing import Publisher, publish_all
 from grader.course.record import Key, Store
-from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
+from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from tests.made_up import result
@@ -61,27 +61,6 @@ def test_many_files_are_the_same_whoever_writes_them(store: Store, tmp_path: Pat
     assert len(files(here)) == 2 * MANY
     assert files(beside) == files(here)
     assert kept == {each.id: store.page_digest(each.id) for each in final_grades}
-
-
-def test_charts_that_come_drawn_are_not_drawn_again(
-    store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    final_grade = store.final_grades()["s000"]
-    figures = publishing.drawn(unpacked(CHARTS))
-    publishing.publish(tmp_path / "own", final_grade, store, LAB)
-    kept = store.page_digest("s000")
-    store.keep_page_digests({"s000": ""})
-    monkeypatch.setattr(publishing, "drawn", None)
-    publishing.publish(tmp_path / "given", final_grade, store, LAB, figures)
-    assert files(tmp_path / "given") == files(tmp_path / "own")
-    assert store.page_digest("s000") == kept
-
-
-def test_what_is_current_is_left_alone_and_no_process_starts(store: Store, tmp_path: Path) -> None:
-    publish_all(tmp_path, store.final_grades().values(), store, LAB)
-    before = {path: path.stat().st_mtime_ns for path in tmp_path.glob("submissions/*/*")}
-    assert not write_beside(tmp_path, store)
-    assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("submissions/*/*")} == before
 
 
 def test_of_several_standings_of_one_submission_the_last_one_counts(store: Store, tmp_path: Path) -> None:

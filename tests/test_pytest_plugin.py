@@ -12,10 +12,8 @@ from textwrap import dedent
 import pytest
 from junitparser import xunit2
 
-from grader.base.errors import RequestError
 from grader.engine.rubric import load
 from grader.labs.imu.lab import LAB
-from grader.pytest_plugin.options import Asked, Name, asked_for
 from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
 
 READER_BY_ID = IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id")
@@ -168,18 +166,3 @@ def test_a_run_that_does_not_ask_loads_two_options_and_nothing_else(tmp_path: Pa
     bare = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     ran = subprocess.run(command, cwd=tmp_path, env=bare, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stdout
-
-
-# --- the arguments ----------------------------------------------------------------------------------------------------
-
-
-def test_arguments_are_names_or_the_one_path() -> None:
-    asked = asked_for(["my_lab", "filtering", "lab/x.py::sensor_access::a"], LAB.titles)
-    assert asked == Asked(
-        Path("my_lab"),
-        (Name(None, ("filtering",)), Name(Path("lab/x.py").absolute(), ("sensor_access", "a"))),
-    )
-    assert asked.wants(Path("y.py"), "filtering", "b")
-    assert not asked.wants(Path("y.py"), "sensor_access", "a")
-    with pytest.raises(RequestError, match="one submission at a time: a b"):
-        asked_for(["a", "b"], LAB.titles)

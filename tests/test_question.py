@@ -51,18 +51,6 @@ def test_a_question_that_differs_in_anything_is_another(changed: dict[str, Any])
     assert asked(**changed) != asked()
 
 
-def test_a_long_text_is_told_from_others_wherever_they_differ() -> None:
-    texts = (LONG, LONG[:-1] + "y", "y" + LONG[1:], LONG + "x", "\ud800" + LONG)
-    keys = {asked(fields={"model": text}) for text in texts}
-    assert len(keys) == len(texts)
-    assert asked(fields={"model": LONG}) in keys
-    assert asked(fields={"other": LONG}) not in keys
-
-
-def test_the_same_question_in_another_order_is_the_same() -> None:
-    assert asked(fields=dict(reversed(FIELDS.items())), arrays=dict(reversed(ARRAYS.items()))) == asked()
-
-
 def test_what_no_process_could_be_sent_is_no_part_of_a_question() -> None:
     with pytest.raises(TypeError):
         key_of("read", {"model": object()}, {})

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import pytest
 
-from grader.base.errors import RequestError
 from grader.engine.reading import Reader
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
@@ -71,20 +70,6 @@ def test_what_cannot_be_read_is_unreadable_and_the_next_one_is_read(
     found = reader.read(Hostile(id_, id_, folder, LAB.files))
     assert (found.id, found.status, found.notes) == (id_, "unreadable", (note,))
     assert reader.read(Hostile("alice", "alice", folder, LAB.files)).status == "ready"
-
-
-def test_a_reader_that_was_killed_by_somebody_reads_again(folder: Path, reader: Reader) -> None:
-    assert reader.read(Hostile("once", "once", folder, LAB.files)).status == "ready"
-
-
-def test_what_has_gone_meanwhile_is_said(tmp_path: Path, reader: Reader) -> None:
-    with pytest.raises(RequestError, match="there is no such file or folder"):
-        reader.read(Entry("alice", "alice", tmp_path / "gone", LAB.files))
-
-
-def test_nothing_is_started_where_nothing_is_read() -> None:
-    with Reader() as reader:
-        assert reader._process is None
 
 
 HANGS = """

@@ -64,13 +64,6 @@ def test_below_a_main_guard_a_program_goes_on_after_a_statement_that_raises(guar
     assert told(noted) == [(5, "raised", "ZeroDivisionError", "division by zero")]
 
 
-def test_below_a_main_guard_one_statement_alone_is_known_to_end_the_process() -> None:
-    text = f"c = 1\n{GUARD}    a = 1\n    import os; os._exit(1)\n    b = 2\nd = 4\n"
-    names, noted = run(text, called="__main__", skipped={("lab.py", (2 << 16) + 2): "it ends the process"})
-    assert [names[name] for name in "abcd"] == [1, 2, 1, 4]
-    assert told(noted) == [(4, "ended", "", "it ends the process")]
-
-
 @pytest.mark.parametrize(
     ("guard", "called"),
     [
@@ -84,28 +77,6 @@ def test_below_a_main_guard_one_statement_alone_is_known_to_end_the_process() ->
 def test_what_stands_below_anything_else_is_one_statement(guard: str, called: str) -> None:
     names, _ = run(f"a = 0\n{guard}    1 / 0\n    a = 2\n", called=called)
     assert names["a"] == 0
-
-
-def test_what_is_imported_from_the_future_holds_below_a_main_guard() -> None:
-    text = f"from __future__ import annotations\n{GUARD}    def f(x: nothing) -> nothing: return 1\n"
-    names, noted = run(text, called="__main__")
-    assert (names["f"](0), noted) == (1, [])
-
-
-def test_a_main_guard_that_waits_is_run_as_a_whole() -> None:
-    text = f"import asyncio\n{GUARD}    x = await asyncio.sleep(0, 5)\n"
-    names, noted = run(text, called="__main__", flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
-    assert (names["x"], noted) == (5, [])
-
-
-def test_the_line_of_an_error_is_the_innermost_of_the_file() -> None:
-    _, noted = run("def f():\n\n    return 1 / 0\n\n\nf()\n")
-    assert (noted[0]["at"], noted[0]["line"]) == (6, 3)
-
-
-def test_a_docstring_is_the_first_text_alone() -> None:
-    names, noted = run('"""What it is."""\n"another text"\n')
-    assert (names["__doc__"], noted) == ("What it is.", [])
 
 
 def test_what_is_imported_from_the_future_holds_for_the_whole_file() -> None:
@@ -157,19 +128,6 @@ def test_what_was_made_with_a_missing_package_tells_of_the_package(lost: str) ->
         names["helper"](1)
 
 
-def test_what_was_there_before_stays_where_another_one_needs_a_missing_package() -> None:
-    names, _ = run("def helper(x):\n    return x\n\n\nfrom nothing_here import fast\nhelper = fast(helper)\n")
-    assert names["helper"](1) == 1
-
-
-def test_a_name_that_could_not_be_imported_is_not_called_defined() -> None:
-    stepper = stepping.Stepper({}, (0, 0), ["f", "g"])
-    names: dict[str, Any] = {"g": 1}
-    units = stepping.units_of(ast.parse("from nothing_here import f"), faults.own_name("lab.py"))
-    stepper.run(units, "lab.py", names, lambda node: None)
-    assert stepper.defined(names) == ["g"]
-
-
 def test_who_looks_whether_a_package_is_there_is_told_so() -> None:
     names, noted = run("try:\n    import nothing_here\nexcept ImportError:\n    nothing_here = None\n")
     assert (names["nothing_here"], noted) == (None, [])
@@ -217,8 +175,3 @@ def test_a_cell_that_waits_is_run_as_a_whole() -> None:
     text = "import asyncio\ntask = asyncio.create_task(asyncio.sleep(0, 5))\nx = await task\n"
     names, noted = run(text, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
     assert (names["x"], noted) == (5, [])
-
-
-def test_a_file_that_does_not_compile_as_a_whole_is_refused() -> None:
-    with pytest.raises(SyntaxError):
-        stepping.units_of(ast.parse("x = 1\nreturn x\n"), "lab.py")

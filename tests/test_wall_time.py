@@ -135,18 +135,3 @@ def test_the_clock_stands_still_for_what_waits_for_a_processor_and_runs_for_what
 def _state(pid: int) -> str:
     with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
         return file.read().rpartition(")")[2].split()[0]
-
-
-def test_a_clock_that_nobody_tells_of_waiting_runs_as_the_one_on_the_wall() -> None:
-    clock = WallClock(-1)
-    time.sleep(0.05)
-    assert clock.read() >= 0.05
-
-
-def test_a_wait_that_is_told_late_never_turns_the_clock_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = iter(
-        [10.0, 11.0, 10.5, 11.25]
-    )  # what is left of the time once the waits are taken off, each time it is asked
-    monkeypatch.setattr(WallClock, "_now", lambda self: next(told))
-    clock = WallClock(-1)
-    assert [clock.read() for _ in range(3)] == [1.0, 1.0, 1.25]
