@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
@@ -135,27 +134,6 @@ def test_a_key_that_comes_before_the_page_is_whole_waits_for_it(visit: Visit, de
     expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
 
 
-def test_points_typed_right_after_the_key_of_a_form_go_into_it(visit: Visit) -> None:
-    page = visit.open("/submission/bob")
-    typed = "for (const key of 'b5') document.activeElement.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true}))"
-    page.evaluate(typed)
-    expect(page.locator(f"#override-{ADDRESS.replace('.', '-')} input[name=points]")).to_be_focused()
-    expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
-
-
-def test_keys_that_come_before_the_page_is_whole_are_typed_into_the_form_that_they_open(
-    visit: Visit, desk: Desk
-) -> None:
-    page = visit.open("/submission/ada")
-    page.add_init_script(
-        "if (location.pathname === '/submission/bob') new MutationObserver((_, own) => { if (document.body) { own.disconnect();"
-        " for (const key of 'b5') document.body.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); } })"
-        ".observe(document, {childList: true, subtree: true});"
-    )
-    page.goto(f"{desk.origin}/submission/bob")
-    expect(page.locator(f"#override-{ADDRESS.replace('.', '-')} input[name=points]")).to_have_value("5")
-
-
 def test_the_list_is_worked_off_by_keys_and_a_form_is_recorded_and_left_by_keys(visit: Visit, desk: Desk) -> None:
     page = visit.open("/?kind=empty")
     page.keyboard.press("l")
@@ -190,13 +168,6 @@ def test_report_and_code_stand_side_by_side_and_the_named_line_is_marked(visit: 
     assert int(colour) > 600
 
 
-def test_the_picture_is_shown_and_nothing_else_of_a_submission_is_fetched(visit: Visit) -> None:
-    page = visit.open("/submission/ada")
-    assert page.locator("img.submitted").evaluate("each => each.decode().then(() => each.naturalWidth)") == 1
-    page = visit.open("/submission/evil")
-    expect(page.locator("img.submitted")).to_have_count(1)
-
-
 def test_nothing_that_a_student_wrote_runs(visit: Visit) -> None:
     for path in ("/class", "/submission/evil", f"/what-if?weight:{ADDRESS}=14"):
         page = visit.open(path)
@@ -225,24 +196,6 @@ def test_without_scripts_everything_can_still_be_decided(visit: Visit) -> None:
     expect(page.locator("#override-filtering .given")).to_contain_text("19, automatic 20, by prof: untidy")
 
 
-def test_a_dropped_file_is_read_into_its_field(visit: Visit, tmp_path: Path) -> None:
-    (tmp_path / "a.json").write_text('{"id": "ada", "text": "Why?"}')
-    page = visit.open("/regrade-requests")
-    page.locator("#request-file").set_input_files(tmp_path / "a.json")
-    expect(page.locator("textarea")).to_have_value('{"id": "ada", "text": "Why?"}')
-    page.get_by_role("button", name="Add").click()
-    expect(page.get_by_role("status")).to_have_text("1 regrade request added")
-
-
-def test_who_decides_can_say_another_name(visit: Visit, desk: Desk) -> None:
-    page = visit.open("/submission/open")
-    page.get_by_label("Grading as").fill("Ann <b>")
-    page.get_by_role("button", name="Change").click()
-    page.goto(f"{desk.origin}/submission/open")
-    expect(page.get_by_label("Grading as")).to_have_value("Ann <b>")
-    assert page.evaluate("document.cookie") == ""
-
-
 def test_the_class_page_searches_filters_and_sorts_and_a_student_is_found_from_every_page(visit: Visit) -> None:
     page = visit.open("/class")
     names = page.locator("#submissions tbody tr:visible th a")
@@ -261,15 +214,3 @@ def test_the_class_page_searches_filters_and_sorts_and_a_student_is_found_from_e
     page.locator("header input[name=who]").fill("bird")
     page.get_by_role("button", name="Open", exact=True).click()
     expect(names).to_have_text(["Bob Bird"])
-
-
-def test_points_beyond_the_maximum_are_refused_at_the_field_and_what_was_typed_stays(visit: Visit, desk: Desk) -> None:
-    page = visit.open("/submission/cyd")
-    form = page.locator("#override-filtering")
-    form.locator("summary").click()
-    form.locator("input[name=points]").fill("21")
-    form.locator("textarea").fill("a long reason")
-    form.get_by_role("button", name="Save").click()
-    assert form.locator("input[name=points]").evaluate("each => each.validity.rangeOverflow")
-    expect(form.locator("textarea")).to_have_value("a long reason")
-    assert [each for each in desk.book.on_thread(lambda: desk.book.history("cyd")) if each.points == 21.0] == []

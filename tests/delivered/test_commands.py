@@ -18,21 +18,15 @@ from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import write
 from tests.delivered.conftest import PIP, SECRET, Delivered
 from tests.examples import expected, summary
-from tests.shadows import namesakes
 
 pytestmark = pytest.mark.delivered
 
 JOB = dict.fromkeys(("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_URL", "OWNER"), "x")
-AGAIN = sorted(expected())[::4]
 HIDDEN = {"environ": {"IMUGRADE_SEED": SECRET}}
 
 
 def results(out: Path) -> dict[str, bytes]:
     return {path.parent.name: path.read_bytes() for path in sorted(out.glob("submissions/*/result.json"))}
-
-
-def without_durations(result: bytes) -> bytes:
-    return re.sub(rb'"duration_s": [-+.e0-9]+', b"", result)
 
 
 def marks(out: Path) -> None:
@@ -80,16 +74,6 @@ def public(delivered: Delivered) -> str:
     return str(json.loads(result)["provenance"]["traces_sha256"])
 
 
-def test_graded_again_with_the_same_secret_it_is_the_same_but_for_durations(delivered: Delivered, out: Path) -> None:
-    here, chosen = delivered.empty(), [word for name in AGAIN for word in ("--only", name)]
-    assert delivered.run("grade", delivered.examples, "-o", "out", *chosen, cwd=here, **HIDDEN).returncode == 0
-    first, second = results(out), results(here / "out")
-    assert sorted(second) == AGAIN
-    assert {name: without_durations(first[name]) for name in second} == {
-        name: without_durations(result) for name, result in second.items()
-    }
-
-
 @pytest.mark.parametrize(
     ("format_", "given"),
     [
@@ -129,15 +113,6 @@ def test_ci_answers_in_each_format(delivered: Delivered, lab: Path, format_: str
         return
     assert "100" in answer
     assert format_ == "github" or json.loads(answer)
-
-
-def test_a_folder_with_namesakes_of_our_modules_is_graded_from_within(delivered: Delivered, lab: Path) -> None:
-    here = namesakes(lab.parent / "namesakes", lab.parent / "told")
-    other = {"IMUGRADE_SEED": "another secret, which is not recorded yet"}
-    done = delivered.run("grade", "../lab", "-o", "../out", cwd=here, environ=other)
-    assert done.returncode == 0, done.stderr
-    assert (lab.parent / "told").read_text(encoding="utf-8") == ""
-    assert json.loads(results(lab.parent / "out")["lab"])["score"] == 100.0
 
 
 # --- kits, traces, and what else there is -------------------------------------------------------------------------------
@@ -187,10 +162,6 @@ def test_doctor_has_recorded_from_a_secret_of_its_own(delivered: Delivered) -> N
     assert re.search(r"✓ +reference +recorded \d+ scenarios from a throw-away secret", done.stdout)
 
 
-def test_explain_has_its_catalogue(delivered: Delivered) -> None:
-    assert "copy" in delivered.run("explain", "view-not-copy", cwd=delivered.empty()).stdout
-
-
 def test_the_reference_is_shown_live_on_a_screen(delivered: Delivered) -> None:
     xvfb = shutil.which("xvfb-run")
     if xvfb is None:
@@ -201,10 +172,3 @@ def test_the_reference_is_shown_live_on_a_screen(delivered: Delivered) -> None:
     words = [Path(xvfb), "-a", python, "-m", "reference.live_plot", "--seconds", "0.2"]
     done = delivered.run(*words, cwd=here, environ={"MPLBACKEND": "TkAgg"})
     assert (done.returncode, done.stdout, list(here.iterdir())) == (0, "", []), done.stderr
-
-
-def test_without_a_screen_the_same_is_written_into_a_file(delivered: Delivered) -> None:
-    here = delivered.empty()
-    done = delivered.run(delivered.programs / "python", "-m", "reference.live_plot", "--seconds", "0.2", cwd=here)
-    assert done.returncode == 0, done.stderr
-    assert (here / "live_plot.gif").read_bytes().startswith(b"GIF8")
