@@ -51,7 +51,6 @@ def test_both_estimates_are_the_handbooks() -> None:
 _SWAY = np.resize([1.0, -1.0], len(_SIZES))
 _TRUE = _curve()
 _ROOTS = np.sqrt(_N / _SIZES)
-_EVEN = _SIZES % 2 == 0
 
 
 @pytest.mark.parametrize(
@@ -59,34 +58,19 @@ _EVEN = _SIZES % 2 == 0
     [
         (_SIZES, _TRUE, True),
         (_SIZES, _curve(_separate), True),
-        (_SIZES, np.where(_EVEN, _TRUE, _curve(_separate)), True),
-        (_SIZES, _curve(x=_WHITE[1:]), True),
         (_SIZES, _curve(_separate, x=_WHITE[:-1]), True),
-        (_SIZES, np.array([_separate(_WHITE[_N % m :], m) for m in _SIZES]), True),
         (_SIZES, 2**0.5 * _TRUE, False),
-        (_SIZES, _TRUE**2, False),
         (_SIZES, 1.09 * _TRUE, True),
         (_SIZES, 1.12 * _TRUE, False),
-        (_SIZES, _TRUE / 1.12, False),
         (_SIZES, _TRUE * np.exp(4.9 * _SWAY / _ROOTS * (_SIZES >= 20)), True),
         (_SIZES, _TRUE * np.exp(5.1 * _SWAY / _ROOTS * (_SIZES == 20)), False),
-        (_SIZES, _TRUE * np.exp(-5.1 / _ROOTS * (_SIZES == 40)), False),
-        (_SIZES, _TRUE * np.where(_SIZES > 40, 3, 1), True),
         (_SIZES, _TRUE * np.where(_SIZES == 40, 3, 1), False),
-        (_SIZES, 1.05 * _TRUE * np.where(_SIZES == 300, 0, 1), False),
         (_SIZES, 1.05 * _TRUE * np.where(_SIZES == 300, -1, 1), False),
-        (_SIZES[:3], _TRUE[:3], True),
         (_SIZES[:2], _TRUE[:2], False),
         (_SIZES[-4:], 1.05 * _TRUE[-4:], False),
         (_SIZES[-4:], _TRUE[-4:], True),
-        (_SIZES[-4:], _curve(_separate)[-4:], True),
-        (_SIZES[-4:], (1 + 0.9e-6) * _TRUE[-4:], True),
         (_SIZES[-4:], (1 - 1.5e-6) * _TRUE[-4:], False),
-        (_SIZES, _TRUE * np.where((_SIZES > 10) & (_SIZES < 50), 1.3, 1), True),
-        (np.array([500, 550, 600]), _curve(sizes=np.array([500, 550, 600])), True),
-        (_SIZES[-5:], 1.01 * _TRUE[-5:], True),
         (np.array([1, 2, 3, 600]), _curve(sizes=np.array([1, 2, 3, 600])), True),
-        (np.array([1, 2, 3, 0, 601, 700]), np.append(_TRUE[:3], [1, 1, 1]), True),
         (np.array([1, 2, 3, 0, 601, 700, 701, 900]), np.append(_TRUE[:3], [1] * 5), False),
     ],
 )  # fmt: skip
@@ -121,17 +105,10 @@ _INEXACT = np.array([57, 55, 58, 56, 113, 110, 114, 111, 115, 112, 116])
     ("taus", "seconds"),
     [
         (lambda t: t, True),
-        (lambda t: t + np.resize([0.4, -0.4], len(t)) / _RATE, True),
         (lambda t: t + np.resize([0.0, 0.8], len(t)) / _RATE, True),
-        (lambda t: t + np.resize([0.8, 0.0], len(t)) / _RATE, True),
-        (lambda t: t - np.resize([0.0, 0.8], len(t)) / _RATE, True),
-        (lambda t: t - np.resize([0.8, 0.0], len(t)) / _RATE, True),
         (lambda t: t + 0.4 / _RATE, True),
-        (lambda t: t - 0.4 / _RATE, True),
         (lambda t: t + 0.8 / _RATE, True),
-        (lambda t: t - 0.8 / _RATE, True),
         (lambda t: t * _RATE, False),
-        (lambda t: t * _RATE**2, False),
         (lambda t: t / _RATE, False),
         (lambda t: t * 3, None),
     ],
@@ -147,15 +124,6 @@ def test_averaging_times_are_seconds_or_something_else_that_fits_all_records(
         assert allan.fits(found[1](times, _RATE), curve, samples)
 
 
-def test_one_record_that_fits_otherwise_tells_no_unit() -> None:
-    sound, other = _records(lambda t: t)
-    assert allan.unit_of_times([sound, (other[0], 3 * other[1], other[2])], _RATE) is None
-
-
-def test_cluster_sizes_are_seconds_times_the_rate() -> None:
-    assert allan.in_seconds(np.array([0.01, 0.0249, 0.0251]), 100.0).tolist() == [1, 2, 3]
-
-
 @pytest.mark.parametrize(("points", "left"), [(1, 1), (5, 5), (200, 200), (201, 200), (5000, 200)])
 def test_of_a_long_curve_two_hundred_points_are_looked_at_the_first_and_last_among_them(points: int, left: int) -> None:
     taus, curve = allan.thinned(np.arange(points) + 1.0, -np.arange(points) - 1.0)
@@ -163,34 +131,6 @@ def test_of_a_long_curve_two_hundred_points_are_looked_at_the_first_and_last_amo
     assert (taus[0], taus[-1]) == (1, points)
     assert (curve == -taus).all()
     assert (np.diff(taus) > 0).all()
-
-
-_TAUS = np.array([1.0, 2, 4, 8, 16])
-_FALLING = 3 * _TAUS**-0.5
-
-
-@pytest.mark.parametrize(
-    ("taus", "curve", "clusters", "slope"),
-    [
-        (_TAUS, _FALLING, np.full(5, 30), -0.5),
-        (_TAUS, _FALLING, np.array([100, 60, 30, 29, 2]), -0.5),
-        (_TAUS, np.array([*_FALLING[:3], 9, 9]), np.array([100, 60, 30, 29, 29]), -0.5),
-        (_TAUS, np.array([*_FALLING[:3], 9, 9]), np.array([100, 60, 30, 30, 29]), 0.43),
-        (_TAUS, _FALLING, np.array([100, 60, 29, 29, 2]), None),
-        (_TAUS, np.array([*_FALLING[:3], 0, np.nan]), np.full(5, 30), -0.5),
-        (_TAUS, np.array([*_FALLING[:3], -1, np.inf]), np.full(5, 30), -0.5),
-        (np.array([0.0, 0, 4, 8, 16]), _FALLING, np.full(5, 30), -0.5),
-        (np.array([-1.0, 2, 4, 8, 16]), _FALLING, np.full(5, 30), -0.5),
-        (np.array([0.0, 0, 0, 8, 16]), _FALLING, np.full(5, 30), None),
-        (np.array([1.0, 1, 1, 2, 2]), _FALLING, np.full(5, 30), None),
-        (np.array([1.0, 1, 1, 2, 4]), np.array([3.0, 3, 3, 6, 12]), np.full(5, 30), 1),
-    ],
-)
-def test_the_slope_rests_on_thirty_clusters_and_three_times(
-    taus: Array, curve: Array, clusters: Array, slope: float | None
-) -> None:
-    wanted = np.nan if slope is None else slope
-    assert allan._slope(taus, curve, clusters) == pytest.approx(wanted, abs=0.01, nan_ok=True)
 
 
 def _mistaken(
@@ -204,18 +144,12 @@ def _mistaken(
     [
         (_records(lambda t: t), []),
         (_mistaken(_overlapping, 2**0.5), ["allan-factor-missing"]),
-        (_mistaken(_separate, 2**0.5), ["allan-factor-missing"]),
         (_mistaken(_overlapping, 2**0.5, 1.0), ["allan-factor-missing"]),
         (_mistaken(_overlapping, 3), []),
         (_mistaken(_spread(0)), ["std-not-allan"]),
-        (_mistaken(_spread(1)), ["std-not-allan"]),
         (_mistaken(_spread(0), 1.015), ["std-not-allan"]),
         (_mistaken(_spread(0), 1.03), []),
-        (_mistaken(_spread(0), 0.95), []),
-        (_mistaken(_spread(0), per=1.0), ["std-not-allan"]),
         (_mistaken(_spread(0), sizes=_SIZES[4:7]), ["std-not-allan"]),
-        (_mistaken(_spread(0), sizes=_SIZES[5:7]), []),
-        (_mistaken(_spread(0), sizes=np.array([1, 2, 600])), ["std-not-allan"]),
         ([_mistaken(_spread(0))[0], _mistaken(_overlapping, 2**0.5)[1]], []),
     ],
 )

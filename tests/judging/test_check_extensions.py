@@ -58,7 +58,6 @@ def _tilted(**steps: Any) -> type:
 
 
 _DEGREES = {"update": lambda s, a, g: tuple(np.degrees(Tilt.update(s, a, g)))}
-_SMALL_ANGLES = {"of_accel": lambda _s, a: np.array([-a[1], a[0]]) / 9.81}
 
 
 def _off_at_first(self: Any, accel: Any, gyro: Any) -> Any:
@@ -86,14 +85,9 @@ TILT: list[tuple[Any, list[Row]]] = [
     (checks.check_returns_roll_and_pitch, [
         ("sound", Tilt, None),
         ("off by a degree", _tilted(shift=math.radians(1)), (0.0, [])),
-        ("off by half a degree", _tilted(shift=math.radians(0.5)), None),
         ("off by a turn", _tilted(shift=2 * math.pi), None),
         ("the pitch off at first", _tilted(update=_off_at_first), (0.0, [])),
-        ("further off with each update", Growing, (0.0, [])),
         ("a list without numbers", _tilted(update=lambda *_: [math.nan, 0.0]), (0.0, ["not-finite"])),
-        ("an array without numbers", _tilted(update=lambda *_: np.array([math.nan, 0.0])), (0.0, ["not-finite"])),
-        ("three angles", _tilted(update=lambda s, a, g: (*Tilt.update(s, a, g), 0.0)), None),
-        ("in degrees", _tilted(**_DEGREES), None),
         ("a number", _tilted(update=lambda *_: 0.0), (0.0, ["wrong-return-type"])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), (0.0, ["not-finite"])),
         ("raises", _tilted(update=lambda *_: 1 / 0), "raised"),
@@ -104,9 +98,6 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("further off with each update", Growing, (0.0, [])),
         ("in degrees", _tilted(**_DEGREES), (0.0, ["degrees-not-radians"])),
         ("pitch of the other sign", _tilted(of_accel=lambda s, a: Tilt.of_accel(s, a) * [1, -1]), (0.0, ["tilt-sign-wrong"])),
-        ("the sine for the pitch", _tilted(of_accel=lambda _s, a: np.array([math.atan2(-a[1], -a[2]), a[0] / 9.81])), (0.5, [])),
-        ("small angles", _tilted(**_SMALL_ANGLES), (0.0, [])),
-        ("off by a degree and a half", _tilted(shift=math.radians(1.5)), None),
         ("off by two degrees", _tilted(shift=math.radians(2)), (0.0, [])),
         ("off by a turn", _tilted(shift=2 * math.pi), None),
         ("raises", _tilted(update=lambda *_: 1 / 0), "raised"),
@@ -116,16 +107,13 @@ TILT: list[tuple[Any, list[Row]]] = [
     (checks.check_beats_gyroscope_alone, [
         ("sound", Tilt, None),
         ("the gyroscope alone", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
-        ("hardly anything else", _tilted(alpha=0.9995), (0.0, [])),
         ("little else", _tilted(alpha=0.999), (0.5, [])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
     (checks.check_beats_accelerometer_alone, [
         ("sound", Tilt, None),
-        ("the accelerometer alone", _tilted(alpha=0.0, gain=0.0), (0.0, ["accel-only"])),
         ("without the gyroscope", _tilted(gain=0.0), (0.0, ["accel-only"])),
         ("weights exchanged", _tilted(alpha=0.02), (0.0, ["weights-swapped"])),
-        ("much of it", _tilted(alpha=0.6), (0.0, [])),
         ("more of it than is good", _tilted(alpha=0.7), (0.5, [])),
         ("a time step of its own", _tilted(__init__=_own_time_step), None),
     ]),
@@ -134,8 +122,6 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("the gyroscope in degrees", _tilted(gain=math.degrees(1)), (0.0, [])),
         ("the accelerometer alone", _tilted(alpha=0.0), (0.0, ["accel-only"])),
         ("half the turn", _tilted(gain=0.5), (0.5, [])),
-        ("twice the turn", _tilted(gain=2.0), (0.0, [])),
-        ("hardly anything but the turn", _tilted(alpha=0.9995), (0.0, [])),
         ("a time step of its own", _tilted(__init__=_own_time_step), (0.5, [])),
     ]),
 ]  # fmt: skip
@@ -198,17 +184,6 @@ def _some_unknown(taus: Any, adev: Any) -> Any:
     return np.where(odd == 5, np.inf, taus), np.where((odd == 3) | (odd == 8), np.nan, adev)
 
 
-def _first_for_last(samples: Any, rate: float) -> Any:
-    taus, adev = deviation(samples, rate)
-    return (taus, adev) if samples.ndim == 1 else (taus, adev[:, [0, 1, 0]])
-
-
-def _unknown_at_the_end(samples: Any, rate: float) -> Any:
-    taus, adev = deviation(samples, rate)
-    adev[-1] = np.nan
-    return taus, adev
-
-
 def _raises_for_axes(samples: Any, rate: float) -> Any:
     return deviation(samples, rate) if samples.ndim == 1 else _raises()
 
@@ -229,29 +204,18 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("the deviations alone", lambda s, r: deviation(s, r)[1], (0.0, ["wrong-return-type"])),
         ("one that is no number", _changed(lambda t, a: (t, np.where(np.arange(len(a)) == 3, np.nan, a))), (0.5, ["not-finite"])),
         ("raises", _raises, "raised"),
-        ("some that are no numbers", _changed(_some_unknown), (0.5, ["not-finite"])),
-        ("fewer times than deviations", _changed(lambda t, a: (t[1:], a)), (0.0, ["wrong-return-type"])),
-        ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
     ]),
     (checks.check_averaging_times, [
         ("sound", deviation, None),
-        ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
-        ("seven tenths of a sample", _changed(lambda t, a: (t * 0.7, a)), None),
         ("four of them, each twice", lambda s, r: tuple(np.repeat(x[::9], 2) for x in deviation(s, r)), (0.5, [])),
         ("half a sample", _changed(lambda t, a: (t * 0.4, a)), (0.5, [])),
-        ("one for all", _changed(lambda t, a: (0 * t + 1, a)), (0.5, [])),
-        ("five over a decade", lambda s, r: tuple(x[:7][[0, 1, 2, 4, 6]] for x in deviation(s, r)), None),
         ("nothing", lambda *_: None, "skipped"),
         ("raises", _raises, "raised"),
         ("in samples", _changed(lambda t, a: (t * 80, a)), (0.0, ["tau-wrong"])),
-        ("over the rate twice", _changed(lambda t, a: (t / 80, a)), (0.0, ["tau-wrong"])),
         ("beyond the record", _changed(lambda t, a: (t * 1.5, a)), (0.5, [])),
         ("a hundredth beyond the half", _changed(lambda t, a: (t * 1.01, a)), None),
-        ("from two samples on, over less than a decade", lambda s, r: tuple(x[1:7] for x in deviation(s, r)), (0.5, [])),
-        ("over a decade", lambda s, r: tuple(x[:7] for x in deviation(s, r)), None),
         ("over less than a decade", lambda s, r: tuple(x[:6] for x in deviation(s, r)), (0.5, [])),
         ("four of them", lambda s, r: tuple(x[::9] for x in deviation(s, r)), (0.5, [])),
-        ("two of them", lambda s, r: tuple(x[:2] for x in deviation(s, r)), "skipped"),
     ]),
     (checks.check_matches_definition, [
         ("sound", deviation, None),
@@ -259,35 +223,26 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("without the half", _changed(lambda t, a: (t, a * 2**0.5)), (0.0, ["allan-factor-missing"])),
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
         ("another curve", _changed(lambda t, a: (t, a * 1.3)), (0.0, [])),
-        ("another curve from four samples on", _changed(lambda t, a: (t[3:], a[3:] * 1.7)), (0.0, [])),
-        ("another curve from less than half a sample on", _changed(lambda t, a: (t * 0.4, a * 1.7)), (0.0, [])),
         ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
         ("some that are no numbers", _changed(_some_unknown), None),
         ("wrong for long times", _changed(lambda t, a: (t, np.where(t > t[len(t) // 2], 3 * a, a))), (0.0, [])),
-        ("zero", _changed(lambda t, a: (t, 0 * a)), (0.0, [])),
         ("in samples, which is another check's", _changed(lambda t, a: (t * 80, a)), None),
     ]),
     (checks.check_shows_kinds_of_noise, [
         ("sound", deviation, None),
         ("the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
-        ("another factor", _changed(lambda t, a: (t, a * 1.3)), None),
         ("a trend taken off", _detrended, (0.0, [])),
         *((f"steeper for {kind} alone", _steeper(kind), (0.0, [])) for kind in ("white", "walk", "quantised", "drift")),
         ("in samples", _changed(lambda t, a: (t * 80, a)), None),
         ("short times alone", lambda s, r: tuple(x[:4] for x in deviation(s, r)), None),
-        ("from half a sample on", _changed(lambda t, a: (t * 0.4, a)), None),
-        ("zero", _changed(lambda t, a: (t, 0 * a)), (0.0, [])),
-        ("long times alone", lambda s, r: tuple(x[-4:] for x in deviation(s, r)), (0.0, [])),
         ("the same for every record", lambda s, r: (deviation(s, r)[0], deviation(s, r)[0] ** -0.5), (0.0, [])),
     ]),
     (checks.check_takes_three_axes, [
         ("sound", deviation, None),
         ("one axis of three", _one_axis, (0.0, [])),
         ("the first for all", _same_for_all, (0.0, [])),
-        ("the first for the last", _first_for_last, (0.0, [])),
         ("off by a ten-millionth for more than one axis", _a_little_more_for_axes, (0.0, [])),
-        ("unknown for the longest", _unknown_at_the_end, None),
         ("raises for more than one axis", _raises_for_axes, "raised"),
         ("half as many for more than one axis", _fewer_for_axes, (0.0, [])),
         ("nothing", lambda *_: None, (0.0, [])),
@@ -334,10 +289,6 @@ def _elsewhere(other: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
     return lambda model, data: (every if "torso" in every(model, data) else other)(model, data)
 
 
-def _swapped_and_some(model: Any, data: Any) -> Any:
-    return {p: r[::-1] for p, r in every(model, data).items() if p in ("torso", "head", "keel")}
-
-
 def _at_first(empty: type) -> Callable[[Any, Any], Any]:
     """Nothing on the first call for each model."""
     known: list[Any] = []
@@ -355,7 +306,6 @@ IMUS: list[tuple[Any, list[Row]]] = [
     (checks.check_finds_every_place, [
         ("sound", every, None),
         ("none at first", _at_first(dict), (0.0, ["imu-missing"])),
-        ("a list at first", _at_first(list), (0.0, ["wrong-return-type"])),
         ("those of the lab", _those_of_the_lab, (0.5, ["imu-missing"])),
         ("the torso alone", lambda m, d: {"torso": every(m, d).get("torso")}, (0.0, ["imu-missing"])),
         ("a list", lambda m, d: list(every(m, d).values()), (0.0, ["wrong-return-type"])),
@@ -363,26 +313,18 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("an empty dictionary", lambda *_: {}, (0.0, ["imu-missing"])),
         ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
         ("all but one", _without("head"), (0.0, ["imu-missing"])),
-        ("all but two", _without("head", "torso"), (0.0, ["imu-missing"])),
         ("all but one of another model", _without("keel"), (0.5, ["imu-missing"])),
         ("raises in another model", _elsewhere(_raises), "raised"),
-        ("a list in another model", _elsewhere(lambda m, d: list(every(m, d).values())), (0.0, ["wrong-return-type"])),
-        ("more than there are", lambda m, d: every(m, d) | {"tail": _of(d, next(iter(every(m, d))))}, None),
     ]),
     (checks.check_matches_truth, [
         ("sound", every, None),
         ("those of the lab", _those_of_the_lab, None),
         ("the first for all", _first_for_all, (0.0, ["same-imu-repeated"])),
-        ("the first for two", lambda m, d: dict(list(_first_for_all(m, d).items())[:2]), (0.0, ["same-imu-repeated"])),
         ("the gyroscope first", _changing(lambda _p, r: r[::-1]), (0.0, [])),
         ("in g", _changing(lambda _p, r: (r[0] / 9.81, r[1])), (0.0, [])),
-        ("the torso alone, in g", lambda m, d: {p: (r[0] / 9.81, r[1]) for p, r in every(m, d).items() if p == "torso"}, (0.0, [])),
         ("one of the lab", _changing(lambda p, r: r[::-1] if p == "head" else r), (0.0, [])),
-        ("never above zero", _changing(lambda _p, r: (np.minimum(r[0], 0.0), r[1])), (0.0, [])),
         ("limited", _changing(lambda _p, r: (r[0], np.clip(r[1], -3.5, 3.5))), (0.0, [])),
         ("the accelerometer alone", _changing(lambda _p, r: r[:1]), (0.0, [])),
-        ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), (0.0, [])),
-        ("swapped, and some left out", _swapped_and_some, (0.0, [])),
         ("raises in another model", _elsewhere(_raises), "raised"),
         ("one for all of another model", _elsewhere(_first_for_all), (0.5, ["same-imu-repeated"])),
         ("one of another model", _changing(lambda p, r: r[::-1] if p == "keel" else r), (0.5, [])),
@@ -395,7 +337,6 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), None),
         ("no numbers", _changing(lambda _p, r: (r[0] * np.nan, r[1] * np.nan)), "skipped"),
         ("raises", _raises, "raised"),
-        ("those of the lab, some left out", _without("head"), None),
         ("a list", lambda m, d: list(every(m, d).values()), "skipped"),
     ]),
 ]  # fmt: skip
@@ -438,7 +379,6 @@ _WRONG = (_T, np.cos(40 * _T))
 LIVE: list[tuple[Any, list[Row]]] = [
     (checks.check_returns, [
         ("sound", _seen(), None),
-        ("nine tenths", _seen(simulated=0.9), None),
         ("less", _seen(simulated=0.89), (0.5, [])),
         ("nothing", _seen(simulated=0.0), (0.0, [])),
         ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
@@ -447,25 +387,18 @@ LIVE: list[tuple[Any, list[Row]]] = [
         ("sound", _seen(), None),
         ("four times", _seen((0.1, 0.3, 0.5, 0.7)), None),
         ("three times", _seen((0.1, 0.4, 0.7)), (0.5, [])),
-        ("within a moment", _seen((0.1, 0.11, 0.12, 0.13, 0.14)), (0.5, [])),
         ("twice, and at the end", _seen((0.2, 0.6, 1.0)), (0.5, [])),
-        ("once, and twice at the end", _seen((0.5, 1.0, 1.0)), (0.5, [])),
-        ("once, and twice before", _seen((0.0, 0.0, 0.5)), (0.0, [])),
         ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
-        ("over four tenths", _seen((0.1, 0.2, 0.3, 0.5)), None),
         ("once", _seen((0.5, 0.5)), (0.0, ["plot-not-live"])),
         ("at the end", _seen((0.5, 1.0, 1.0, 1.0, 1.0)), (0.0, [])),
     ]),
     (checks.check_shows_true_data, [
         ("sound", _seen(), None),
         ("nothing", _seen(()), "skipped"),
-        ("short ones", _seen(curves=[(_T[:9], _T[:9])]), (0.0, [])),
-        ("of ten points", _seen(curves=[(_T[:10], truth()["watched"]["pushed"][:10, 0])]), None),
         ("wrong ones, and then right ones", _seen(curves=[_WRONG] * 30 + [(_T, truth()["watched"]["pushed"][:, 0])] * 24), None),
         ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
         ("wrong ones", _seen(curves=[_WRONG] * 3), (0.0, [])),
         ("one that is right", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0])] + [_WRONG] * 2), (0.5, [])),
-        ("half of them", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0]), _WRONG]), None),
     ]),
 ]  # fmt: skip
 

@@ -104,26 +104,6 @@ def _strange_and_stepping(model: Any, data: Any, a: int, g: int) -> Any:
     return altered(_strange, _strange)(model, data, a, g)
 
 
-def _constant_and_stopping(model: Any, data: Any, a: int, g: int) -> Any:
-    data.qvel[:] = 0
-    return np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
-
-
-def _twice_as_much_and_swapped_elsewhere(model: Any, data: Any, a: int, g: int) -> Any:
-    return tuple(2 * x + 1 for x in elsewhere(lambda m, d, a, g: sound(m, d, g, a))(model, data, a, g))
-
-
-def _fixed_and_strange_elsewhere(model: Any, data: Any, a: int, g: int) -> Any:
-    of_the_torso = (model.nsensor, a, g) == (18, 2, 4)
-    return (_at(data, 20), _at(data, 30)) if of_the_torso else altered(_strange, _strange)(model, data, a, g)
-
-
-def _by_chance(read: Reader) -> Reader:
-    """What is known of the gyroscope, and other numbers in every call for the accelerometer."""
-    rng = np.random.default_rng(7)
-    return lambda *state: (rng.normal(size=3), read(*state)[1])
-
-
 class _Lagging:
     """Half of what is read now, half of what came before."""
 
@@ -178,10 +158,6 @@ class _Chance:
         return self._rng.normal(size=3), self._rng.normal(size=3)
 
 
-def _nothing(*_: Any) -> Any:
-    return None
-
-
 def _a_constant(*_: Any) -> Any:
     return np.array([0.0, 0.0, -9.81]), np.zeros(3)
 
@@ -215,7 +191,6 @@ CASES = [
     for check, rows in {
         RETURNS: [
             ("sound", sound, None),
-            ("two numbers each", altered(lambda x: x[:2], lambda x: x[:2]), None),
             ("one of them short", altered(gyro=lambda x: x[:2]), None),
             ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
             (
@@ -224,11 +199,7 @@ CASES = [
                 (0.0, ["wrong-return-type"]),
             ),
             ("six in a line", lambda *s: np.concatenate(sound(*s)), (0.0, ["wrong-return-type"])),
-            ("columns", altered(lambda x: x[:, None], lambda x: x[:, None]), (0.0, ["wrong-return-type"])),
-            ("three vectors", lambda *s: (*sound(*s), np.zeros(3)), (0.0, ["wrong-return-type"])),
-            ("one component", altered(lambda x: x[0]), None),
             ("the accelerometer alone", lambda *s: sound(*s)[0], None),
-            ("none of one of them", altered(gyro=lambda x: x[:0]), None),
             ("five in one", altered(lambda x: np.append(x, [1, 2])), (0.0, ["wrong-length"])),
             ("raises", _raises(ValueError), "raised"),
             ("in another order", _turned, (0.0, ["other-parameters"])),
@@ -244,29 +215,18 @@ CASES = [
             ("rounded to one decimal", altered(lambda x: x.round(1), lambda x: x.round(1)), (0.0, ["precision-lost"])),
             ("smoothed over calls", _Lagging(sound), (0.0, [])),
             ("two numbers each", altered(lambda x: x[:2], lambda x: x[:2]), (0.0, ["wrong-length"])),
-            ("one of them short", altered(gyro=lambda x: x[:2]), (0.0, ["wrong-length"])),
-            ("none of one of them", altered(gyro=lambda x: x[:0]), (0.0, ["wrong-length"])),
             ("the accelerometer alone", lambda *s: sound(*s)[0], (0.0, ["wrong-return-type"])),
-            ("none in place of one", altered(gyro=lambda _: None), (0.0, ["wrong-return-type"])),
-            ("six in a line, of which three are in g", _in_a_line(altered(lambda x: x / 9.81)), (0.0, ["wrong-units"])),
             ("six in a line", _in_a_line(sound), None),
             ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
             ("one axis of the last IMU", _where(18, altered(_x_only), sound, 16), (0.0, [])),
-            ("one axis of the second IMU", _where(18, altered(_x_only), sound, 9), (0.0, [])),
             ("one axis in another model", _where(26, altered(gyro=_x_only), sound), (0.0, [])),
-            ("both signs", altered(np.negative, np.negative), (0.0, ["sign-flipped"])),
             ("no numbers in one", altered(gyro=lambda x: x * np.nan), (0.0, ["not-finite"])),
-            ("no numbers in the other", altered(lambda x: x * np.nan), (0.0, ["not-finite"])),
-            ("no numbers", altered(lambda x: x * np.inf, lambda x: x * np.nan), (0.0, ["not-finite"])),
-            ("a strange gyroscope", altered(gyro=_strange), (0.0, [])),
             ("strange", altered(_strange, _strange), (0.0, [])),
             ("limited", altered(_limited), (0.0, [])),
             ("strange, and a change of the pose", _strange_and_stepping, (0.0, [])),
-            ("a constant, and other velocities", _constant_and_stopping, (0.0, [])),
             ("reset before", _resetting, (0.0, [])),
             ("swapped, which is a place", lambda m, d, a, g: sound(m, d, g, a), None),
             ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), None),
-            ("another pair of places", lambda _m, d, _a, _g: (_at(d, 20), _at(d, 30)), None),
             ("one axis of another IMU", elsewhere(altered(_x_only)), (0.0, [])),
             ("all of another IMU", elsewhere(altered(_strange, _strange)), None),
             ("raises elsewhere", elsewhere(_raises(KeyError)), None),
@@ -274,7 +234,6 @@ CASES = [
         FOLLOWS: [
             ("sound", sound, None),
             ("in g, which is no place", altered(lambda x: x / 9.81), None),
-            ("twice as much", altered(lambda x: 2 * x + 1), None),
             ("swapped", lambda m, d, a, g: sound(m, d, g, a), (0.0, ["swapped-sensors"])),
             ("ids as addresses", lambda _m, d, a, g: (_at(d, a), _at(d, g)), (0.0, ["sensor-id-as-address"])),
             (
@@ -285,14 +244,10 @@ CASES = [
             ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), (0.0, ["hard-coded-address"])),
             ("another pair of places", lambda _m, d, _a, _g: (_at(d, 20), _at(d, 30)), (0.0, ["hard-coded-address"])),
             ("by names", elsewhere(_raises(KeyError)), (0.0, ["hard-coded-address"])),
-            ("by names that are none", elsewhere(_raises(ValueError)), (0.0, ["hard-coded-address"])),
             ("beyond the end", elsewhere(_raises(IndexError)), (0.0, ["hard-coded-address"])),
             ("of another type", elsewhere(_raises(TypeError)), (0.0, [])),
             ("something else elsewhere", elsewhere(altered(_strange, _strange)), (0.0, [])),
-            ("in degrees elsewhere", elsewhere(altered(gyro=np.degrees)), (0.0, [])),
             ("swapped elsewhere", elsewhere(lambda m, d, a, g: sound(m, d, g, a)), (0.0, [])),
-            ("one axis elsewhere", elsewhere(altered(_x_only)), None),
-            ("a constant, and other velocities", _constant_and_stopping, "skipped"),
             ("strange", altered(_strange, _strange), None),
             ("strange and of the torso", _strange_at(5, 14), (0.0, ["hard-coded-address"])),
             ("strange and by name", _strange_by_name, (0.0, ["hard-coded-address"])),
@@ -303,7 +258,6 @@ CASES = [
                 _where(26, _raises(KeyError), altered(_strange, _strange)),
                 (0.0, ["hard-coded-address"]),
             ),
-            ("strange and lagging", _Lagging(altered(_strange, _strange)), None),
             ("what was read before", _Late(sound), None),
             ("the first for good", _Cached(), "skipped"),
         ],
@@ -311,21 +265,14 @@ CASES = [
             ("sound", sound, None),
             ("a view of one", _views, (0.0, ["view-not-copy"])),
             ("one array on every call", _filled_again(), (0.0, ["view-not-copy"])),
-            ("a view of one, and no numbers", lambda *s: (_views(*s)[0], np.full(3, np.nan)), (0.0, ["view-not-copy"])),
-            ("a view of the other", lambda *s: _views(*s[:2], s[3], s[2])[::-1], (0.0, ["view-not-copy"])),
-            ("chance in one", _by_chance(sound), None),
             ("strange", altered(_strange, _strange), None),
             ("no numbers in one", altered(gyro=lambda x: x * np.nan), None),
-            ("in g", altered(lambda x: x / 9.81), None),
             ("no numbers", altered(lambda x: x * np.nan, lambda x: x * np.nan), "skipped"),
-            ("reset before", _resetting, None),
             ("a constant", _a_constant, "skipped"),
         ],
         ALONE: [
             ("sound", sound, None),
-            ("a forward pass", altered(), None),
             ("a change of the pose", _stepping(), (0.0, ["disturbs-simulation"])),
-            ("a change of the velocity", _stepping(part="qvel"), (0.0, ["disturbs-simulation"])),
             ("a change beyond what rounds", _stepping(by=1.5e-12, part="qvel"), (0.0, ["disturbs-simulation"])),
             ("a change within what rounds", _stepping(by=5e-13, part="qvel"), None),
             ("reset before", _resetting, (0.0, ["disturbs-simulation"])),

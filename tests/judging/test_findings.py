@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from grader.engine.findings import (
-    CheckFailed,
     Fault,
-    Missing,
-    Raised,
     Size,
-    Skipped,
-    Unusable,
     Where,
-    raised,
 )
 
 pytestmark = pytest.mark.quick
-_FAULT = Fault("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
 
 
 @pytest.mark.parametrize(
@@ -28,15 +19,8 @@ _FAULT = Fault("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
         (None, "m/s²", "it is off"),
         (0.123, "m/s²", "it is off by 0.1 to 1 m/s²"),
         (-0.123, "m/s²", "it is off by 0.1 to 1 m/s²"),
-        (1.0, "s", "it is off by 1 to 10 s"),
         (9.99, "", "it is off by 1 to 10"),
-        (2e-7, "rad/s", "it is off by 1e-07 to 1e-06 rad/s"),
-        (3e11, "s", "it is off by 1e+11 to 1e+12 s"),
         (1.1e-12, "s", "it is off by 1e-12 to 1e-11 s"),
-        *(
-            (beyond, "s", "it is off, beyond all measure")
-            for beyond in (float("inf"), float("-inf"), float("nan"), 0.0, 1e-12, 1e12)
-        ),
     ],
 )
 def test_of_a_size_the_power_of_ten_is_told(value: float | None, unit: str, said: str) -> None:
@@ -47,12 +31,10 @@ def test_of_a_size_the_power_of_ten_is_told(value: float | None, unit: str, said
     ("file", "line", "where", "at"),
     [
         ("imu_reader.py", 12, "imu_reader.py, line 12", Where("imu_reader.py", 12)),
-        ("imu_reader.py", None, "imu_reader.py", Where("imu_reader.py")),
         ("lab.ipynb:cell 3", 4, "lab.ipynb, cell 3, line 4", Where("lab.ipynb")),
         ("a\x1bb.py", 1, "a\\x1bb.py, line 1", Where("a\\x1bb.py", 1)),
         (f"{'a' * 130}.py", 1, f"{'a' * 119}…, line 1", Where(f"{'a' * 119}…", 1)),
         (None, 12, "", None),
-        ("", 12, "", None),
     ],
 )
 def test_a_place_is_told_by_file_and_line(file: str | None, line: int | None, where: str, at: Where | None) -> None:
@@ -64,63 +46,11 @@ def test_a_place_is_told_by_file_and_line(file: str | None, line: int | None, wh
     ("text", "lines"),
     [
         (None, []),
-        ("", []),
         ("    return 1 / 0", ["    return 1 / 0"]),
         ("def f(:\n      ^\nmore", ["def f(:", "      ^"]),
-        ("\n  x", ["  x"]),
         ("x = '\x1b'", ["x = '\\x1b'"]),
         ("x" * 161, ["x" * 159 + "…"]),
-        ("x" * 160, ["x" * 160]),
     ],
 )
 def test_of_a_line_what_can_be_shown_is_shown_with_the_caret_below(text: str | None, lines: list[str]) -> None:
     assert Fault("SyntaxError", "no", "a.py", 1, text).lines == lines
-
-
-def test_a_fault_is_made_of_what_is_told_and_of_nothing_there_is_none() -> None:
-    told = {
-        "type": "ValueError",
-        "message": "no",
-        "file": "imu_reader.py",
-        "line": 12,
-        "text": "    return 1 / 0",
-        "more": 1,
-    }
-    assert Fault.of(told) == _FAULT
-    assert Fault.of({"type": "KeyError", "name": "a", "path": "b"}) == Fault("KeyError", "", None, None, None, "a", "b")
-    assert Fault.of(told | {"message": "no\n    1. (m: Model)  -> None"}) == replace(
-        _FAULT, message="no 1. (m: Model) -> None"
-    )
-    assert Fault.of(None) is None
-    assert Fault.of({}) is None
-
-
-def test_a_loss_says_what_was_expected_and_what_came() -> None:
-    lost = CheckFailed("1 m/s²", "2 m/s²")
-    assert str(lost) == "expected 1 m/s²; got 2 m/s²"
-    assert (lost.expected, lost.got, lost.off, lost.hint, lost.where) == ("1 m/s²", "2 m/s²", None, "", None)
-    assert (lost.mistakes, lost.keeps, lost.belongs_to) == ((), 0.0, ("",))
-    size = Size("it is off", 1.0)
-    more = CheckFailed(
-        "a", "b", mistakes=["no-bias"], keeps=0.5, hint="Look.", off=size, belongs_to=("c.d", "e.f"), fault=_FAULT
-    )
-    assert (more.mistakes, more.keeps, more.hint, more.off) == (("no-bias",), 0.5, "Look.", size)
-    assert (more.belongs_to, more.where) == (("c.d", "e.f"), Where("imu_reader.py", 12))
-    assert CheckFailed("a", "b", belongs_to="c.d").belongs_to == ("c.d",)
-
-
-def test_what_cannot_be_judged_is_a_loss_and_what_is_missing_is_none() -> None:
-    assert issubclass(Unusable, CheckFailed)
-    assert not issubclass(Skipped, CheckFailed)
-    missing = Missing("NoisyIMU", "name-missing", "there is no NoisyIMU", Where("noisy_imu.py"))
-    assert str(missing) == "there is no NoisyIMU"
-    assert (missing.name, missing.mistake, missing.where) == ("NoisyIMU", "name-missing", Where("noisy_imu.py"))
-    assert Missing("a", "b", "c").where is None
-
-
-def test_an_exception_stops_a_check_and_says_what_was_done() -> None:
-    raised(None, "reading the sensors")
-    with pytest.raises(Raised) as stopped:
-        raised(_FAULT, "reading the sensors")
-    assert str(stopped.value) == "ValueError: no"
-    assert (stopped.value.fault, stopped.value.doing) == (_FAULT, "reading the sensors")

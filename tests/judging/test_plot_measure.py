@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from grader.base.errors import NoAnswer
-from grader.engine.figures import Axes, Curve, Figure, Sight
+from grader.engine.figures import Axes, Figure, Sight
 from grader.engine.findings import Fault, Missing, Raised
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
-from grader.labs.imu.visualization import curves, measure
+from grader.labs.imu.visualization import measure
 from grader.labs.imu.visualization.curves import CHANNELS, Panel, Plot, Shown
 from tests.judging.made import truth
 from tests.judging.test_check_visualization import Plotted, Sheet
@@ -31,17 +31,6 @@ class Asked(Plotted):
     ) -> Drawing:  # type: ignore[override]
         self.given, self.own_form = (data, sheet, ids, called), own_form
         return Sheet().drawing()
-
-
-@pytest.mark.parametrize(("run", "name"), [("tumbling", "plot"), ("push", "")])
-def test_the_drawing_of_the_hidden_run_alone_has_a_name(run: str, name: str) -> None:
-    student = Asked(Drawing(()))
-    measure.drawing_of_data(student, truth(), run)
-    data, sheet, ids, called = student.given
-    assert (called, ids) == (name, tuple(truth()["reading_lab"]["pairs"][0]))
-    for key in ("time", "acceleration", "angular_velocity"):
-        assert np.array_equal(data[key], truth()[run][key])
-        assert np.array_equal(sheet[key], truth()[run][key])
 
 
 # ---- what is drawn of ----
@@ -70,9 +59,7 @@ def _recorded(**words: Any) -> Collection:
     [
         (_recorded(keys={"time": "t", "acceleration": "acc", "angular_velocity": "gyro"}), ["t", "acc", "gyro"]),
         (_recorded(keys={"time": "t"}), ["t", "acceleration", "angular_velocity"]),
-        (_recorded(keys={}, extras={"rate": np.array(500.0)}), [*KEYS, "rate"]),
         (_recorded(keys={"time": "0", "acceleration": "1", "angular_velocity": "2"}), list(KEYS)),
-        (_recorded(keys={"time": "0"}, extras={"rate": np.array(500.0)}), list(KEYS)),
         *((problem, list(KEYS)) for problem in (NoAnswer("none"), Missing("a", "b", "c"), Raised(Fault("E", "", None, None, None), ""))),
     ],
 )  # fmt: skip
@@ -137,11 +124,6 @@ def _stopped(student: Plotted) -> str:
     return str(measure.measure(student, truth()).stopped.get("titles", ""))
 
 
-def test_figures_without_curves_are_not_judged() -> None:
-    for drawing in (Drawing(()), Drawing((replace(Sheet().figure, axes=()),))):
-        assert _stopped(Plotted(drawing)) == "a figure with curves"
-
-
 def test_what_a_plot_raises_counts_where_it_has_drawn_nothing() -> None:
     fault = Fault("ValueError", "no", None, None, None)
     stopped = measure.measure(Plotted(Drawing((), fault)), truth()).stopped
@@ -183,15 +165,6 @@ def test_a_channel_is_cut_off_where_less_than_half_of_it_is_within_the_limits(in
     assert list(plot.cut_off()) == [(1, 2)] * cut
 
 
-def test_what_nobody_sees_of_a_channel_is_hidden_and_in_another_panel_it_is_shown() -> None:
-    figure = _sighted(Sheet().figure, _sight(100, 0), (0, 1))
-    plot = _plot(figure)
-    assert plot.hidden == {(0, 1)}
-    assert plot.drawn == set(CHANNELS) - {(0, 1)}
-    again = replace(figure, axes=(*figure.axes, Sheet().panels[0]))
-    assert (_plot(again).hidden, _plot(again).drawn) == (set(), set(CHANNELS))
-
-
 def test_of_a_channel_in_two_panels_all_that_is_seen_in_either_counts() -> None:
     figure = _sighted(Sheet().figure, _sight(40, 20), (0, 0))
     rest = _sighted(Sheet().figure, Sight(np.arange(100) >= 60, np.arange(100) >= 70), (0, 0)).axes[0]
@@ -230,12 +203,6 @@ def test_halves_of_a_channel_in_two_panels_are_the_whole() -> None:
     assert list(_plot(first).in_part()) == [(0, 0)]
 
 
-def test_of_a_channel_that_is_drawn_in_part_the_limits_may_cut_off_half_of_that() -> None:
-    for inside, cut in ((50, False), (40, True)):
-        figure = _sighted(_drawn_from(300, 600, (1, 2)), _sight(inside, inside), (1, 2))
-        assert list(_plot(figure).cut_off()) == [(1, 2)] * cut
-
-
 def _cropped(figure: Figure) -> Figure:
     """The figure with limits that leave out the last points."""
     return replace(figure, axes=tuple(replace(axes, x_limits=(0.0, 1.19)) for axes in figure.axes))
@@ -270,48 +237,12 @@ def test_curves_outside_the_limits_are_seen_where_these_are_chosen_for_the_labs_
         assert _stopped(Limited(_outside("a part"), of_push)) == ""
 
 
-@pytest.mark.parametrize(("inside", "cut"), [(50, False), (49, True), (0, True)])
-@pytest.mark.parametrize("given", ["nothing", "a part", "all but a few points"])
-def test_limits_cut_off_what_they_leave_outside_of_the_labs_recording(given: str, inside: int, cut: bool) -> None:
-    of_push = _of_lab(_sight(inside, inside), (1, 0))
-    drawing = Drawing((_cropped(Sheet().figure),)) if given.startswith("all") else _outside(given)
-    found = measure._cut_off(Limited(drawing, of_push), truth(), _plot(drawing.figures[0]))
-    assert list(found) == [(1, 0)] * cut
-    assert [sight.inside.sum() for sight in found.values()] == [inside] * cut
-
-
 def test_a_channel_that_the_labs_recording_does_not_show_is_cut_off_as_it_is_here() -> None:
     drawing = _outside("a part")
     plot = _plot(drawing.figures[0])
     first = replace(Sheet("push").figure, axes=Sheet("push").panels[:1])
     for of_push, cut in ((Drawing(()), CHANNELS), (Drawing((first,)), CHANNELS[3:])):
         assert tuple(measure._cut_off(Limited(drawing, of_push), truth(), plot)) == cut
-
-
-def test_a_channel_that_only_the_labs_recording_shows_is_not_cut_off() -> None:
-    drawing = Drawing((replace(_outside("a part").figures[0], axes=_outside("a part").figures[0].axes[:1]),))
-    found = measure._cut_off(Limited(drawing, _of_lab(_sight(0, 0))), truth(), _plot(drawing.figures[0]))
-    assert tuple(found) == CHANNELS[:3]
-
-
-def test_where_no_point_is_outside_the_labs_recording_is_not_asked_for() -> None:
-    drawing = Sheet().drawing()
-    assert measure._cut_off(Limited(drawing, _of_lab(_sight(0, 0))), truth(), _plot(drawing.figures[0])) == {}
-
-
-def _strange(figure: Figure) -> Figure:
-    """The second panel with a curve that is of no channel."""
-    curve = figure.axes[1].curves[0]
-    other = replace(curve, y=np.sin(np.arange(len(curve.y)) / 7.0))
-    return replace(figure, axes=(figure.axes[0], replace(figure.axes[1], curves=(*figure.axes[1].curves, other))))
-
-
-def test_a_curve_that_is_of_no_channel_is_strange_and_can_be_seen() -> None:
-    figure = _strange(Sheet().figure)
-    assert [curve is figure.axes[1].curves[-1] for curve in _plot(figure).strange] == [True]
-    assert _plot(Sheet().figure).strange == []
-    drawing = Drawing((_strange(_outside("nothing").figures[0]),))
-    assert _stopped(Limited(drawing, Drawing(()))) == ""
 
 
 _CHANCE = np.random.default_rng(3)
@@ -336,12 +267,9 @@ class Making(Plotted):
     [
         (True, lambda t, a: (t, np.linalg.norm(a, axis=1))),
         (True, lambda t, a: (t, np.cumsum(a[:, 0]))),
-        (True, lambda t, a: (t, np.convolve(a[:, 2], np.full(30, 1 / 30), "same"))),
         (True, lambda t, a: (np.arange(599), np.diff(a[:, 1]))),
         (False, lambda t, a: (t, _CHANCE.normal(size=len(t)))),
         (False, lambda t, a: (t, np.cumsum(_CHANCE.normal(size=len(t))))),
-        (False, lambda t, a: (np.arange(300), np.sin(np.arange(300) / 9))),
-        (False, lambda t, a: (t, t**2)),
         (False, lambda t, a: (t, np.full(len(t), len(a)) + t)),
     ],
 )
@@ -368,42 +296,3 @@ def test_an_inset_needs_no_words_of_its_own_and_what_shows_no_data_no_title() ->
     assert plot.main_panels == [accel, gyro, empty]
     assert plot.titled_panels == [accel, gyro]
     assert Plot(Sheet().figure, [empty]).titled_panels == [empty]
-
-
-def test_a_sensors_panels_are_its_own_or_those_that_it_shares() -> None:
-    accel, shared = _panel(_LARGE, (0, 0), (0, 1), (1, 0)), _panel(_OTHER, (0, 2), (1, 1))
-    gyro = _panel(_SMALL, (1, 2))
-    assert Plot(Sheet().figure, [accel, shared, gyro]).of_sensor(0) == [accel]
-    assert Plot(Sheet().figure, [accel, shared, gyro]).of_sensor(1) == [gyro]
-    assert Plot(Sheet().figure, [accel, shared]).of_sensor(1) == [accel, shared]
-    assert Plot(Sheet().figure, [gyro]).of_sensor(0) == []
-
-
-def test_what_is_written_along_the_time_axis_may_stand_anywhere() -> None:
-    figure = replace(Sheet().figure, xlabel="Time (s)", texts=("a", "b"))
-    plot = Plot(figure, [_panel(_LARGE, (0, 0), xlabel="t"), _panel(_OTHER, (1, 0), xlabel="", own_ticks=True)])
-    assert plot.x_labels == ["t", "", "Time (s)", "a", "b"]
-    assert plot.own_ticks
-    assert not Plot(figure, plot.panels[:1]).own_ticks
-    assert plot.abscissae == {"time"}
-    assert plot.drawn == {(0, 0), (1, 0)}
-
-
-def _of(n: int, visible: bool = True) -> Figure:
-    axes = Sheet().panels[0]
-    curve: Curve = replace(axes.curves[0], n=n)
-    return replace(Sheet().figure, axes=(replace(axes, visible=visible, curves=(curve,)),))
-
-
-def test_a_figure_has_curves_where_a_visible_one_has_more_than_two_points() -> None:
-    assert curves.has_curves(_of(3))
-    assert not curves.has_curves(_of(2))
-    assert not curves.has_curves(_of(4, visible=False))
-    assert not curves.has_curves(replace(Sheet().figure, axes=()))
-
-
-def test_of_two_figures_in_one_those_that_stand_at_the_end_come_before_those_that_were_ever_saved() -> None:
-    first, second = _panel_alone(0), _panel_alone(1, path="gyro.png")
-    drawing = Drawing((first, replace(first, event="overwritten"), second))
-    *_, last, ever = measure.candidates(Plotted(drawing), truth(), drawing)
-    assert (len(last.panels), len(ever.panels)) == (2, 3)

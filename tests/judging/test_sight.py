@@ -217,15 +217,6 @@ def test_what_is_above_or_below_the_limits_is_outside(y: Array, share: float) ->
     assert not found.seen.any()
 
 
-@pytest.mark.parametrize(("wide", "there"), [(0.029, False), (0.035, True)])
-def test_what_is_no_wider_or_no_higher_than_a_stroke_is_no_panel(wide: float, there: bool) -> None:
-    narrow = Canvas().draw(X, x=X * wide / (RIGHT - LEFT)).figure(curve(X), position=(LEFT, LOW, LEFT + wide, HIGH))
-    low = Canvas().draw(X * wide / (HIGH - LOW)).figure(curve(X), position=(LEFT, LOW, RIGHT, LOW + wide))
-    for figure in (narrow, low):
-        assert (seen(figure) > 0.5) is there
-        assert looked(figure)[0].seen.any() == there
-
-
 @pytest.mark.parametrize(
     ("position", "x", "marks"),
     [
@@ -289,13 +280,6 @@ def test_a_marker_leaves_its_colour_around_its_point(words: dict[str, object], o
 # --- how long is looked --------------------------------------------------------------------------------------------------
 
 
-def test_patience_lasts_for_so_many_pixels() -> None:
-    patience = Patience(10)
-    assert patience.lasts_for(4)
-    assert patience.lasts_for(6)
-    assert not patience.lasts_for(1)
-
-
 def test_who_sends_too_much_is_not_believed() -> None:
     figure = Canvas().draw().figure(curve(), curve(LOWER, BLUE))
     panel = round((RIGHT - LEFT) * WIDTH) * round((HIGH - LOW) * HEIGHT)
@@ -303,24 +287,7 @@ def test_who_sends_too_much_is_not_believed() -> None:
     assert not looked(figure, panel - 1)[0].seen.any()
 
 
-def test_a_figure_without_axes_is_as_it_was() -> None:
-    figure = replace(Canvas().figure(), axes=())
-    assert visibility.looked_at(figure, Patience()) is figure
-
-
 # --- parts of it ---------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("colour", "values"),
-    [
-        ("#ff8000", [1, 128 / 255, 0, 1]), ("#ff800080", [1, 128 / 255, 0, 128 / 255]), ("ff8000", None), ("#ff80", None),
-        ("#gg8000", None), ("", None), ("red", None), ("#ff80008000", None),
-    ],
-)  # fmt: skip
-def test_a_colour_is_three_or_four_numbers_behind_a_hash(colour: str, values: list[float] | None) -> None:
-    found = visibility._rgba(colour)
-    assert found is None if values is None else found is not None and found.tolist() == values
 
 
 OFF = -np.array([0.0, 0.8, 0.8])
@@ -337,34 +304,6 @@ def test_a_pixel_is_on_the_way_to_a_colour_or_beside_it(off: Array, share: float
     assert visibility.share_of_way(off[None].astype(np.float32), OFF).tolist() == pytest.approx([share])
 
 
-OTHER = -np.array([0.8, 0.8, 0.0])
-
-
-@pytest.mark.parametrize(
-    ("off", "other", "share"),
-    [
-        (0.5 * OFF + 0.4 * OTHER, OTHER, 0.5),
-        (0.5 * OFF + 0.7 * OTHER, OTHER, 0.0),
-        (0.9 * OTHER, OTHER, 0.0),
-        (0.05 * OFF + 0.9 * OTHER, OTHER, 0.0),
-        (0.6 * OFF - 0.2 * OTHER, OTHER, 0.0),
-        (0.5 * OFF + 0.4 * OTHER + np.array([0.07, -0.07, 0.07]), OTHER, 0.0),
-        (0.5 * OFF, 1.01 * OFF, 0.0),
-        (0.5 * OFF + 0.02 * OTHER, OTHER, 0.5),
-        (1.08 * OFF, OTHER, 1.0),
-    ],
-)
-def test_of_a_mixture_with_another_curves_colour_the_share_is_known(off: Array, other: Array, share: float) -> None:
-    assert visibility._share_beside(off[None].astype(np.float32), OFF, other).tolist() == pytest.approx(
-        [share], abs=1e-6
-    )
-
-
-def test_shares_are_known_pixel_by_pixel() -> None:
-    off = np.array([0.5 * OFF + 0.4 * OTHER, 0.6 * OFF - 0.2 * OTHER], np.float32)
-    assert visibility._share_beside(off, OFF, OTHER).tolist() == pytest.approx([0.5, 0.0], abs=1e-6)
-
-
 def test_the_commonest_colour_is_that_of_most_pixels() -> None:
     assert visibility.commonest(np.zeros(0, np.int32)) == 0xFFFFFF
     assert visibility.commonest(np.array([5, 7, 7, 9], np.int32)) == 7
@@ -373,50 +312,6 @@ def test_the_commonest_colour_is_that_of_most_pixels() -> None:
     places = np.arange(310)
     assert visibility.commonest(np.where((places % 31 == 0) | (places % 5 < 2), 1, 2).astype(np.int32)) == 2
     assert visibility.commonest(np.repeat([3, 4], [60, 40]).astype(np.int32)) == 3
-
-
-@pytest.mark.parametrize("ground", [WHITE, DARK, (1, 254, 129)])
-def test_the_ground_of_a_panel_is_what_is_behind_its_curves(ground: tuple[int, int, int]) -> None:
-    figure = Canvas(BLUE).fill(ground).draw(thick=3).figure(curve())
-    window = visibility._window(figure.axes[0], visibility._codes(figure.pixels), np.ones((HEIGHT, WIDTH), bool))
-    assert window is not None
-    assert window.at == (10, 30)
-    assert window.free.shape == (150, 240)
-    assert window.ground == pytest.approx(np.array(ground) / 255)
-    red = figure.pixels[10:160, 30:270].reshape(-1, 3)[window.marked]
-    assert window.off == pytest.approx(red / 255 - np.array(ground) / 255, abs=1e-6)
-
-
-def test_what_curves_cover_is_not_the_ground() -> None:
-    """They cover three quarters of the panel."""
-    figure = Canvas().fill(RED, 0.25).figure(curve())
-    free = np.ones((HEIGHT, WIDTH), bool)
-    free[:, 85:] = False
-    for still_free, ground in ((free, WHITE), (np.zeros_like(free), RED)):
-        window = visibility._window(figure.axes[0], visibility._codes(figure.pixels), still_free)
-        assert window is not None
-        assert window.ground == pytest.approx(np.array(ground) / 255)
-
-
-def test_around_each_pixel_is_what_the_curves_leave_free() -> None:
-    """A stripe of strength 0.4 from column 20 on, of which the curves take three rows."""
-    free = np.ones((40, 40), bool)
-    free[19:22] = False
-    marked = np.flatnonzero((np.arange(40) >= 20)[None, :] & np.ones((40, 1), bool))
-    squares = visibility._squares(free.shape, marked)
-    off, room = np.zeros((len(marked), 3), np.float32), visibility._boxed(free, squares)
-    window = visibility._Window(free, np.zeros(3), marked, off, squares, room, (0, 0))
-    strength = np.where(free.ravel()[marked], 0.4, 1.0).astype(np.float32)
-    around = np.zeros((40, 40))
-    around.ravel()[marked] = window.around(strength)
-    assert around[20, 30] == pytest.approx(0.4)
-    assert around[20, 20] == pytest.approx(0.4 * 9 / 17)
-    assert around[0, 39] == pytest.approx(0.4)
-    assert not window.around(np.where(free.ravel()[marked], 0.0, 1.0).astype(np.float32)).any()
-    taken = replace(window, free=np.zeros_like(free), room=np.zeros(len(marked)))
-    assert not taken.around(strength).any()
-    crowded = replace(window, room=np.full(len(marked), 3.0))
-    assert crowded.around(strength) == pytest.approx(np.full(len(marked), 0.2))
 
 
 @pytest.mark.parametrize(
@@ -444,44 +339,3 @@ def test_a_part_is_seen_where_a_point_in_it_or_the_next_one_is(
     assert np.flatnonzero(found.seen).tolist() == list(parts)
     assert not nothing.inside.any()
     assert not nothing.seen.any()
-
-
-def test_curves_take_two_pixels_around_them() -> None:
-    inside, known = np.array([True, True, False, True]), True
-    place = visibility._Places(np.array([5, 0, 8, -1]), np.array([6, 11, 8, 3]), inside, known)
-    below = visibility._Places(np.array([12, 9]), np.array([3, 12]), inside[:2], known)
-    wanted = np.zeros((12, 12), bool)
-    wanted[3:8, 4:9] = wanted[:3, 9:] = wanted[8:, :3] = True
-    aside = visibility._Places(np.array([10]), np.array([0]), inside[:1], known)
-    assert np.array_equal(visibility._taken([place, below, aside], (12, 12)), wanted)
-    right = visibility._Places(np.array([5]), np.array([17]), inside[:1], known)
-    wide = np.zeros((12, 20), bool)
-    wide[3:8, 15:] = True
-    assert np.array_equal(visibility._taken([right], (12, 20)), wide)
-
-
-def test_sums_are_of_the_square_around_each_pixel() -> None:
-    values = np.random.default_rng(1).random((40, 50))
-    at = np.array([0, 17, 49, 20 * 50 + 25, 39 * 50, 40 * 50 - 1])
-    wanted = [
-        values[max(0, r - 8) : r + 9, max(0, c - 8) : c + 9].sum() for r, c in zip(*np.divmod(at, 50), strict=True)
-    ]
-    assert visibility._boxed(values, visibility._squares(values.shape, at)) == pytest.approx(np.array(wanted))
-
-
-@pytest.mark.parametrize("reach", [1, 2, 4])
-def test_a_mask_is_widened_in_all_directions(reach: int) -> None:
-    mask = np.zeros((12, 15), bool)
-    mask[5, 7] = mask[0, 0] = mask[11, 14] = True
-    wide = np.zeros_like(mask)
-    wide[5 - reach : 6 + reach, 7 - reach : 8 + reach] = True
-    wide[: reach + 1, : reach + 1] = wide[11 - reach :, 14 - reach :] = True
-    assert np.array_equal(visibility._widened(mask, reach), wide)
-
-
-def test_colours_are_numbers_and_back() -> None:
-    colours = np.array([[1, 2, 3], [255, 128, 0]], np.uint8)
-    codes = visibility._codes(colours)
-    assert codes.tolist() == [0x010203, 0xFF8000]
-    assert visibility._colours(codes) == pytest.approx(colours / 255)
-    assert visibility._largest(np.array([[1, -5, 2], [-3, 2, 1], [0, 1, 4]], np.float32)).tolist() == [5, 3, 4]

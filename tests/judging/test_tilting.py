@@ -23,95 +23,31 @@ _EXCHANGED = np.array([[0.0, 1], [1, 0]])
     [
         (_SOUND, []),
         (replace(_SOUND, moved=False, settled=np.zeros(2)), ["gyro-only"]),
-        (replace(_SOUND, moved=False, turn=-np.eye(2)), ["gyro-only"]),
         (replace(_GYRO_DEAF, moved=False), []),
         (_GYRO_DEAF, ["accel-only"]),
-        (replace(_GYRO_DEAF, turn=np.full((2, 2), -0.0009)), ["accel-only"]),
         (replace(_GYRO_DEAF, turn=np.diag([0.0, -0.0011])), []),
         (replace(_SOUND, first=np.full(2, 0.98), turn=np.eye(2) * 0.02), ["weights-swapped"]),
-        (replace(_SOUND, first=np.array([0.966, 0.994]), turn=np.eye(2) * 0.049), ["weights-swapped"]),
         (replace(_SOUND, first=np.array([0.964, 0.98]), turn=np.eye(2) * 0.02), []),
-        (replace(_SOUND, first=np.array([0.98, 0.996]), turn=np.eye(2) * 0.02), []),
-        (replace(_SOUND, first=np.full(2, 0.98), turn=np.diag([0.02, 0.051])), []),
-        (replace(_SOUND, first=np.full(2, 0.98), turn=np.diag([-0.051, 0.02])), []),
-        (replace(_SOUND, first=np.full(2, 0.98), turn=np.eye(2) * 0.02, settled=-_TILT), ["weights-swapped"]),
         (replace(_SOUND, settled=_TILT * _DEGREE), ["degrees-not-radians"]),
-        (replace(_SOUND, settled=_TILT * _DEGREE * 1.04), ["degrees-not-radians"]),
         (replace(_SOUND, settled=_TILT * _DEGREE * 0.94), []),
-        (replace(_SOUND, settled=_TILT * _DEGREE * 1.06), []),
         (replace(_SOUND, settled=_TILT * [_DEGREE, 1]), []),
         (replace(_SOUND, turn=np.eye(2) * _DEGREE), ["degrees-not-radians"]),
-        (replace(_SOUND, turn=np.eye(2) / _DEGREE), ["degrees-not-radians"]),
         (replace(_SOUND, turn=np.eye(2) / _DEGREE * 1.09), ["degrees-not-radians"]),
-        (replace(_SOUND, turn=np.eye(2) / _DEGREE * 1.11), []),
-        (replace(_SOUND, turn=np.eye(2) / _DEGREE * 0.89), []),
-        (replace(_SOUND, turn=np.diag([_DEGREE, 1])), []),
         (replace(_SOUND, turn=np.diag([_DEGREE, 1 / _DEGREE])), []),
-        (replace(_SOUND, turn=np.eye(2) / _DEGREE, first=np.full(2, 0.98)), ["weights-swapped"]),
-        (replace(_SOUND, turn=np.eye(2) * _DEGREE, first=np.full(2, 0.98)), []),
-        (replace(_SOUND, turn=np.eye(2) * _DEGREE, settled=-_TILT), ["degrees-not-radians"]),
         (replace(_SOUND, settled=-_TILT), ["tilt-sign-wrong"]),
         (replace(_SOUND, settled=_TILT * [1, -1]), ["tilt-sign-wrong"]),
-        (replace(_SOUND, settled=_TILT * [-1, 1] + 0.019), ["tilt-sign-wrong"]),
         (replace(_SOUND, settled=_TILT * [-1, 1] + [0, 0.021]), []),
-        (replace(_SOUND, settled=_TILT * [-1, 1] - [0.021, 0]), []),
-        (replace(_SOUND, settled=_TILT[::-1]), ["tilt-sign-wrong"]),
         (replace(_SOUND, settled=-_TILT[::-1]), ["tilt-sign-wrong"]),
         (replace(_SOUND, settled=np.add(_TILT, [np.pi, 0])), ["tilt-sign-wrong"]),
-        (replace(_SOUND, settled=[1, -1] * _TILT[::-1] - [0, np.pi]), ["tilt-sign-wrong"]),
-        (replace(_SOUND, settled=-_TILT + np.pi), ["tilt-sign-wrong"]),
-        (replace(_SOUND, settled=-_TILT + [0, np.pi / 2]), []),
-        (replace(_SOUND, settled=2 * _TILT), []),
         (replace(_SOUND, turn=-0.98 * np.eye(2)), ["tilt-sign-wrong"]),
-        (replace(_SOUND, turn=0.98 * np.diag([1, -1])), ["tilt-sign-wrong"]),
         (replace(_SOUND, turn=0.98 * _EXCHANGED), ["tilt-sign-wrong"]),
-        (replace(_SOUND, turn=-0.91 * _EXCHANGED), ["tilt-sign-wrong"]),
         (replace(_SOUND, turn=-0.89 * np.eye(2)), []),
-        (replace(_SOUND, turn=0.98 * np.array([[1.0, 0], [1, 1]])), []),
-        (replace(_SOUND, turn=0.98 * np.array([[1.0, 0], [0, 0]])), []),
-        (replace(_SOUND, turn=0.98 * np.array([[1.0, 0], [1, 0]])), ["tilt-sign-wrong"]),
         (replace(_SOUND, turn=0.98 * np.array([[-1.0, 1], [0, 1]])), []),
-        (replace(_SOUND, turn=-2 * np.eye(2)), []),
-        (replace(_SOUND, turn=1.2 * np.eye(2)), []),
-        (replace(_SOUND, turn=-0.98 * np.eye(2), settled=_TILT + 0.1), []),
-        (replace(_GYRO_DEAF, moved=False, settled=-_TILT), []),
         (replace(_GYRO_DEAF, moved=False, settled=_TILT * _DEGREE), []),
-        (replace(_GYRO_DEAF, moved=False, first=np.full(2, 0.98)), []),
     ],
 )  # fmt: skip
 def test_the_one_mistake_that_a_response_shows_is_told(seen: Response, told: list[str]) -> None:
     assert tilting.mistakes(seen) == told
-
-
-@pytest.mark.parametrize(
-    ("angle", "same"),
-    [(0.0, 0.0), (3.0, 3.0), (np.pi, -np.pi), (-np.pi, -np.pi), (4.0, 4 - 2 * np.pi), (-7.0, 2 * np.pi - 7)],
-)
-def test_an_angle_is_the_same_after_a_whole_turn(angle: float, same: float) -> None:
-    assert tilting.wrapped(np.array([angle])) == pytest.approx([same])
-
-
-def test_at_rest_a_sensor_feels_what_holds_it() -> None:
-    for roll, pitch in ((0.0, 0.0), (0.3, 0.0), (0.0, -0.4), (0.25, -0.12), (2.0, 1.0)):
-        x, y, z = tilting.at_rest(np.array([roll, pitch]), 7)[3]
-        assert np.hypot(np.hypot(x, y), z) == pytest.approx(9.81)
-        assert np.arctan2(-y, -z) == pytest.approx(roll)
-        assert np.arcsin(x / 9.81) == pytest.approx(pitch)
-    assert tilting.at_rest(np.zeros(2), 7).tolist() == [pytest.approx([0, 0, -9.81])] * 7
-
-
-def test_the_probes_are_two_turns_and_a_tilt_that_lasts() -> None:
-    turns, tilt = tilting.probes()[:2], tilting.probes()[2]
-    for axis, (accel, gyro) in enumerate(turns):
-        assert accel.shape == gyro.shape == (250, 3)
-        assert (accel == [0, 0, -9.81]).all()
-        assert np.argwhere(gyro).tolist() == [[200, axis]]
-        assert gyro[200, axis] * 0.01 == pytest.approx(0.2)
-    accel, gyro = tilt
-    assert accel.shape == gyro.shape == (3200, 3)
-    assert not gyro.any()
-    assert (accel[:200] == [0, 0, -9.81]).all()
-    assert (accel[200:] == tilting.at_rest(_TILT, 1)).all()
 
 
 def _after_turns(x: Array, y: Array, samples_later: int = 0) -> list[Array]:
@@ -129,13 +65,6 @@ def test_a_turn_counts_at_once_or_a_sample_later(later: int) -> None:
     assert tilting.turns(_after_turns([1.0, 0], [0.0, 1], 2)) == pytest.approx(np.zeros((2, 2)))
 
 
-def test_a_turn_is_taken_where_more_of_it_shows() -> None:
-    out = np.zeros((2, 250, 2))
-    out[0, 200], out[0, 201] = [-0.2, 0], [-0.1, 0]
-    out[1, 200], out[1, 201] = [0, -0.1], [0, -0.3]
-    assert tilting.turns(list(out)) == pytest.approx(np.diag([-1, -1.5]))
-
-
 def _tilted(first: Array, settled: Array, before: Array = (3.1, -3.1)) -> Array:  # type: ignore[assignment]
     out = np.tile(np.asarray(before, float), (3200, 1))
     out[200], out[201:] = out[200] + first, out[199] + settled
@@ -149,22 +78,6 @@ def test_the_response_is_what_the_probes_show() -> None:
     assert seen.first == pytest.approx([0.02, 0.02])
     assert seen.settled == pytest.approx(0.9 * _TILT + [0.1, 0.2])
     assert seen.moved
-
-
-@pytest.mark.parametrize(
-    ("settled", "moved"),
-    [
-        ([0.0, 0.0], False),
-        ([0.0009, -0.0009], False),
-        ([0.0011, 0], True),
-        ([0, -0.0011], True),
-        ([2 * np.pi, 0], False),
-    ],
-)
-def test_a_tilt_moves_what_is_not_the_same_direction_afterwards(settled: Array, moved: bool) -> None:
-    seen = tilting.response([*_after_turns([1.0, 0], [0.0, 1]), _tilted(np.zeros(2), settled)])
-    assert seen is not None
-    assert seen.moved is moved
 
 
 def test_of_outputs_that_are_not_whole_nothing_is_told() -> None:
