@@ -55,6 +55,11 @@ def unread() -> set[str]:
 # --- the records --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("name", EVERY)
+def test_a_line_of_the_registry_says_what_the_record_does(name: str) -> None:
+    assert registry.platform(name).name == name
+
+
 def test_every_module_that_ends_in_a_record_is_listed() -> None:
     modules = (f"grader.platforms.{each.name}" for each in pkgutil.iter_modules(platforms.__path__))
     assert {name for name in modules if hasattr(import_module(name), "PLATFORM")} == {

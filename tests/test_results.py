@@ -10,6 +10,7 @@ import pytest
 import grader
 from grader.engine.findings import Where
 from grader.engine.results import Result, from_dict, to_dict, to_json
+from grader.sandbox.isolation_levels import LEVELS
 from tests.made_up import check, lost, result
 
 SCHEMA = json.loads((Path(grader.__file__).parent / "engine" / "result.schema.json").read_text(encoding="utf-8"))
@@ -31,6 +32,11 @@ RESULTS = [
     result(lost(), status="unreadable"),
     Result("nothing", "graded", ()),
 ]
+
+
+def test_the_schema_knows_every_level() -> None:
+    named = SCHEMA["$defs"]["provenance"]["properties"]["isolation"]["enum"]
+    assert named == [isolation_level.name for isolation_level in LEVELS]
 
 
 def test_what_a_check_found_is_written_in_fields_and_as_one_text_and_read_back() -> None:
