@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from grader.course.database import FILE_NAME
+from grader.desk.overviews import queue
 from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
 from tests.desk import desk_over, words
 
@@ -254,6 +255,31 @@ def test_an_override_says_that_the_weight_beneath_it_has_changed(run: Run, befor
         assert f"{CHECK} was set to 2" in words(desk.get("/").text)
     assert run("adjust", "out", "carol", *wish)[0] == 0
     assert run("grade", "class", "-o", "out")[2] == ""
+
+
+def test_an_empty_submission_that_was_marked_as_reviewed_is_exported(run: Run, before: dict[str, float]) -> None:
+    hand_in(Path("class"), dora=None)
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert column(Path("out/gradebook.csv"), "total")["dora"] == ""
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[0] == 2
+    pages = [Path("out/index.html"), Path("out/submissions/dora/report.html")]
+    assert [page.read_text(encoding="utf-8").count("– <small>/ 100") for page in pages] == [0, 1]
+    assert "dora – – – – – – empty" in words(pages[0].read_text(encoding="utf-8"))
+    with desk_over(Path("out").absolute()) as desk:
+        assert "dora – – empty 1" in words(desk.get("/class").text)
+        assert "dora – / 100" in words(desk.get("/submission/dora").text)
+        looks = desk.book.on_thread(lambda: queue(desk.book))
+        (look,) = [each for each in looks if each.reason.kind == "empty"]
+        desk.book.on_thread(
+            lambda: desk.book.mark_reviewed([("dora", look.reason.kind, look.reason.about)], "prof", done=True)
+        )
+        desk.book.settled()
+    assert column(Path("out/gradebook.csv"), "total")["dora"] == "0"
+    assert "dora 0 0 0 0 0 0 empty" in words(pages[0].read_text(encoding="utf-8"))
+    assert "0 <small>/ 100" in pages[1].read_text(encoding="utf-8")
+    code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv")
+    assert (code, err) == (0, "imugrade: graded: 4\n")
+    assert column(Path("marks.csv"), "final")["dora"] == "0"
 
 
 def test_a_download_of_resubmissions_reports_nobody_as_missing(run: Run, tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ def test_what_was_not_judged_is_blank_and_never_a_zero() -> None:
 
 
 def test_an_unreadable_submission_has_no_points_and_says_so() -> None:
-    assert rows({"a": result(lost(), status="unreadable")})[1] == ["a", "alice", "0", "0", "unreadable"]
+    assert rows({"a": result(lost(), status="unreadable")})[1] == ["a", "alice", "", "", "unreadable"]
 
 
 def test_a_name_cannot_become_a_formula_or_another_row() -> None:

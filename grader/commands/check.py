@@ -213,7 +213,10 @@ def _write(result: Result, wanted: _Wanted) -> None:
         from grader.people.final_grade import FinalGrade  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
-        write_whole(wanted.html, report_page(FinalGrade("", result), unpacked(result.evidence.charts), catalogue(LAB)))
+        write_whole(
+            wanted.html,
+            report_page(FinalGrade("", result, reviewed=True), unpacked(result.evidence.charts), catalogue(LAB)),
+        )
     if wanted.json is not None:
         from grader.engine.results import to_json  # noqa: PLC0415
 

@@ -20,7 +20,7 @@ from grader.course.database import FILE_NAME
 from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import Publisher, publish, publish_class
-from grader.course.record import Key, Store
+from grader.course.record import Key, Store, is_reviewed
 from grader.course.submission_archive import pack
 from grader.course.warnings import gone, named_lines, of_policy, outdated, remarks, replaced
 from grader.engine.chart_data import Evidence, unpacked
@@ -351,7 +351,7 @@ class _Run:
         self._audience = audience
         self._outcome = outcome
         self._publisher = publisher
-        self._adjustments = store.adjustments()
+        self._adjustments, self._ticks = store.adjustments(), store.ticks()
         self._attempts: dict[Key, _Attempt] = {}
         self._installed_since = installed_since(store)
         self.lost_repairs: list[str] = []
@@ -393,7 +393,7 @@ class _Run:
         for key, attempt in self._attempts.items():
             own.setdefault(key.id, []).append((key, self._final_grade(key, attempt)))
         for attempts in (each for each in own.values() if len(each) > 1):
-            still_open = [each for each in attempts if each[1].final is None]
+            still_open = [each for each in attempts if each[1].final is None and not each[1].unseen]
             key, final_grade = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.point_at(key)
             self._count(final_grade)
@@ -441,7 +441,8 @@ class _Run:
     def _final_grade(self, key: Key, attempt: _Attempt) -> FinalGrade:
         if attempt.result is None:
             raise GraderError(f"{key.id}: one of its attempts has no result")
-        return FinalGrade(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
+        reviewed = is_reviewed(key.id, attempt.result, self._ticks)
+        return FinalGrade(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()), reviewed)
 
     def _count(self, final_grade: FinalGrade) -> None:
         self._store.keep_hand_in(final_grade.id, final_grade.hand_in)

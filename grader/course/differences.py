@@ -49,7 +49,8 @@ def told(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterat
 
 
 def _final(final_grade: FinalGrade) -> str:
-    return "not judged" if final_grade.final is None else words.number(final_grade.final)
+    blank = "blank" if final_grade.unseen else "not judged"
+    return blank if final_grade.final is None else words.number(final_grade.final)
 
 
 def _mean(final_grades: list[FinalGrade]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.base.errors import RequestError
@@ -122,7 +122,6 @@ def plan(order: Export) -> Plan:
     make = _way(order)
     with Store.existing(order.out) as store:
         final_grades = store.final_grades()
-        given = store.given_out(final_grades) if order.unreadable == "blank" else final_grades
         settings = store.settings()
         sent = [each for each in final_grades.values() if order.feedback and each.hand_in.reply]
         outdated = outdated_pages(order.out, sent, store)
@@ -133,8 +132,10 @@ def plan(order: Export) -> Plan:
             "give the `imugrade grade` command again: it writes them again"
         )
     absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
+    if order.unreadable != "blank":
+        final_grades = {id_: replace(each, reviewed=True) for id_, each in final_grades.items()}
     others = () if settings is None else class_settings.others(settings, final_grades)
-    return Plan(order, make(given, absent), given, tuple(printable(id_, 80) for id_ in others))
+    return Plan(order, make(final_grades, absent), final_grades, tuple(printable(id_, 80) for id_ in others))
 
 
 Make = Callable[[Mapping[str, FinalGrade], Sequence[Person]], Draft]

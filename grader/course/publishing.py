@@ -45,7 +45,7 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
     The gradebook has a row for each person of the roster without a submission, and blank grades for empty submissions.
     """
     absent = class_settings.absent(store.settings(), {id_: each.hand_in for id_, each in final_grades.items()})
-    write_whole(out / "gradebook.csv", gradebook(store.given_out(final_grades), absent))
+    write_whole(out / "gradebook.csv", gradebook(final_grades, absent))
     write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab), absent))
 
 

@@ -11,7 +11,7 @@ import hashlib
 import json
 from array import array
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from dataclasses import astuple, dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
@@ -31,7 +31,6 @@ from grader.people.final_grade import (
     Adjustment,
     FinalGrade,
     HandIn,
-    given_out,
     hand_in_from_dict,
     hand_in_to_dict,
 )
@@ -78,6 +77,11 @@ def about(sentence: str, who: Sequence[str] = ()) -> str:
 def why_empty(result: Result) -> str:
     """Return why there is nothing to grade in a submission."""
     return " ".join(words.notes(result)) or words.STATUS[result.status]
+
+
+def is_reviewed(id_: str, result: Result, ticks: Collection[tuple[str, str, str]]) -> bool:
+    """Return whether a person marked an empty or unreadable submission as reviewed."""
+    return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in ticks
 
 
 class OvertakenError(RequestError):
@@ -196,17 +200,18 @@ class Store(Database):
             "SELECT former.id, record, hand_in FROM former JOIN results USING (seq) "
             "WHERE number = (SELECT max(number) FROM former) ORDER BY former.id"
         )
-        adjustments = self.adjustments()
         with self._told():
-            return {
-                id_: FinalGrade(
-                    id_,
-                    _result(record),
-                    read(_hand_in, hand_in) if hand_in else NOTHING_KNOWN,
-                    adjustments.get(id_, ()),
-                )
-                for id_, record, hand_in in self._db.execute(query)
-            }
+            return self._final_grades(
+                (id_, _result(record), read(_hand_in, hand_in) if hand_in else NOTHING_KNOWN)
+                for id_, record, hand_in in self._db.execute(query).fetchall()
+            )
+
+    def _final_grades(self, rows: Iterable[tuple[str, Result, HandIn]]) -> dict[str, FinalGrade]:
+        adjustments, ticks = self.adjustments(), self.ticks()
+        return {
+            id_: FinalGrade(id_, result, hand_in, adjustments.get(id_, ()), is_reviewed(id_, result, ticks))
+            for id_, result, hand_in in rows
+        }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
         """Return whether a complete result is on record under this key, or one that can be regraded by its rubric."""
@@ -275,11 +280,10 @@ class Store(Database):
 
     def final_grades(self) -> dict[str, FinalGrade]:
         """Return the final grade of every submission from result, hand-in and adjustments, by id, in the order of the ids."""
-        present, hand_ins, adjustments = self.present(), self.hand_ins(), self.adjustments()
-        found = {
-            id_: FinalGrade(id_, result, hand_ins.get(id_, NOTHING_KNOWN), adjustments.get(id_, ()))
-            for id_, result in present.items()
-        }
+        hand_ins = self.hand_ins()
+        found = self._final_grades(
+            (id_, result, hand_ins.get(id_, NOTHING_KNOWN)) for id_, result in self.present().items()
+        )
         names = Counter(each.name.casefold() for each in found.values())
         return {
             id_: replace(each, namesake=True) if names[each.name.casefold()] > 1 else each
@@ -429,15 +433,6 @@ class Store(Database):
             (id_, reason, about): Tick(id_, reason, about, bool(done), *who) for id_, reason, about, done, *who in rows
         }
         return {key: tick for key, tick in last.items() if tick.done}
-
-    def given_out(self, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:
-        """Return the final grades for export: empty submissions are blank unless they were marked as reviewed."""
-        ticks = self.ticks()
-        empty = {
-            id_: each.result for id_, each in final_grades.items() if each.result.status in ("empty", "unreadable")
-        }
-        reviewed = [id_ for id_, each in empty.items() if (id_, each.status, about(why_empty(each))) in ticks]
-        return given_out(final_grades, reviewed)
 
     def keep_appeals(self, appeals: Iterable[Appeal]) -> int:
         """Record regrade requests and return how many are new. A request already on record is left unchanged."""

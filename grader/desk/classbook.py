@@ -140,6 +140,7 @@ class Classbook:
     def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
         """Record a review. A reviewed empty or unreadable submission is no longer left blank, so its page changes."""
         self._store.tick([Tick(*key, done, author, now()) for key in keys])
+        self._seen = -1
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
 
     def mark_by(self, rubric: Rubric) -> None:

@@ -124,7 +124,7 @@ def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
         if repair.author == AUTOMATIC:
             what = f"{printable(repair.file, 200)}, {words.minus(repair.deduction)} points. Check the change."
             yield Reason("repaired", what)
-    if final_grade.final is None:
+    if final_grade.final is None and not final_grade.unseen:
         open_ = [
             check.title for part in result.criteria for check in part.checks if final_grade.check_points(check) is None
         ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -141,15 +141,15 @@ class FinalGrade:
     """Final grade of one submission: the automatic result, the hand-in and the adjustments.
 
     `result` is never changed. `adjusted` is its total with the adjustments, and `final` is that after the late deduction. Both are
-    None while points are open because the grader failed. They are also None if `unseen`: the submission is empty or unreadable and
-    nobody has reviewed it. `namesake` says that another person of the class has the same name.
+    None while points are open because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked
+    an empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
     """
 
     id: str
     result: Result
     hand_in: HandIn = NOTHING_KNOWN
     adjustments: tuple[Adjustment, ...] = ()
-    unseen: bool = False
+    reviewed: bool = False
     namesake: bool = field(default=False, compare=False)
 
     @property
@@ -169,6 +169,12 @@ class FinalGrade:
     def late(self) -> Lateness | None:
         return self.hand_in.late
 
+    @property
+    def unseen(self) -> bool:
+        """Return whether the submission is empty or unreadable, and no person has reviewed or overridden it: its grade is blank."""
+        empty = self.result.status in ("empty", "unreadable")
+        return empty and not self.reviewed and all(each.alone for each in self.adjustments)
+
     @cached_property
     def adjusted(self) -> float | None:
         """Return the total with adjustments, repairs and extra credit; None while points are open."""
@@ -180,7 +186,7 @@ class FinalGrade:
         points = summed({criterion.id: self.points(criterion) for criterion in self.result.criteria})
         return (
             None
-            if self.unseen or points is None or self._credit_is_open()
+            if points is None or self._credit_is_open()
             else round(points - self.result.repair_deduction + self.result.extra_credit, 2)
         )
 
@@ -201,7 +207,9 @@ class FinalGrade:
         return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
-        """Return the points of a criterion from overrides, or else the automatic ones; None if any are open."""
+        """Return the points of a criterion from overrides, or else the automatic ones; None if any are open, or it is `unseen`."""
+        if self.unseen:
+            return None
         given = {each.criterion: each.points for each in self.adjustments if not each.alone}
         if criterion.id in given:
             return given[criterion.id]
@@ -228,19 +236,6 @@ class FinalGrade:
     def _credit_is_open(self) -> bool:
         rows = (check for extension in self.result.extensions for check in extension.checks)
         return self.result.extra_credit_cap is not None and any(check.points is None for check in rows)
-
-
-def given_out(final_grades: Mapping[str, FinalGrade], reviewed: Collection[str] = ()) -> dict[str, FinalGrade]:
-    """Return the final grades for export: an empty or unreadable submission is blank until a person has reviewed it.
-
-    A submission is reviewed if it has an override or is among `reviewed`.
-    """
-
-    def nothing(final_grade: FinalGrade) -> bool:
-        empty = final_grade.result.status in ("empty", "unreadable")
-        return empty and final_grade.id not in reviewed and all(each.alone for each in final_grade.adjustments)
-
-    return {id_: replace(final_grade, unseen=nothing(final_grade)) for id_, final_grade in final_grades.items()}
 
 
 def graded(final_grades: Iterable[FinalGrade]) -> list[float]:

@@ -144,7 +144,7 @@ def entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry
     """Return a row of the class table; `top` is the maximum score."""
     result, late = final_grade.result, final_grade.late
     points = {criterion.id: final_grade.points(criterion) for criterion in result.criteria}
-    score = None if result.status == "incomplete" else result.score
+    score = None if result.status == "incomplete" or final_grade.unseen else result.score
     return Entry(
         name=words.distinct(final_grade),
         section=printable(final_grade.section, 80),

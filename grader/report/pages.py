@@ -396,6 +396,8 @@ def _changed(final_grade: FinalGrade) -> bool:
 def _total(final_grade: FinalGrade) -> tuple[str, str]:
     """Return the final points and the maximum."""
     points, most = words.total_points(final_grade.result).split(" / ")
+    if final_grade.unseen:
+        return "–", most
     return (words.number(final_grade.final or 0.0), most) if _changed(final_grade) else (points, most)
 
 
