@@ -9,8 +9,7 @@ from grader.engine.results import CheckResult, CriterionResult
 from grader.intake import Submission
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis import noise_laws
-from grader.labs.imu.diagnosis.noise import Facts
+from grader.labs.imu.noise_model.reads import Reads
 from grader.labs.imu.number_format import told_apart
 from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
 from tests.recordings import Marking
@@ -56,8 +55,8 @@ BIAS = np.array([-0.25, -0.67, 0.45])
 STD = 0.08
 
 
-def _facts(noise: Array, std: float = STD, bias: Array = BIAS) -> Facts:
-    return Facts(bias + noise, TRUTH, std, bias)
+def _reads(noise: Array) -> Reads:
+    return Reads(BIAS + noise, TRUTH, STD, BIAS)
 
 
 @pytest.mark.quick
@@ -67,7 +66,7 @@ def test_a_normal_law_that_is_cut_off_is_told_and_its_moments_are_those_of_the_f
     kept = unit[1][np.abs(unit[1]) < cut]
     for values, moments in zip((np.clip(unit[0], -cut, cut), kept), st.limited_moments(cut), strict=True):
         assert (values.std(), np.abs(values).mean()) == pytest.approx(moments, rel=0.01)
-        assert noise_laws.clipped(_facts(STD * values[: 6 * st.READS].reshape(2, st.READS, 3)))
+        assert _reads(STD * values[: 6 * st.READS].reshape(2, st.READS, 3)).clipped
 
 
 @pytest.mark.quick

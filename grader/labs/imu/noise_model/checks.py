@@ -8,12 +8,10 @@ from grader.engine.findings import Deviation, Size
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
 from grader.labs.imu.compare import Array, vector
-from grader.labs.imu.diagnosis import noise as diagnosis
-from grader.labs.imu.diagnosis import noise_laws as laws
-from grader.labs.imu.diagnosis.noise import Facts as Reads
 from grader.labs.imu.noise_model import explain
 from grader.labs.imu.noise_model.explain import PART
 from grader.labs.imu.noise_model.measure import Facts
+from grader.labs.imu.noise_model.reads import Reads
 from grader.labs.imu.number_format import told_apart
 
 NAMES = ("accel", "gyro")
@@ -26,8 +24,9 @@ def check_noise_size(facts: Facts) -> Deviation | None:
     wrong = [*explain.BOTH] if not facts.follows else explain.sizes_off(facts)
     if not wrong:
         return None
-    reads = facts.steady[wrong[0]]
-    came = _spread(reads, SENSOR_UNITS[wrong[0]])
+    sensor, unit = facts.sensors[wrong[0]], SENSOR_UNITS[wrong[0]]
+    reads = sensor.noise
+    came = f"{sensor.twins.noise_size():.3g} {unit}" if sensor.drifts else _spread(reads, unit)
     affected = len(wrong) / 2 if reads.still else 1.0  # the noise of the other sensor is there
     return _of(wrong[0], affected, {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size})
 
@@ -37,14 +36,14 @@ def check_given_bias(facts: Facts) -> Deviation | None:
     """A bias that is given is added to every reading, zero included"""
     both = [*explain.BOTH] if facts.exchanged or facts.one_twice else []
     missing = both or explain.missing_bias(facts)
-    if not (wrong := missing or explain.bias_beside(facts) or explain.offset_of_zero(facts)):
+    if not (wrong := missing or explain.bias_beside(facts)):
         return None
-    reads, silent = facts.sensors[wrong[0]], facts.silent[wrong[0]]
+    reads, silent = facts.sensors[wrong[0]].reads, facts.sensors[wrong[0]].silent
     gap = np.abs(reads.offset - reads.bias)
     expected, came = told_apart(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
     beside = {"silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias)}
     size = Size("the average is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
-    affected = 1.0 if both or (not missing and explain.bias_beside(facts)) else len(missing) / 2 or 0.5
+    affected = len(missing) / 2 if missing else 0.5 if all(s.reads.bias_is_right for s in facts.sensors) else 1.0
     return _of(wrong[0], affected, {"wanted": expected, "came": came, **beside}, size=size)
 
 
@@ -52,33 +51,24 @@ def check_given_bias(facts: Facts) -> Deviation | None:
 def check_default_bias(facts: Facts) -> Deviation | None:
     """Without a given bias, each instance draws its own, keeps it, and has one for every axis"""
     wrong = next((which for off in explain.DEFAULTS if (which := off(facts))), None)
-    if wrong is None or facts.defaults is None:
+    if wrong is None:
         return None
-    bias = facts.defaults[wrong[0]]
-    row = int(np.argmax(np.ptp(bias, axis=1).max(axis=1)))
-    read = int(np.argmax(np.abs(bias[row] - bias[row, 0]).max(axis=1)))
-    first, later = told_apart(bias[row, 0], bias[row, read])
-    size = float(np.sqrt(np.mean(bias**2)))
-    numbers = {"first": first, "later": later, "came": vector(bias.mean(axis=1)[1]), "rms": size}
+    bias = facts.sensors[wrong[0]].default
+    numbers = {"came": vector(bias.mean(axis=1)[1]), "rms": float(np.sqrt(np.mean(bias**2)))}
     return _of(wrong[0], 1.0, numbers, 0.5)
 
 
 @PART.check("noise_model.white_and_gaussian", lab_step=5)
 def check_white_and_gaussian(facts: Facts) -> Deviation | None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
-    centre, noisy = explain.off_centre(facts), explain.noisy_sensors(facts)
-    odd = [i for i in noisy if explain.remembered(facts.steady[i]) or _has_another_law(facts.steady[i])]
-    if not (odd or centre or explain.coarse(facts) or not noisy):
+    if not (wrong := explain.odd_laws(facts)):
         return None
-    which = (odd or centre or [0])[0]
-    reads, raw = facts.steady[which], facts.sensors[which]
-    beside = {"beside": vector(raw.offset[-1] - raw.bias), "grain": max(each.grain for each in facts.sensors)}
-    values = {
-        "memory": max(map(explain.remembered, facts.steady)),
-        "most": float(np.abs(reads.centred).max()) / reads.std,
-    }
-    strays = laws.strays(reads)
-    return _of(which, 1.0, {**beside, **values, "ratio": _geary(reads), "far": strays.count if strays else 0})
+    noise, raw = facts.sensors[wrong[0]].noise, facts.sensors[wrong[0]].reads
+    grain = max(sensor.reads.grain for sensor in facts.sensors)
+    memory = max(sensor.noise.memory for sensor in facts.sensors)
+    most = float(np.abs(noise.centred).max()) / noise.std
+    numbers = {"beside": vector(raw.offset[-1] - raw.bias), "grain": grain, "memory": memory}
+    return _of(wrong[0], 1.0, {**numbers, "most": most, "ratio": noise.geary})
 
 
 @PART.check("noise_model.axes_and_sensors_independent", lab_step=5)
@@ -109,16 +99,6 @@ def _of(
     """A deviation that is told by this sensor."""
     named = {"sensor": NAMES[which], "unit": SENSOR_UNITS[which], **numbers}
     return Deviation(named, share, size, affected=affected)
-
-
-def _has_another_law(reads: Reads) -> bool:
-    one_sided = diagnosis.one_signed(reads) or laws.clipped(reads)
-    return one_sided or diagnosis.accumulates(reads) or explain.not_normal(reads)
-
-
-def _geary(reads: Reads) -> float:
-    values = laws.living(reads)
-    return st.geary(values) if values.any() else 0.0
 
 
 def _spread(reads: Reads, unit: str) -> str:

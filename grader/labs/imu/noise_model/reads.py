@@ -1,0 +1,252 @@
+"""Facts about one sensor's reads: mean and spread, the law of the noise, and what a read keeps of those before it.
+
+Reads are many of one `NoisyIMU` in one state after the other. Each sound sample passes each test but for a probability of
+`statistics.ALPHA`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from grader.labs.imu import statistics as st
+from grader.labs.imu.compare import Array
+
+SIZE_TOLERANCE = 0.0
+"""Share of the standard deviation by which noise may be too small or too large beyond what chance explains (`statistics.ALPHA`).
+At 0 a standard deviation that is wrong by 10 % is found with a probability above 0.999."""
+EXACT = 1e-9
+"""Of one: noise-free arithmetic repeats to rounding; a random draw never comes this close twice."""
+TRUTH_ATOL = 1e-5
+"""m/s², rad/s. How far the truth itself may be off: bundles recorded with another MuJoCo differ by 1.3e-7."""
+_FINEST = 0.99e-4
+"""Smallest step of a rounding that counts as one: finer ones are as good as the truth."""
+_SMOOTH = 0.5
+"""Of von Neumann's ratio, which is 1 for white noise (± 0.04 for 600 values) and below 0.2 for a walk of 100 reads."""
+_UNLIKE_UNIFORM = 0.9
+"""Standard deviations. A normal law that is drawn anew beyond a narrower bound is a uniform one, as far as moments tell."""
+_CUT = 2.9
+"""Standard deviations. 7,500 sound values stay within with a probability of (1 - 0.0037)^7500 = 7e-13."""
+
+
+@dataclass(frozen=True)
+class Reads:
+    """One sensor's reads.
+
+    Attributes
+    ----------
+    residual : (states, reads, 3) ndarray, reading minus truth
+    truth : (states, 3) ndarray; std : the standard deviation asked for; bias : (3,) ndarray, the bias given
+    """
+
+    residual: Array
+    truth: Array
+    std: float
+    bias: Array
+
+    # ---- mean and spread
+
+    @cached_property
+    def offset(self) -> Array:
+        """(states, 3) mean of the reading minus the truth."""
+        return np.asarray(self.residual.mean(axis=1))
+
+    @cached_property
+    def centred(self) -> Array:
+        """(states, reads, 3) residuals without their mean in each state."""
+        return np.asarray(self.residual - self.residual.mean(axis=1, keepdims=True))
+
+    @cached_property
+    def spread(self) -> Array:
+        """(states, 3) standard deviation."""
+        return np.asarray(self.residual.std(axis=1))
+
+    @cached_property
+    def pooled_spread(self) -> float:
+        return float(np.sqrt(np.mean(self.centred**2)))
+
+    @cached_property
+    def standardised(self) -> Array:
+        """(states × reads, 3) residuals in units of their own spread; zero where there is none."""
+        spread = np.where(self.spread > EXACT * self.std, self.spread, np.inf)
+        return np.asarray((self.centred / spread[:, None, :]).reshape(-1, 3))
+
+    @cached_property
+    def increments(self) -> Array:
+        """(states, reads - 1, 3) differences of successive reads."""
+        return np.diff(self.residual, axis=1)
+
+    @cached_property
+    def still(self) -> bool:
+        """Return whether reads in one state do not differ."""
+        return bool(np.all(self.spread <= EXACT * self.std))
+
+    @cached_property
+    def restless(self) -> bool:
+        """Return whether most reads differ from the one before."""
+        return bool(np.median(np.abs(self.increments).max(axis=2)) > EXACT * self.std)
+
+    @cached_property
+    def mean_bound(self) -> float:
+        """Largest credible distance of a mean in one state from what it is the mean of."""
+        return st.mean_bound(self.residual.shape[1], max(self.std, self.pooled_spread)) + TRUTH_ATOL
+
+    def offset_is(self, wanted: Array) -> bool:
+        """Return whether the mean in each state is the wanted one, as far as chance lets it be seen."""
+        return bool(np.abs(self.offset - wanted).max() <= self.mean_bound)
+
+    @cached_property
+    def keeps_its_offset(self) -> bool:
+        """Return whether the readings follow the truth: what is beside it is the same in all states."""
+        return bool(np.ptp(self.offset, axis=0).max() <= 2 * self.mean_bound)
+
+    @cached_property
+    def bias_is_right(self) -> bool:
+        """Return whether truth plus bias is the mean, as far as noise that adds up or has one sign lets it be seen."""
+        if self.accumulates:
+            return bool(np.abs(self.residual[0, 0] - self.bias).max() <= 2 * st.Z * self.std)
+        states, reads, _ = self.residual.shape
+        gap, overall = np.abs(self.offset - self.bias), np.abs(self.offset.mean(axis=0) - self.bias)
+        sigma, exact = max(self.std, self.pooled_spread), TRUTH_ATOL + self.grain / 2
+        if self.still:  # one draw that is repeated, or none: the offset may be off by that draw
+            return bool(gap.max() <= st.Z * self.std + exact)
+        near = gap.max() <= st.mean_bound(reads, sigma) + exact
+        return self.one_signed or bool(near and overall.max() <= st.mean_bound(states * reads, sigma) + exact)
+
+    @cached_property
+    def size_is_right(self) -> bool:
+        """Return whether the pooled spread and that of each axis agree with the standard deviation asked for.
+
+        Rounding adds to each value half a grain at most, and so to a spread: the triangle inequality.
+        """
+        states, reads, axes = self.residual.shape
+        off = SIZE_TOLERANCE + self.grain / 2 / self.std
+        per_axis = np.sqrt(np.mean(self.centred**2, axis=(0, 1)))
+        for together, spreads in ((axes, np.array([self.pooled_spread])), (1, per_axis)):
+            low, high = st.spread_bounds(together * states * reads, together * states)
+            if not np.all((low - off <= spreads / self.std) & (spreads / self.std <= high + off)):
+                return False
+        return True
+
+    # ---- the law of the noise
+
+    @cached_property
+    def grain(self) -> float:
+        """The step that noisy readings are multiples of, or that of half precision; 0 where they are neither."""
+        readings = self.residual + self.truth[:, None, :]
+        if self.still:
+            return 0.0
+        with np.errstate(over="ignore"):  # half precision ends at 65504
+            half = readings.astype(np.float16)
+        if np.abs(readings - half).max() < EXACT:
+            return float(np.spacing(np.abs(half).max()))
+        step = _closest(readings)
+        multiples = np.abs(readings - (readings / step).round() * step).max() < EXACT
+        return step if step > _FINEST and multiples else 0.0
+
+    @cached_property
+    def proportional(self) -> bool:
+        """Return whether the spread goes with the size of the reading, over axes and states."""
+        size, spread = np.abs(self.truth).ravel(), self.spread.ravel()
+        if self.still or len(np.unique(size.round(6))) < 3:
+            return False
+        ratio = spread / size
+        return bool(ratio.std() < 0.1 * ratio.mean() and spread.std() > 0.2 * spread.mean())
+
+    @cached_property
+    def one_signed(self) -> bool:
+        """Return whether, on every axis, the reads begin at truth plus bias and go to one side of it, as absolute values do."""
+        if self.still:
+            return False
+        beside, edge = self.residual - self.bias, 0.05 * self.pooled_spread
+        least, most = beside.min(axis=(0, 1)), beside.max(axis=(0, 1))
+        return bool(np.all((least >= -TRUTH_ATOL) & (least < edge)) or np.all((most <= TRUTH_ATOL) & (most > -edge)))
+
+    @cached_property
+    def clipped(self) -> bool:
+        """Return whether the reads are what a normal law of the size asked for leaves within some bound.
+
+        A bound shows where nothing goes beyond `_CUT`, or where the largest deviation comes again, to the last digit.
+        """
+        cut = float(np.abs(self.centred).max()) / self.std
+        if self.still or not (_UNLIKE_UNIFORM < cut < _CUT or self._repeats_extremes()):
+            return False
+        spread, mean = self.pooled_spread / self.std, float(np.abs(self.centred).mean()) / self.std
+        laws = st.limited_moments(cut)
+        return any(abs(spread / s - 1) < 0.04 and abs(mean / spread - m / s) < 0.012 for s, m in laws)
+
+    def _repeats_extremes(self) -> bool:
+        """Return whether four at least of the largest and least values, one an axis and state, come twice, to the last digit.
+
+        Double precision repeats one with a probability of 1e-12, single precision with 2e-4, and four of twelve with 1e-12.
+        """
+        ranked = np.sort(self.residual, axis=1)
+        again = np.stack([ranked[:, -1] == ranked[:, -2], ranked[:, 1] == ranked[:, 0]])
+        return int(again.sum()) >= 4
+
+    @cached_property
+    def geary(self) -> float:
+        """Geary's ratio of mean deviation and standard deviation over the axes that have any noise; 0 where none has."""
+        return st.geary(self._living) if self._living.size else 0.0
+
+    @cached_property
+    def _living(self) -> Array:
+        return np.asarray(self.standardised[:, self.standardised.any(axis=0)].ravel())
+
+    @cached_property
+    def is_normal(self) -> bool:
+        """Return whether Geary's ratio is that of a normal law; still axes aside."""
+        if not self._living.size:
+            return True
+        low, high = st.geary_bounds(self._living.size)
+        return low <= self.geary <= high
+
+    # ---- what a read keeps of those before it
+
+    @cached_property
+    def accumulates(self) -> bool:
+        """Return whether each read carries the noise of the reads before: successive ones hardly differ from each other."""
+        least = min(float(st.autocorrelation(state, 1).min()) for state in self.centred)
+        return not self.stepped.still and least > 0.9
+
+    @cached_property
+    def memory(self) -> float:
+        """The largest correlation of a read with one of the three before it, without its sign; 0 where it may be chance."""
+        all_ = [np.abs(st.autocorrelation(state, lag)).max() for state in self.centred for lag in (1, 2, 3)]
+        return float(max(all_)) if max(all_) > st.correlation_bound(self.residual.shape[1]) else 0.0
+
+    @cached_property
+    def law_is_off(self) -> bool:
+        """Return whether the noise is not normal with zero mean, or a read depends on those before."""
+        return self.accumulates or self.memory > 0 or self.one_signed or self.clipped or not self.is_normal
+
+    @cached_property
+    def drifts(self) -> bool:
+        """Return whether reads that were asked for no noise move, and each by little against what they move by in the end."""
+        if self.still:
+            return False
+        return float(np.mean(self.increments**2) / (2 * np.mean(self.centred**2))) < _SMOOTH
+
+    @cached_property
+    def pairs(self) -> Array:
+        """(states, reads // 2, 3) differences of two neighbouring reads, of the size of one read's noise."""
+        even = self.residual.shape[1] // 2 * 2
+        return np.asarray((self.residual[:, 1:even:2] - self.residual[:, 0:even:2]) / np.sqrt(2.0))
+
+    @cached_property
+    def paired(self) -> Reads:
+        """Those differences in place of the reads: noise of the same size and law, and no drift."""
+        return replace(self, residual=self.bias + self.pairs)
+
+    @cached_property
+    def stepped(self) -> Reads:
+        """What is new in each read in its place, of noise that adds up."""
+        return replace(self, residual=self.bias + self.increments)
+
+
+def _closest(values: Array) -> float:
+    """Return the smallest distance between two different values; 1 if all are equal."""
+    apart = np.diff(np.unique(values))
+    return round(float(apart[apart > EXACT].min(initial=np.inf)), 15) if (apart > EXACT).any() else 1.0

@@ -1,0 +1,287 @@
+"""What one sensor's reads tell: their mean and spread, the law of their noise, and what a read keeps of those before it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import special
+
+from grader.labs.imu import statistics as st
+from grader.labs.imu.compare import Array
+from grader.labs.imu.noise_model import reads as facts_of
+from grader.labs.imu.noise_model.reads import Reads
+
+pytestmark = pytest.mark.quick
+_READS, _ATOL, _STD = 1250, facts_of.TRUTH_ATOL, 0.05
+_AXES = np.eye(3)
+_RNG = np.random.default_rng(21)
+
+
+def _standard(series: Array) -> Array:
+    """(states, reads, 3) with a mean of zero and a spread of one on every axis in every state."""
+    centred = series - series.mean(axis=1, keepdims=True)
+    return np.asarray(centred / centred.std(axis=1, keepdims=True))
+
+
+_RAW = _RNG.normal(size=(2, _READS, 3))
+_WHITE, _WALK, _STILL = _standard(_RAW), _standard(np.cumsum(_RAW, axis=1)), np.zeros_like(_RAW)
+_QUANTILES = special.ndtri((np.arange(_READS) + 0.5) / _READS)
+_NORMAL = np.stack([_RNG.permutation(_QUANTILES) for _ in range(6)], axis=1).reshape(_READS, 2, 3).swapaxes(0, 1)
+"""Normal as nearly as so many values can be."""
+_POSITIVE = np.abs(_WHITE) - np.abs(_WHITE).min(axis=(0, 1))
+_TRUTH, _BIAS = np.array([[0.5, -0.9, 9.6], [1.2, 0.4, -9.1]]), np.array([0.3, -0.2, 0.4])
+
+
+def _of(noise: Array, std: float = _STD) -> Reads:
+    """Reads with this noise, in units of the size asked for."""
+    return Reads(_BIAS + std * noise, _TRUTH, std, _BIAS)
+
+
+def _reading(readings: Array) -> Reads:
+    return replace(_of(_STILL), residual=readings - _TRUTH[:, None, :])
+
+
+_READ = _of(_WHITE).residual + _TRUTH[:, None, :]
+_HALF = _READ.astype(np.float16).astype(float)
+
+
+@pytest.mark.parametrize(
+    ("readings", "grain"),
+    [
+        (_READ, 0.0),
+        (_READ.round(1), 0.1),
+        (_READ.round(4), 0.0001),
+        (_READ.round(5), 0.0),
+        ((_READ / 0.005).round() * 0.005, 0.005),
+        ((_READ * 256).round() / 256, 1 / 256),
+        (_READ.round(1) + 2e-9, 0.0),
+        (_HALF, 2.0**-7),
+        (-_HALF, 2.0**-7),
+        (_HALF + 1e-5, 0.0),
+        (np.full_like(_READ, 0.5), 0.0),
+    ],
+)
+def test_the_grain_is_that_of_the_last_digit_of_noisy_reads(readings: Array, grain: float) -> None:
+    assert _reading(readings).grain == pytest.approx(grain)
+
+
+def test_reads_that_differ_by_rounding_alone_are_still() -> None:
+    rounding = facts_of.EXACT * _WHITE
+    assert _of(0.5 * rounding).still
+    assert not any(_of(moving).still for moving in (2 * rounding, _WHITE * _AXES[0]))
+    assert _of(_WHITE * [1, 0, 3]).standardised.std(axis=0) == pytest.approx([1, 0, 1])
+
+
+def _bounds(values: int, means: int) -> tuple[float, float]:
+    low, high = st.spread_bounds(values, means)
+    return low - facts_of.SIZE_TOLERANCE, high + facts_of.SIZE_TOLERANCE
+
+
+_POOLED, _EACH = _bounds(6 * _READS, 6), _bounds(2 * _READS, 2)
+
+
+@pytest.mark.parametrize(
+    ("size", "tolerance", "right"),
+    [
+        (1.0, 0.0, True),
+        (_POOLED[0] + 1e-6, 0.0, True),
+        (_POOLED[0] - 1e-6, 0.0, False),
+        (_POOLED[1] - 1e-6, 0.0, True),
+        (_POOLED[1] + 1e-6, 0.0, False),
+        ([_EACH[0] + 1e-6, 1, 1], 0.0, True),
+        ([_EACH[0] - 1e-6, 1, 1], 0.0, False),
+        ([1, 1, _EACH[1] + 1e-6], 0.0, False),
+        (_POOLED[1] + 0.04, 0.05, True),
+        (_POOLED[1] + 0.06, 0.05, False),
+        ([1, 1, _EACH[1] + 0.04], 0.05, True),
+    ],
+)
+def test_the_size_of_noise_is_right_as_far_as_chance_and_a_tolerance_go(
+    size: Array, tolerance: float, right: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(facts_of, "SIZE_TOLERANCE", tolerance)
+    assert _of(np.array(size) * _WHITE).size_is_right == right
+
+
+@pytest.mark.parametrize(("size", "right"), [(1.13, True), (0.87, True), (1.2, False), (0.8, False)])
+def test_rounding_adds_half_a_grain_to_a_spread(size: float, right: bool) -> None:
+    rounded = _reading((_of(size * _WHITE).residual + _TRUTH[:, None, :]).round(2))
+    assert rounded.grain == pytest.approx(0.01)
+    assert rounded.size_is_right == right
+
+
+def _off(offset: Array, noise: Array = _WHITE) -> Reads:
+    """Reads with an exact mean of (3,) or (states, 3) beside the bias."""
+    return _of(noise + np.broadcast_to(offset, (2, 3))[:, None, :] / _STD)
+
+
+_BOUND, _BOTH = st.mean_bound(_READS, _STD) + _ATOL, st.mean_bound(2 * _READS, _STD) + _ATOL
+
+
+@pytest.mark.parametrize(
+    ("reads", "right"),
+    [
+        (_off(_STILL[0, 0]), True),
+        (_off(0.999 * _BOTH * _AXES[2]), True),
+        (_off(1.001 * _BOTH * _AXES[2]), False),
+        (_off(np.outer([1, -1], 0.999 * _BOUND * _AXES[1])), True),
+        (_off(np.outer([1, -1], 1.001 * _BOUND * _AXES[1])), False),
+        (_off(2 * _BOTH * _AXES[0], 3 * _WHITE), True),
+        (_off(st.Z * _STD + 0.9 * _ATOL * _AXES[0], _STILL), True),  # one draw that is repeated
+        (_off((st.Z * _STD + 1.1 * _ATOL) * _AXES[0], _STILL), False),
+        (replace(_reading(_READ.round(2)), bias=_BIAS - 0.011), True),
+        (replace(_reading(_READ.round(2)), bias=_BIAS - 0.016), False),
+        (_off(_STILL[0, 0], _POSITIVE), True),
+        (_off(0.5 * _AXES[0], _POSITIVE), False),
+        (_of(np.cumsum(_RAW, axis=1)), True),
+        (_of(np.cumsum(_RAW, axis=1) + 20), False),
+    ],
+)
+def test_the_bias_is_right_where_it_is_the_mean_as_far_as_the_law_lets_it_be_seen(reads: Reads, right: bool) -> None:
+    assert reads.bias_is_right == right
+
+
+def test_an_offset_follows_the_truth_that_is_the_same_in_all_states() -> None:
+    apart = np.array([[0, 0, 0], [1.0, 0, 0]])
+    assert _off(0.5 + 1.9 * _BOUND * apart).keeps_its_offset
+    assert not _off(0.5 + 2.1 * _BOUND * apart).keeps_its_offset
+    assert _off(0.9 * _BOUND * _AXES[0]).offset_is(_BIAS)
+    assert not _off(1.1 * _BOUND * _AXES[0]).offset_is(_BIAS)
+
+
+_SIZES = np.abs(_TRUTH)[:, None, :]
+
+
+@pytest.mark.parametrize(
+    ("noise", "goes_with"),
+    [(_SIZES * _WHITE, True), (_WHITE, False), (_STILL, False), ((_SIZES + 3) * _WHITE, False), (_SIZES * _WHITE * [1, 1.2, 0.8], False)],
+)  # fmt: skip
+def test_noise_goes_with_the_reading(noise: Array, goes_with: bool) -> None:
+    assert _of(noise).proportional == goes_with
+    assert not replace(_of(noise), truth=np.ones((2, 3))).proportional
+
+
+@pytest.mark.parametrize(
+    ("noise", "one"),
+    [
+        (_POSITIVE, True),
+        (-_POSITIVE, True),
+        (_POSITIVE - 0.9 * _ATOL / _STD, True),
+        (_POSITIVE - 1.1 * _ATOL / _STD, False),
+        (_POSITIVE + 0.04 * 0.6, True),
+        (-_POSITIVE - 0.06 * 0.6 * _AXES[0], False),
+        (_POSITIVE * [1, 1, -1], False),
+        (_WHITE, False),
+        (_STILL, False),
+    ],
+)
+def test_noise_of_one_sign_begins_at_the_truth(noise: Array, one: bool) -> None:
+    assert _of(noise).one_signed == one
+
+
+def _drawn_anew_beyond(cut: float) -> Array:
+    low = special.ndtr(-cut)
+    values = special.ndtri(low + (1 - 2 * low) * (np.arange(_READS) + 0.5) / _READS)
+    return np.stack([_RNG.permutation(values) for _ in range(6)], axis=1).reshape(_READS, 2, 3).swapaxes(0, 1)
+
+
+@pytest.mark.parametrize(
+    ("noise", "clipped"),
+    [
+        (_NORMAL.clip(-2, 2), True),
+        (_NORMAL.clip(-1, 1), True),
+        (_NORMAL.clip(-2.95, 2.95), True),
+        (_drawn_anew_beyond(2), True),
+        (_drawn_anew_beyond(1.2), True),
+        (_drawn_anew_beyond(0.8), False),
+        (_drawn_anew_beyond(3.2), False),
+        (_NORMAL, False),
+        (1.06 * _NORMAL.clip(-2, 2), False),
+        (0.5 * _NORMAL.clip(-2, 2), False),
+        (_STILL, False),
+        (np.where(np.abs(_NORMAL) > 1.427, 2.5 * np.sign(_NORMAL), 0), False),
+    ],
+)
+def test_noise_is_cut_off_that_is_what_a_normal_law_leaves_within_a_bound(noise: Array, clipped: bool) -> None:
+    assert _of(noise).clipped == clipped
+
+
+@pytest.mark.parametrize(("count", "again"), [(3, False), (4, True)])
+def test_four_of_the_extremes_come_again_where_a_bound_cuts_them_off(count: int, again: bool) -> None:
+    series = _WHITE.copy()
+    for state, axis in [(state, axis) for state in (0, 1) for axis in range(3)][:count]:
+        series[state, :2, axis] = 9.0
+    assert _of(series)._repeats_extremes() == again
+
+
+def _powered(power: float) -> Array:
+    return np.asarray(np.sign(_NORMAL) * np.abs(_NORMAL) ** power)
+
+
+@pytest.mark.parametrize(
+    ("noise", "normal"),
+    [
+        (3 * _NORMAL, True),
+        (_NORMAL * [1, 0, 2], True),
+        (_NORMAL * [[[1, 1, 1]], [[5, 5, 5]]], True),
+        (_STILL, True),
+        (_powered(0.8), False),
+        (_powered(1.2), False),
+        (_powered(1.3) * [0, 0, 1], False),
+    ],
+)
+def test_noise_is_normal_by_its_deviations_on_the_axes_that_have_any(noise: Array, normal: bool) -> None:
+    assert _of(noise).is_normal == normal
+
+
+def _remembering(share: float, lag: int = 1) -> Array:
+    series = _RAW.copy()
+    for n in range(lag, _READS):
+        series[:, n] += share * series[:, n - lag]
+    return series
+
+
+@pytest.mark.parametrize(
+    ("noise", "memory"),
+    [
+        (_WHITE, 0),
+        (_remembering(-0.5), 0.5),
+        (_remembering(0.3, 3), 0.3),
+        (_remembering(0.3, 4), 0),
+        (np.stack([_WHITE[0], _remembering(0.5)[1]]), 0.5),
+        (_STILL, 0),
+    ],
+)
+def test_the_memory_is_the_largest_correlation_with_one_of_three_reads_before(noise: Array, memory: float) -> None:
+    assert _of(noise).memory == pytest.approx(memory, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("noise", "adds_up"),
+    [(_WALK, True), (_WHITE, False), (_STILL, False), (_WALK * _AXES[0] + _WHITE * _AXES[1], False),
+     (np.stack([_WALK[0], _WHITE[1]]), False), (np.arange(_READS)[None, :, None] * np.ones((2, 1, 3)), False)],
+)  # fmt: skip
+def test_reads_that_hardly_differ_from_the_one_before_add_up(noise: Array, adds_up: bool) -> None:
+    assert _of(noise).accumulates == adds_up
+
+
+@pytest.mark.parametrize(
+    ("noise", "drifts"),
+    [(_WALK, True), (-_WALK[:, :100] + 100, True), (_remembering(0.8), True), (_remembering(0.3), False), (_STILL, False)],
+)  # fmt: skip
+def test_reads_that_move_by_little_against_what_they_move_by_in_the_end_drift(noise: Array, drifts: bool) -> None:
+    assert _of(noise).drifts is drifts
+
+
+def test_pairs_share_no_read_and_leave_the_odd_one_out() -> None:
+    reads = np.array([1.0, 4, 10, 8, 7])[None, :, None] * np.ones((2, 1, 3))
+    for residual in (reads, reads[:, :4]):
+        paired = replace(_of(_STILL), residual=residual).paired
+        assert (paired.residual - _BIAS)[0, :, 0] * 2**0.5 == pytest.approx([3, -2])
+    assert _of(_NORMAL + 0.02 * _WALK).paired.pooled_spread == pytest.approx(_STD, rel=0.05)
+
+
+def test_what_is_new_in_reads_that_add_up_is_what_they_differ_by() -> None:
+    assert _of(np.cumsum(_NORMAL, axis=1)).stepped.pooled_spread == pytest.approx(_STD, rel=0.01)
