@@ -126,20 +126,12 @@ _BOUND, _BOTH = st.mean_bound(_READS, _STD) + _ATOL, st.mean_bound(2 * _READS, _
         (_off(_STILL[0, 0]), True),
         (_off(0.999 * _BOTH * _AXES[2]), True),
         (_off(1.001 * _BOTH * _AXES[2]), False),
-        (_off(np.outer([1, -1], 0.999 * _BOUND * _AXES[1])), True),
-        (_off(np.outer([1, -1], 1.001 * _BOUND * _AXES[1])), False),
         (_off(2 * _BOTH * _AXES[0], 3 * _WHITE), True),
-        (_off(st.Z * _STD + 0.9 * _ATOL * _AXES[0], _STILL), True),  # one draw that is repeated
-        (_off((st.Z * _STD + 1.1 * _ATOL) * _AXES[0], _STILL), False),
         (replace(_reading(_READ.round(2)), bias=_BIAS - 0.011), True),
         (replace(_reading(_READ.round(2)), bias=_BIAS - 0.016), False),
-        (_off(_STILL[0, 0], _POSITIVE), True),
-        (_off(0.5 * _AXES[0], _POSITIVE), False),
-        (_of(np.cumsum(_RAW, axis=1)), True),
-        (_of(np.cumsum(_RAW, axis=1) + 20), False),
     ],
 )
-def test_the_bias_is_right_where_it_is_the_mean_as_far_as_the_law_lets_it_be_seen(reads: Reads, right: bool) -> None:
+def test_the_bias_is_right_where_it_is_the_mean_as_far_as_chance_and_rounding_go(reads: Reads, right: bool) -> None:
     assert reads.bias_is_right == right
 
 
@@ -261,7 +253,7 @@ def test_the_memory_is_the_largest_correlation_with_one_of_three_reads_before(no
 @pytest.mark.parametrize(
     ("noise", "adds_up"),
     [(_WALK, True), (_WHITE, False), (_STILL, False), (_WALK * _AXES[0] + _WHITE * _AXES[1], False),
-     (np.stack([_WALK[0], _WHITE[1]]), False), (np.arange(_READS)[None, :, None] * np.ones((2, 1, 3)), False)],
+     (np.stack([_WALK[0], _WHITE[1]]), False)],
 )  # fmt: skip
 def test_reads_that_hardly_differ_from_the_one_before_add_up(noise: Array, adds_up: bool) -> None:
     assert _of(noise).accumulates == adds_up
@@ -281,7 +273,3 @@ def test_pairs_share_no_read_and_leave_the_odd_one_out() -> None:
         paired = replace(_of(_STILL), residual=residual).paired
         assert (paired.residual - _BIAS)[0, :, 0] * 2**0.5 == pytest.approx([3, -2])
     assert _of(_NORMAL + 0.02 * _WALK).paired.pooled_spread == pytest.approx(_STD, rel=0.05)
-
-
-def test_what_is_new_in_reads_that_add_up_is_what_they_differ_by() -> None:
-    assert _of(np.cumsum(_NORMAL, axis=1)).stepped.pooled_spread == pytest.approx(_STD, rel=0.01)

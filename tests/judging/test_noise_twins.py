@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.compare import Array
-from grader.labs.imu.noise_model.reads import TRUTH_ATOL
-from grader.labs.imu.noise_model.twins import UNSEEDED as UNKNOWN
-from grader.labs.imu.noise_model.twins import Twins
+from grader.labs.imu.noise_model.reads import TRUTH_ATOL, Twins
+from grader.labs.imu.noise_model.reads import UNSEEDED as UNKNOWN
 
 pytestmark = pytest.mark.quick
 _RNG = np.random.default_rng(3)

@@ -7,7 +7,7 @@ import numpy as np
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
-from grader.labs.imu.compare import Array, vector
+from grader.labs.imu.compare import vector
 from grader.labs.imu.noise_model import explain
 from grader.labs.imu.noise_model.explain import PART
 from grader.labs.imu.noise_model.measure import Facts
@@ -15,6 +15,8 @@ from grader.labs.imu.noise_model.reads import Reads
 from grader.labs.imu.number_format import told_apart
 
 NAMES = ("accel", "gyro")
+_UNLIKE = 1.2
+"""Ratio of the spreads of two axes, of 2,500 reads each, that have one size by a chance of `statistics.ALPHA` only."""
 CHANNELS = [f"{name} {axis}" for name in NAMES for axis in "xyz"]
 
 
@@ -53,9 +55,7 @@ def check_default_bias(facts: Facts) -> Deviation | None:
     wrong = next((which for off in explain.DEFAULTS if (which := off(facts))), None)
     if wrong is None:
         return None
-    bias = facts.sensors[wrong[0]].default
-    numbers = {"came": vector(bias.mean(axis=1)[1]), "rms": float(np.sqrt(np.mean(bias**2)))}
-    return _of(wrong[0], 1.0, numbers, 0.5)
+    return _of(wrong[0], 1.0, {"came": vector(facts.sensors[wrong[0]].means[1])}, 0.5)
 
 
 @PART.check("noise_model.white_and_gaussian", lab_step=5)
@@ -106,14 +106,7 @@ def _spread(reads: Reads, unit: str) -> str:
     axes = np.sqrt(np.mean(reads.centred**2, axis=(0, 1)))
     if reads.still:
         return "the same number at every read"
-    if _alike(axes, reads):
+    if axes.max() < _UNLIKE * axes.min():
         return f"{reads.pooled_spread:.3g} {unit}"
     told = " and ".join(f"{spread:.3g} on {axis}" for spread, axis in zip(axes, "xyz", strict=True))
     return f"{told} ({unit})"
-
-
-def _alike(axes: Array, reads: Reads) -> bool:
-    """Return whether the axes' spreads differ by no more than chance lets those of one size differ."""
-    states, count, _ = reads.residual.shape
-    low, high = st.spread_bounds(states * count, states)
-    return bool(axes.max() / axes.min() <= high / low) if axes.min() > 0 else False

@@ -15,8 +15,7 @@ from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
 from grader.labs.imu.compare import Array
-from grader.labs.imu.noise_model.reads import EXACT, TRUTH_ATOL, Reads
-from grader.labs.imu.noise_model.twins import UNSEEDED, Twins
+from grader.labs.imu.noise_model.reads import EXACT, TRUTH_ATOL, UNSEEDED, Reads, Twins
 from grader.labs.imu.recordings import torso_ids
 from grader.labs.imu.student import Student
 
@@ -63,13 +62,15 @@ class Sensor:
     @cached_property
     def noise(self) -> Reads:
         """The reads as if no bias drifted and no noise added up."""
-        if self.drifts:
-            return self.reads.paired
-        return self.reads.stepped if self.reads.accumulates else self.reads
+        return self.reads.paired if self.drifts or self.reads.accumulates else self.reads
 
     @cached_property
     def accumulates(self) -> bool:
         return self.reads.accumulates and not self.drifts
+
+    @cached_property
+    def law_is_off(self) -> bool:
+        return self.accumulates or self.noise.law_is_off
 
     @cached_property
     def obeys_zero(self) -> bool:
@@ -139,6 +140,7 @@ class _Questions:
         self.truth: Pair = scenario["acceleration"], scenario["angular_velocity"]
         self.stds = float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"])
         self.biases: Pair = scenario["accel_bias"], scenario["gyro_bias"]
+        self.other_biases = np.array(self.biases)[:, [2, 0, 1]] * np.array([1.5, -2.0, 3.0])
         self.exchanged = False
         """Whether each vector that comes is the other sensor's."""
 
@@ -152,16 +154,13 @@ class _Questions:
         biases = (np.zeros(3), np.zeros(3)) if given else None
         return _without_noise(lambda stds: self._student.noise(**self._place, reads=_MANY, stds=stds, biases=biases))
 
-    def default_bias(self) -> NoiseRun:
-        """Ask for reads of many instances that are given no bias, without noise."""
-        return _without_noise(lambda stds: self.default_bias_with_noise(stds, reads=3))
-
-    def default_bias_with_noise(self, stds: tuple[float, float], reads: int = _MANY) -> NoiseRun:
+    def default_bias(self, stds: tuple[float, float], reads: int) -> NoiseRun:
+        """Ask for reads of many instances that are given no bias."""
         return self._student.default_bias(**self._place, instances=_INSTANCES, reads=reads, stds=stds)
 
     def twins(self) -> NoiseRun:
         """Ask for the same arguments twice, then in another state, with another bias, and with larger noise, from one seed."""
-        biases = np.array(self.biases)
+        biases = self.biases
         return self._student.noise_twins(
             **self._place,
             reads=_TWINS,
@@ -169,10 +168,6 @@ class _Questions:
             biases=np.array([biases, biases, biases, self.other_biases, biases]),
             states=(0, 0, 1, 0, 0),
         )
-
-    @property
-    def other_biases(self) -> Array:
-        return np.asarray(np.array(self.biases)[:, [2, 0, 1]] * np.array([1.5, -2.0, 3.0]))
 
     def clean(self) -> Pair | None:
         """Ask the submission's own reader for both sensors in both states; None where it does not answer with numbers."""
@@ -230,17 +225,19 @@ def _usable(run: NoiseRun) -> None:
 def measure(student: Student, truth: Traces) -> Facts:
     """Ask for reads with and without noise, and for what tells two causes apart only where something is off."""
     ask = _Questions(student, truth)
-    disturbance: Array | None = None
+    failing: tuple[str, ...] = (*ALL, "leaves_simulation_alone")
+    disturbance = np.zeros(4)
     try:
         run, refused = _with_biases(ask.noisy)
         _usable(run)
-        disturbance = run.disturbance.max(axis=0, initial=0.0)
+        failing, disturbance = ALL, run.disturbance.max(axis=0, initial=0.0)
         ask.exchanged = refused is None and _are_exchanged(ask, run)
         clean = _clean_readings(ask, run)
         quiet, refused_quiet = _with_biases(ask.silent)
         _usable(quiet)
     except (Raised, Unusable) as stop:
-        return _nothing(stop, disturbance)
+        nothing = Reads(np.zeros((1, 1, 3)), np.zeros((1, 3)), 1.0, np.zeros(3))
+        return Facts((Sensor(nothing, nothing),) * 2, disturbance=disturbance, stopped=dict.fromkeys(failing, stop))
     stopped: dict[str, Exception] = {}
     if fault := refused or refused_quiet:
         stopped["given_bias"] = Raised(fault, "reading the noisy IMU with given biases")
@@ -249,7 +246,7 @@ def measure(student: Student, truth: Traces) -> Facts:
     follows = _follow(ask, reads, truth)
     defaults: Pair = _UNKNOWN, _UNKNOWN
     try:
-        defaults = _default_biases(ask, ask.default_bias(), clean)
+        defaults = _default_biases(ask, _without_noise(lambda stds: ask.default_bias(stds, reads=3)), clean)
         if any(np.abs(bias.mean(axis=1)).max() <= TRUTH_ATOL for bias in defaults):
             defaults = _unless_drawn_with_noise(ask, defaults, clean)
     except (Raised, Unusable) as stop:
@@ -269,15 +266,6 @@ def measure(student: Student, truth: Traces) -> Facts:
         departs=tuple(run.departs),
         stopped=stopped,
     )
-
-
-def _nothing(stop: Exception, disturbance: Array | None) -> Facts:
-    """Return facts where no whole vectors came: all that can be said is what a read changes."""
-    still = Reads(np.zeros((1, 1, 3)), np.zeros((1, 3)), 1.0, np.zeros(3))
-    stopped: dict[str, Exception] = dict.fromkeys(ALL, stop)
-    if disturbance is None:
-        return Facts((Sensor(still, still),) * 2, stopped={**stopped, "leaves_simulation_alone": stop})
-    return Facts((Sensor(still, still),) * 2, disturbance=disturbance, stopped=stopped)
 
 
 def _are_exchanged(ask: _Questions, run: NoiseRun) -> bool:
@@ -325,7 +313,7 @@ def _unless_drawn_with_noise(ask: _Questions, defaults: Pair, clean: Pair) -> Pa
 
     The means of many reads then vary between instances by more than noise of that standard deviation explains.
     """
-    means = [bias.mean(axis=1) for bias in _default_biases(ask, ask.default_bias_with_noise(ask.stds), clean)]
+    means = [bias.mean(axis=1) for bias in _default_biases(ask, ask.default_bias(ask.stds, _MANY), clean)]
     spreads = [float(np.sqrt(np.mean(np.var(mean, axis=0)))) for mean in means]
     most = [st.spread_bounds(mean.size, 3)[1] * std / np.sqrt(_MANY) for mean, std in zip(means, ask.stds, strict=True)]
     accel, gyro = (_UNKNOWN if s > m else b for s, m, b in zip(spreads, most, defaults, strict=True))

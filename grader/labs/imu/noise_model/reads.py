@@ -1,7 +1,7 @@
-"""Facts about one sensor's reads: mean and spread, the law of the noise, and what a read keeps of those before it.
+"""Facts about one sensor's reads: mean and spread, the law of the noise, what a read keeps of those before it, and twins.
 
-Reads are many of one `NoisyIMU` in one state after the other. Each sound sample passes each test but for a probability of
-`statistics.ALPHA`.
+Each sound sample passes each statistical test but for a probability of `statistics.ALPHA`. Twins are instances from one seed, with
+one parameter changed: everything else cancels in their difference.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from grader.labs.imu import statistics as st
-from grader.labs.imu.compare import Array
+from grader.labs.imu.compare import Array, same
 
 SIZE_TOLERANCE = 0.0
 """Share of the standard deviation by which noise may be too small or too large beyond what chance explains (`statistics.ALPHA`).
@@ -104,16 +104,10 @@ class Reads:
 
     @cached_property
     def bias_is_right(self) -> bool:
-        """Return whether truth plus bias is the mean, as far as noise that adds up or has one sign lets it be seen."""
-        if self.accumulates:
-            return bool(np.abs(self.residual[0, 0] - self.bias).max() <= 2 * st.Z * self.std)
+        """Return whether truth plus bias is the mean over all states, as far as chance and a rounding let it be seen."""
         states, reads, _ = self.residual.shape
-        gap, overall = np.abs(self.offset - self.bias), np.abs(self.offset.mean(axis=0) - self.bias)
-        sigma, exact = max(self.std, self.pooled_spread), TRUTH_ATOL + self.grain / 2
-        if self.still:  # one draw that is repeated, or none: the offset may be off by that draw
-            return bool(gap.max() <= st.Z * self.std + exact)
-        near = gap.max() <= st.mean_bound(reads, sigma) + exact
-        return self.one_signed or bool(near and overall.max() <= st.mean_bound(states * reads, sigma) + exact)
+        bound = st.mean_bound(states * reads, max(self.std, self.pooled_spread)) + TRUTH_ATOL + self.grain / 2
+        return bool(np.abs(self.offset.mean(axis=0) - self.bias).max() <= bound)
 
     @cached_property
     def size_is_right(self) -> bool:
@@ -149,11 +143,8 @@ class Reads:
     @cached_property
     def proportional(self) -> bool:
         """Return whether the spread goes with the size of the reading, over axes and states."""
-        size, spread = np.abs(self.truth).ravel(), self.spread.ravel()
-        if self.still or len(np.unique(size.round(6))) < 3:
-            return False
-        ratio = spread / size
-        return bool(ratio.std() < 0.1 * ratio.mean() and spread.std() > 0.2 * spread.mean())
+        ratio = self.spread / np.abs(self.truth)
+        return bool(ratio.std() < 0.1 * ratio.mean() and self.spread.std() > 0.2 * self.spread.mean())
 
     @cached_property
     def one_signed(self) -> bool:
@@ -208,19 +199,19 @@ class Reads:
     @cached_property
     def accumulates(self) -> bool:
         """Return whether each read carries the noise of the reads before: successive ones hardly differ from each other."""
-        least = min(float(st.autocorrelation(state, 1).min()) for state in self.centred)
-        return not self.stepped.still and least > 0.9
+        return not self.still and bool(min(st.autocorrelation(state, 1).min() for state in self.centred) > 0.9)
 
     @cached_property
     def memory(self) -> float:
         """The largest correlation of a read with one of the three before it, without its sign; 0 where it may be chance."""
-        all_ = [np.abs(st.autocorrelation(state, lag)).max() for state in self.centred for lag in (1, 2, 3)]
-        return float(max(all_)) if max(all_) > st.correlation_bound(self.residual.shape[1]) else 0.0
+        by_lag = [np.abs(st.autocorrelation(state, lag)).max() for state in self.centred for lag in (1, 2, 3)]
+        chance = self.still or max(by_lag) <= st.correlation_bound(self.residual.shape[1])
+        return 0.0 if chance else float(max(by_lag))
 
     @cached_property
     def law_is_off(self) -> bool:
         """Return whether the noise is not normal with zero mean, or a read depends on those before."""
-        return self.accumulates or self.memory > 0 or self.one_signed or self.clipped or not self.is_normal
+        return self.memory > 0 or self.one_signed or self.clipped or not self.is_normal
 
     @cached_property
     def drifts(self) -> bool:
@@ -240,13 +231,70 @@ class Reads:
         """Those differences in place of the reads: noise of the same size and law, and no drift."""
         return replace(self, residual=self.bias + self.pairs)
 
-    @cached_property
-    def stepped(self) -> Reads:
-        """What is new in each read in its place, of noise that adds up."""
-        return replace(self, residual=self.bias + self.increments)
-
 
 def _closest(values: Array) -> float:
     """Return the smallest distance between two different values; 1 if all are equal."""
     apart = np.diff(np.unique(values))
     return round(float(apart[apart > EXACT].min(initial=np.inf)), 15) if (apart > EXACT).any() else 1.0
+
+
+@dataclass(frozen=True)
+class Twins:
+    """Reads (reads, 3) of one sensor, each series from the same seed.
+
+    Attributes
+    ----------
+    base, again : twice with the same arguments; other : with a bias that is larger by `change` (3,); scaled : with a standard
+        deviation that is `factor` times as large
+    """
+
+    base: Array
+    again: Array
+    other: Array
+    scaled: Array
+    change: Array
+    factor: float
+
+    @cached_property
+    def seeded(self) -> bool:
+        """Return whether the same seed gives the same reads; where it does not, differences tell nothing."""
+        return same(self.base, self.again, EXACT)
+
+    @cached_property
+    def response(self) -> Array:
+        """(reads, 3) what the change of the bias did."""
+        return np.asarray(self.other - self.base)
+
+    def adds_bias(self, grain: float = 0.0) -> bool:
+        """Return whether every read is larger by just what the bias is larger by, to the precision that the reads have."""
+        return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL + grain)
+
+    def begins_with_bias(self) -> bool:
+        """Return whether the first read is, to a twentieth: all that can be asked of a bias that does not stay."""
+        return self.seeded and same(self.response[0], self.change, 0.05 * float(np.abs(self.change).max()))
+
+    def ignores_bias(self) -> bool:
+        return self.seeded and not np.abs(self.response).max() > TRUTH_ATOL
+
+    def noise_size(self) -> float:
+        """The standard deviation that was asked for first, told by what a larger one adds from read to read; 0 where it is not.
+
+        Whatever else moves is the same in both. 117 differences tell it to a tenth.
+        """
+        if not self.seeded:
+            return 0.0
+        added = np.diff(self.scaled - self.base, axis=0) / (self.factor - 1)
+        return float(np.sqrt(np.mean(added**2) / 2))
+
+    def scales(self) -> bool:
+        """Return whether most of what reads differ by from one to the next is `factor` times as large."""
+        if not self.seeded:
+            return False
+        wanted, came = self.factor * np.diff(self.base, axis=0), np.diff(self.scaled, axis=0)
+        differ, off = (float(np.median(np.abs(each).max(axis=1))) for each in (wanted, came - wanted))
+        return off <= TRUTH_ATOL < differ
+
+
+_NOTHING = np.full((1, 3), np.nan)
+UNSEEDED = Twins(_NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING[0], 1.0)
+"""Twins of which nothing is known."""
