@@ -87,7 +87,7 @@ class FakeMarker:
     isolation: IsolationLevel = LEVELS[0]
     pid: int = field(default_factory=os.getpid)
 
-    def mark(self, submission: Submission, *, only: str | None = None) -> Result:
+    def mark(self, submission: Submission, cpu_s: float | None = None, *, only: str | None = None) -> Result:
         with open(self.folder / "marked", "a", encoding="utf-8") as log:
             log.write(f"{submission.id} {self.pid}\n")
         if submission.id.startswith("kill") or (submission.id.startswith("once") and self._first(submission.id)):

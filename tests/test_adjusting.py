@@ -33,7 +33,7 @@ class ByWords:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def mark(self, submission: Submission, *, only: str | None = None) -> Result:
+    def mark(self, submission: Submission, cpu_s: float | None = None, *, only: str | None = None) -> Result:
         with open(self._folder / "marked", "a", encoding="utf-8") as log:
             log.write(f"{submission.id} 0\n")
         wanted = submission.files["filters.py"].decode().strip("# \n")

@@ -363,7 +363,7 @@ class Unwalled:
 
     def __exit__(self, *_: object) -> None: ...
 
-    def mark(self, submission: object, **_: object) -> Result:
+    def mark(self, submission: object, *_: object, **__: object) -> Result:
         return result()
 
 

@@ -44,24 +44,12 @@ ELSEWHERE = {
     "a picture in a folder of the desk": (_with(READER, "imu_data.png", "figures/lab 4/imu_data.png"), "visualization"),
     "a window that fills the screen": (_with(READER, PLOT, f"{PLOT}\n    {MANAGER}.window.state('zoomed')\n    {MANAGER}.resize(*{MANAGER}.window.maxsize())"), "visualization"),
     "a window somewhere": (_with(READER, PLOT, f"{PLOT}\n    {MANAGER}.window.setGeometry(1, 2, 3, 4)\n    {MANAGER}.frame.Maximize(True)"), "visualization"),
-    "pictures of the simulation": (
-        _with(
-            READER, "    # Reset simulation\n",
-            "    with mujoco.Renderer(model, 48, 64) as renderer:\n        renderer.update_scene(data, camera=-1)\n"
-            "        assert renderer.render().shape == (48, 64, 3)\n    mujoco.GLContext(64, 48).make_current()\n    # Reset simulation\n",
-        ),
-        "data_collection",
-    ),
     "a terminal, and Windows": (
         _with(
             READER, "    # Reset simulation\n",
             "    import os, msvcrt, winsound\n    print('-' * os.get_terminal_size().columns)\n    assert not msvcrt.kbhit()\n    winsound.Beep(440, 10)\n",
         ),
         "data_collection",
-    ),
-    "the picture shown by a program": (
-        _with(READER, "    plt.show()\n", "    plt.show()\n    import os, subprocess\n    os.startfile('imu_data.png')\n    subprocess.run(['open', 'imu_data.png'], check=True)\n"),
-        "visualization",
     ),
     "numbers in a folder of the desk": (_with(READER, SAVE, f"    np.savez('data/run.npz', **imu_data)\n{SAVE}"), "visualization"),
 }  # fmt: skip

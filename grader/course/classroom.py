@@ -493,7 +493,7 @@ class _Drawing:
     marker: Marking
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result:
-        result = self.marker.mark(submission) if cpu_s is None else self.marker.mark(submission, cpu_s)
+        result = self.marker.mark(submission, cpu_s)
         return replace(result, evidence=replace(result.evidence, figures=drawn(unpacked(result.evidence.charts))))
 
 

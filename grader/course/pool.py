@@ -320,7 +320,7 @@ def _open(open_marker: OpenMarker) -> int:
 def _mark(submission: Submission, cpu_s: float | None) -> Result:
     if _marker is None:
         raise RequestError("no marker could be opened")
-    return _marker.mark(submission) if cpu_s is None else _marker.mark(submission, cpu_s)
+    return _marker.mark(submission, cpu_s)
 
 
 def _close() -> None:

@@ -24,7 +24,7 @@ class Slot:
     ----------
     name : its promised name
     meaning : what a parameter that stands for it may be called in other words
-    passed : as it was promised, by ``position`` or by ``name``; an ``option`` is left out where no parameter takes it, and a
+    passed : as it was promised, by ``position``; an ``option`` is given by name, and left out where no parameter takes it, and a
         ``spare``, which is none of the promise, given where one asks for it
     replaces : types of a parameter's default in whose place a spare is given as well
     free : whether a function may depart in it
@@ -33,7 +33,7 @@ class Slot:
 
     name: str
     meaning: re.Pattern[str]
-    passed: Literal["position", "name", "option", "spare"] = "position"
+    passed: Literal["position", "option", "spare"] = "position"
     replaces: tuple[type, ...] = ()
     free: bool = False
     anywhere: bool = False
@@ -64,7 +64,7 @@ def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
     """Return how a function takes these arguments; as promised where it can, and where nothing else can be made out."""
     promised = Way(
         tuple(slot.name for slot in slots if slot.passed == "position"),
-        {slot.name: slot.name for slot in slots if slot.passed in ("name", "option")},
+        {slot.name: slot.name for slot in slots if slot.passed == "option"},
         as_promised=True,
     )
     try:
@@ -78,10 +78,9 @@ def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
     if any(p.default is p.empty and p.name not in claims for p in parameters):
         return promised
     leading = [p.name for p in parameters if p.kind is p.POSITIONAL_ONLY]
-    unknown = {slot.name: slot.name for slot in slots if slot.passed == "name" and slot not in claims.values()}
     return Way(
         tuple(claims[name].name for name in leading if name in claims),
-        unknown | {own: slot.name for own, slot in claims.items() if own not in leading},
+        {own: slot.name for own, slot in claims.items() if own not in leading},
         _departures(claims, slots),
     )
 
@@ -145,6 +144,6 @@ def _departures(claims: Mapping[str, Slot], slots: Sequence[Slot]) -> tuple[str,
     in_order = [slot for slot in promised if slot in taken]
     odd = [slot for slot in promised if slot not in taken]
     odd += [slot for slot, other in zip(in_order, taken, strict=True) if slot is not other]
-    odd += [slot for own, slot in claims.items() if slot.passed in ("name", "option") and own != slot.name]
+    odd += [slot for own, slot in claims.items() if slot.passed == "option" and own != slot.name]
     odd += [slot for slot in claims.values() if slot.passed == "spare"]
     return tuple(slot.name for slot in odd if not slot.free)

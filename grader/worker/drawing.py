@@ -19,7 +19,7 @@ import numpy as np
 
 _SIDE = 500.0  # pixels of the longer side of a witness: the sheet's figure at 50 dots an inch
 _FEWEST_DOTS, _MOST_DOTS = 12.0, 100.0  # an inch: with fewer, texts have no size
-_MOST_PIXELS = 4e6  # of a ribbon or a wall, before they are put together
+_MOST_PIXELS = 4e6  # of a ribbon or a wall
 _LONG_SIDE = 4000.0  # pixels of a picture that the submission reads back
 _HEADING, _SMALL_PRINT = 30.0, 20.0  # points
 _THIN, _SHORT = 2.5, 12.0  # points of a grid line's width and of a tick's length
@@ -85,25 +85,9 @@ def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
     if drawn[:, :, 3].min() < 255:
         opacity = drawn[:, :, 3:] / 255.0
         pixels = pixels * opacity + 255 * (1 - opacity)
-    step = -(-max(pixels.shape) // int(_SIDE))  # of a ribbon
+    step = -(-max(pixels.shape) // int(_SIDE))  # above 1 for a figure like a ribbon
     width, height = (float(size * dots / step) for size in figure.get_size_inches())
-    pixels = _put_together(pixels, step)
-    return Seen(
-        np.array(np.rint(pixels) if step > 1 or pixels.dtype != np.uint8 else pixels, np.uint8),
-        (width, height),
-        dots / step,
-    )
-
-
-def _put_together(pixels: np.ndarray, step: int) -> np.ndarray:
-    """The mean of each square of so many pixels; of fewer at the edges."""
-    height, width = (max(1, size // step) for size in pixels.shape[:2])
-    if step == 1:
-        return pixels
-    whole = pixels[-height * step :, : width * step]
-    down, across = (whole.shape[0] // height, whole.shape[1] // width)
-    mean: np.ndarray = whole.reshape(height, down, width, across, 3).mean(axis=(1, 3))
-    return mean
+    return Seen(np.array(np.rint(pixels[::step, ::step]), np.uint8), (width, height), dots / step)
 
 
 def _draw_small(figure: Any, renderer: Any) -> None:

@@ -21,8 +21,6 @@ _MAX_INPUTS = 100
 
 def import_libraries() -> None:
     """Import what every submission needs, pyplot's back end among it: pyplot would wait with that for the first figure."""
-    import pdb  # noqa: F401 - see `desktop_stubs`
-
     with contextlib.suppress(ImportError):
         import _ssl  # noqa: F401 - see `sources`
 

@@ -39,7 +39,7 @@ def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
         "ylabel": artist_facts.words(getattr(figure, "_supylabel", None), behind),
         "texts": texts[:_MAX_TEXTS],
         "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
-        "axes": [_axes(one, axes, packer) for one in axes],
+        "axes": [_axes(one, packer) for one in axes],
     }
 
 
@@ -50,7 +50,7 @@ def _subfigures(figure: Any) -> Iterator[Any]:
         yield from _subfigures(part)
 
 
-def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
+def _axes(axes: Any, packer: Packer) -> dict[str, Any]:
     from matplotlib.ticker import ScalarFormatter
 
     legend, behind = axes.get_legend(), axes.get_figure().get_facecolor()
@@ -64,7 +64,6 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         artist_facts.words(axis.label, behind) if axes.axison and axis.get_visible() else ""
         for axis in (axes.xaxis, axes.yaxis)
     )
-    shared = axes.get_shared_x_axes()
     return {
         "visible": bool(axes.get_visible()),
         "position": [round(_bounded(v), 4) for v in (box.x0, box.y0, box.x1, box.y1)],
@@ -76,8 +75,6 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "legend": _legends(axes, behind),
         "texts": [_placed(text) for text in axes.texts[:_MAX_TEXTS] if artist_facts.words(text, axes.get_facecolor())],
         "curves": _curves(axes, packer),
-        "images": len(axes.images),
-        "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
         "own_height": not axes.get_autoscaley_on(),
         "own_ticks": type(axes.xaxis.get_major_formatter()) is not ScalarFormatter,
         "x_limits": [_bounded(v) for v in axes.get_xlim()],

@@ -19,7 +19,6 @@ from typing import Any
 
 from . import (
     compiling,
-    desktop_stubs,
     drawing,
     environment,
     faults,
@@ -92,7 +91,6 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
         if STATE.standins and path in STATE.unreadable:
             del STATE.unreadable[path]  # this fault is reported elsewhere
             _run_what_parses(path, vars(module))
-        desktop_stubs.end_program()
     seen, arrays = recorder.RECORDER.take(STATE.folder)
     error = _unreadable(path) or next((e for e in STATE.stepper.noted if e["path"] == path), None)
     return seen | {"error": error, "stepped_over": STATE.stepper.noted}, arrays
@@ -107,8 +105,7 @@ def _main_module(path: str) -> types.ModuleType:
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """List the wanted names that each file or notebook defines at its top level, from its text; nothing is run."""
     del fields, arrays
-    code = sorted((p for p in STATE.paths if p.endswith((".py", ".ipynb"))), key=lambda p: (p.count("/"), p))
-    found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in code)
+    found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in STATE.code())
     return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}
 
 
@@ -176,8 +173,7 @@ class _PartnerFinder:
             return None
         if standins.of_module(name):
             return importlib.util.spec_from_loader(name, _MissingPartner(name, f"{name}.py"))
-        codes = sorted((p for p in STATE.paths if p.endswith((".py", ".ipynb"))), key=lambda p: (p.count("/"), p))
-        other = next((p for p in codes if any(STATE.homes.get(n) == name for n in compiling.defined(p))), None)
+        other = next((p for p in STATE.code() if any(STATE.homes.get(n) == name for n in compiling.defined(p))), None)
         return other and importlib.util.spec_from_loader(name, _UnderAnotherName(name, other))
 
 
@@ -232,9 +228,7 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
     if units is None:
         return False
     known = len(STATE.stepper.noted)
-    missing = _missing_imports(path, units, names)
-    _run_units(units, path, names, missing)
-    missing.at_end(names)
+    _run_units(units, path, names, _missing_imports(path, units, names))
     STATE.misspelled.setdefault(path, [*standins.put_right(path, units, names)])
     return len(STATE.stepper.noted) == known
 
@@ -262,12 +256,11 @@ def _unreadable(path: str) -> dict[str, Any] | None:
 
 def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], missing: MissingImports) -> None:
     wanted = STATE.lab_configuration.get("methods", ())
-    meant = dict(fuzzy_names.misspelled_methods([unit.node for unit in units], wanted))
 
     def after(node: ast.stmt) -> None:
         if isinstance(node, ast.ClassDef):
             known = STATE.misspelled_methods.setdefault(path.partition(":cell ")[0], {})
-            fuzzy_names.call_by_right_names(names.get(node.name), node.name, meant, known)
+            fuzzy_names.call_by_right_names(names.get(node.name), node.name, wanted, known)
         bound = [name for name in stepping.bound(node) if name in STATE.standins]
         names.update({name: standins.in_place_of(names.get(name), name) for name in bound})
         missing.after(node, names)
@@ -306,7 +299,6 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
     missing = _missing_imports(path, every, names)
     for name, units in cells.items():
         _run_units(units, name, names, missing)
-    missing.at_end(names)
     STATE.misspelled.setdefault(path, [*standins.put_right(path, every, names)])
 
 

@@ -7,9 +7,8 @@ nothing in the student's text is edited. The grader is told which names were sup
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from inspect import CO_COROUTINE
-from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from . import name_analysis, stepping
@@ -38,19 +37,18 @@ class MissingImports:
         wanted: Collection[str],
         find: Callable[[str], Any],
     ) -> None:
-        self._nodes, self._wanted, self._find = [unit.node for unit in units], wanted, find
-        in_code = {name for unit in units for name in _names(unit.code)}
-        imported = [node for node in self._nodes if not stepping.is_main_guard(node)]
-        at_top = {name for node in imported for name in (*stepping.bound(node), *name_analysis.imported(node))}
-        unsure = in_code.intersection(_BRING_NAMES) or any(unit.code.co_flags & CO_COROUTINE for unit in units)
-        missed = set() if unsure else name_analysis.used(self._nodes).intersection(in_code) - at_top
+        self._find = find
+        nodes = [unit.node for unit in units]
+        used, imported = name_analysis.used(nodes), {name for node in nodes for name in name_analysis.imported(node)}
+        missed = used.intersection([*libraries, *wanted]) - imported.union(*map(stepping.bound, nodes))
+        if used.intersection(_BRING_NAMES) or any(unit.code.co_flags & CO_COROUTINE for unit in units):
+            missed.clear()
+        if missed:  # few files miss anything, and to look for names at any depth takes long
+            missed -= {name for node in nodes for name in name_analysis.bound(node)}
         self._libraries, self._partners = sorted(missed & set(libraries)), sorted(missed & set(wanted))
-        from_others = {name for node in self._nodes for name in name_analysis.imported(node)}
-        self._renamed = sorted(from_others & set(wanted))
-        self._brought = sorted(set(libraries) & (in_code if "*" in from_others else from_others))
-        self._defined: dict[str, Any] = {}
-        definitions = [node for node in self._nodes if isinstance(node, stepping.DEFINITIONS)]
-        stars = [node for node in self._nodes if isinstance(node, ast.ImportFrom) and node.names[0].name == "*"]
+        self._renamed = sorted(imported & used & set(wanted))
+        definitions = [node for node in nodes if isinstance(node, stepping.DEFINITIONS)]
+        stars = [node for node in nodes if isinstance(node, ast.ImportFrom) and node.names[0].name == "*"]
         self._last_definition = definitions[-1] if definitions else None
         self._last_star = stars[-1] if stars else None
         self.supplied: list[str] = []
@@ -64,43 +62,14 @@ class MissingImports:
         """Supply what is due after this statement."""
         if node is self._last_star:
             self._supply(self._libraries, names)
-        if isinstance(node, stepping.DEFINITIONS) and node.name in self._wanted:
-            self._defined[node.name] = names.get(node.name)
         if node is self._last_definition:
             self._supply(self._partners, names)
-            self._supply([name for name in self._renamed if isinstance(names.get(name), stepping.NotThere)], names)
-
-    def at_end(self, names: dict[str, Any]) -> None:
-        """Restore libraries and definitions that the file's later lines bound to a value, such as ``plt = plt.figure()``."""
-        for name in [name for name in self._brought if not isinstance(names.get(name), ModuleType | stepping.NotThere)]:
-            if name in names and (library := self._find(name)) is not None:
-                names[name] = library
-                self.supplied.append(name)
-        for name, made in self._defined.items():
-            now = names.get(name)
-            if isinstance(made, type | FunctionType) and now is not made and not callable(now):
-                names[name] = made
-                self.supplied.append(name)
+            self._supply([name for name in self._renamed if name in names], names)
 
     def _supply(self, missed: Sequence[str], names: dict[str, Any]) -> None:
+        """Supply the names that are not there, or were imported from where they are not."""
         for name in missed:
-            if self._is_lacking(name, names) and (found := self._find(name)) is not None:
+            lacking = name not in names or isinstance(names[name], stepping.NotThere)
+            if lacking and (found := self._find(name)) is not None:
                 names[name] = found
                 self.supplied.append(name)
-
-    def _is_lacking(self, name: str, names: Mapping[str, Any]) -> bool:
-        """Return whether the file uses the name and binds it nowhere, or imports it from where it is not."""
-        if name in names:
-            return isinstance(names[name], stepping.NotThere) and name in name_analysis.used(self._nodes)
-        return name in name_analysis.used(self._nodes) and all(
-            name not in name_analysis.bound(node) for node in self._nodes
-        )
-
-
-def _names(code: CodeType) -> Iterator[str]:
-    """Yield the global names and attributes that code and its inner code use; variables of the code itself are left out."""
-    own = {*code.co_varnames, *code.co_cellvars, *code.co_freevars}
-    yield from (name for name in code.co_names if name not in own)
-    for const in code.co_consts:
-        if isinstance(const, CodeType):
-            yield from _names(const)

@@ -26,6 +26,11 @@ class _State:
         self.supplied: dict[str, list[str]] = {}
         self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda lab_configuration: {}
 
+    def code(self) -> list[str]:
+        """Return the files and notebooks with code, those nearest to the submission's folder first."""
+        code = (path for path in self.paths if path.endswith((".py", ".ipynb")))
+        return sorted(code, key=lambda path: (path.count("/"), path))
+
     def at_home_in(self, path: str) -> list[str]:
         """The wanted names that a file defines if anything does: those of its own, and those of files that were not handed in."""
         homes = {name: f"{home}.py" for name, home in self.homes.items()}

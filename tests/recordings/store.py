@@ -59,7 +59,7 @@ def _machine() -> str:
 
 def worker_files() -> list[Path]:
     """Return the modules that run beside student code: of the sandbox, of the worker and of the lab's questions."""
-    folders = (WORKER_CODE, LAB.folder / "box")
+    folders = (WORKER_CODE, LAB.folder / "worker")
     return [*map(Path, surroundings.code()), *(path for folder in folders for path in sorted(folder.rglob("*.py")))]
 
 
