@@ -1,6 +1,6 @@
 """Run the hostile corpus: ``python -m tests.hostile [--isolation LEVEL] [--family F] [--only NAME] [--write]``.
 
-Prints a line for each attack that fell, and a table of held and fell for each family and isolation level. Exit code 1 if one fell on a
+Prints a line for each attack that fell, and a table of held and fell for each family and isolation level. Exit code 1 if one fell on an
 isolation level that has walls; on the lowest isolation level falls are counted and listed, for nothing is promised there. With ``--write`` the
 results of this isolation level, user and family are written to docs/isolation.json.
 """
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     tables, fell = [], 0
     for tried in probe():
         isolation_level = tried.isolation_level.name
-        if options.isolation_level and isolation_level not in options.isolation_level:
+        if options.isolation and isolation_level not in options.isolation:
             continue
         if not tried.usable:
             print(f"{isolation_level}: not here: {tried.reason}")
