@@ -132,6 +132,7 @@ def _supplied(text: str) -> list[str]:
         elif unit.node.module == "brings_it":
             names["np"] = ModuleType("brought along")
         missing.after(unit.node, names)
+    missing.at_end(names)
     return missing.supplied
 
 
@@ -154,6 +155,10 @@ def _supplied(text: str) -> list[str]:
         ("def reader(): return json.loads('1')", []),  # no library of the sheet
         ("def reader(): return n\nif __name__ == '__main__':\n    n = 3", []),
         ("from __future__ import annotations\ndef reader(x: np) -> np:\n    y: np = x\n    return y", []),
+        ("class Filter: pass\nFilter = Filter()", ["Filter"]),
+        ("def reader(): return 1\ndel reader", ["reader"]),
+        ("class Filter: pass\nclass Filter(Filter): pass", []),
+        ("def reader(): return 1\nreader = len", []),
     ],
 )
 def test_what_a_file_uses_and_binds_nowhere_is_supplied(text: str, supplied: list[str]) -> None:

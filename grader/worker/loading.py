@@ -228,7 +228,9 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
     if units is None:
         return False
     known = len(STATE.stepper.noted)
-    _run_units(units, path, names, _missing_imports(path, units, names))
+    missing = _missing_imports(path, units, names)
+    _run_units(units, path, names, missing)
+    missing.at_end(names)
     STATE.misspelled.setdefault(path, [*standins.put_right(path, units, names)])
     return len(STATE.stepper.noted) == known
 
@@ -299,6 +301,7 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
     missing = _missing_imports(path, every, names)
     for name, units in cells.items():
         _run_units(units, name, names, missing)
+    missing.at_end(names)
     STATE.misspelled.setdefault(path, [*standins.put_right(path, every, names)])
 
 

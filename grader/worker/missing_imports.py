@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Collection, Sequence
 from inspect import CO_COROUTINE
+from types import FunctionType
 from typing import Any
 
 from . import name_analysis, stepping
@@ -37,7 +38,8 @@ class MissingImports:
         wanted: Collection[str],
         find: Callable[[str], Any],
     ) -> None:
-        self._find = find
+        self._wanted, self._find = wanted, find
+        self._defined: dict[str, Any] = {}
         nodes = [unit.node for unit in units]
         used, imported = name_analysis.used(nodes), {name for node in nodes for name in name_analysis.imported(node)}
         missed = used.intersection([*libraries, *wanted]) - imported.union(*map(stepping.bound, nodes))
@@ -62,9 +64,18 @@ class MissingImports:
         """Supply what is due after this statement."""
         if node is self._last_star:
             self._supply(self._libraries, names)
+        if isinstance(node, stepping.DEFINITIONS) and node.name in self._wanted:
+            self._defined[node.name] = names.get(node.name)
         if node is self._last_definition:
             self._supply(self._partners, names)
             self._supply([name for name in self._renamed if name in names], names)
+
+    def at_end(self, names: dict[str, Any]) -> None:
+        """Restore wanted definitions that later lines deleted, or replaced by what nobody can call."""
+        for name, made in self._defined.items():
+            if isinstance(made, type | FunctionType) and not callable(names.get(name)):
+                names[name] = made
+                self.supplied.append(name)
 
     def _supply(self, missed: Sequence[str], names: dict[str, Any]) -> None:
         """Supply the names that are not there, or were imported from where they are not."""
