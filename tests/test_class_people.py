@@ -11,6 +11,7 @@ import pytest
 
 from tests.class_commands import Run, commands, hand_in
 from tests.corpus.writing import zipped
+from tests.desk import desk_over, words
 
 GITHUB_ROSTER = '"identifier","github_username","github_id","name"\n"s1001","jdoe-gh","9001","Jane Doe"\n"s1002","rroe42","9002",""\n"s1003","","",""\n'
 """What GitHub Classroom downloads as `classroom_roster.csv`."""
@@ -142,7 +143,11 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
         ("Bob Roe", "A", "", "empty"),
         ("Cy Moe", "B", "", "no submission"),
     ]
-    assert "No submission: Cy Moe cy" in Path("out/index.html").read_text()
+    assert "Cy Moe B – – – – – – no submission" in words(Path("out/index.html").read_text(encoding="utf-8"))
+    with desk_over(Path("out").absolute()) as desk:
+        page = words(desk.get("/class?find=Cy").text)
+        assert "Bob Roe bob A – – empty 1 Cy Moe B – – no submission" in page
+        assert "no submission (1)" in page
     code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")
     assert (code, err) == (
         0,
@@ -164,3 +169,11 @@ def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:
     code, _, err = run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")
     assert code == 0
     assert "imugrade: roster.csv:2: Jane Doe not doejane_101 (doejane): canvas number 103 and 101\n" in err
+
+
+def test_the_class_page_sorts_names_by_their_letters_without_accents(run: Run) -> None:
+    hand_in(Path("class"), a=1, b=1)
+    Path("roster.csv").write_text("id,name\na,Zoë W\nb,Łukasz A\nc,Ødegård X\nd,Max Y\n", encoding="utf-8")
+    assert run("grade", "class", "-o", "out", "--roster", "roster.csv")[0] == 0
+    page = words(Path("out/index.html").read_text(encoding="utf-8")).partition("Status Łukasz")[2]
+    assert sorted(("Zoë", "Max", "Ødegård"), key=page.index) == ["Max", "Ødegård", "Zoë"]

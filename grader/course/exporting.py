@@ -17,7 +17,6 @@ from grader.course.record import Store
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory
 from grader.platforms.filled import directory
-from grader.platforms.gradebook import NO_SUBMISSION
 from grader.platforms.platform import Fill, Platform
 from grader.report import words
 
@@ -169,7 +168,7 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
             why = empty if final_grade.unseen else "not judged, through a fault of the grader"
             yield f"{words.distinct(final_grade)}: {why}"
     for name in words.absentees(absent, (each.hand_in for each in final_grades.values())):
-        yield f"{name}: {NO_SUBMISSION}"
+        yield f"{name}: {words.NO_SUBMISSION}"
 
 
 def _filled(

@@ -9,6 +9,7 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
+from grader.course import class_settings
 from grader.desk import review_queue as queue_of
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
@@ -43,17 +44,17 @@ def review_queue(book: Classbook, ask: Ask) -> Response:
 
 def class_page(book: Classbook, ask: Ask) -> Response:
     waiting = Counter(id_ for each in queue(book) if each.tick is None for id_ in each.ids)
-    everybody = sorted(book.final_grades().values(), key=lambda each: (overview.by_name(each.name), each.id))
+    everybody = book.final_grades().values()
+    absent = class_settings.absent(book.store.settings(), {each.id: each.hand_in for each in everybody})
     results = [each.result for each in everybody]
     top = max((result.max_score for result in results), default=100.0)
-    rows = [(each, overview.entry(each, (), top)) for each in everybody]
-    entries = [entry for _, entry in rows]
+    entries = overview.entries(everybody, absent, (), top)
     checks = overview.checks(results, overview.columns(results))
     return framed(
         book,
         ask,
         "class.html.j2",
-        rows=rows,
+        entries=entries,
         waiting=waiting,
         find=printable(ask.text("find"), 200),
         filters=overview.filters(entries, overview.mistakes(everybody), checks),

@@ -12,7 +12,6 @@ from grader.people.final_grade import FinalGrade, Person
 from grader.platforms.platform import Help, Platform
 from grader.report import words
 
-NO_SUBMISSION = "no submission"
 Cell = Callable[[FinalGrade], str]
 
 
@@ -47,7 +46,7 @@ def _written(columns: Mapping[str, Cell], final_grades: Mapping[str, FinalGrade]
     table.writerows([cell(final_grade) for cell in columns.values()] for final_grade in final_grades.values())
     names = words.absentees(absent, (each.hand_in for each in final_grades.values()))
     for person, name in zip(absent, names, strict=True):
-        known = {"name": _text(name), "section": _text(person.section), "status": NO_SUBMISSION}
+        known = {"name": _text(name), "section": _text(person.section), "status": words.NO_SUBMISSION}
         table.writerow([known.get(column, "") for column in columns])
     return text.getvalue()
 

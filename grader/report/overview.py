@@ -7,13 +7,13 @@ import re
 import statistics
 import unicodedata
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from urllib.parse import quote
 
 from grader.base.text import printable
 from grader.engine.results import Result
-from grader.people.final_grade import FinalGrade, graded
+from grader.people.final_grade import FinalGrade, Person, graded
 from grader.report import words
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
@@ -40,8 +40,9 @@ class Cell:
 
 @dataclass(frozen=True)
 class Entry:
-    """One row of the class table; `tags` are the filters that it matches."""
+    """One row of the class table; `tags` are the filters that it matches, and `id` is "" without a submission."""
 
+    id: str
     name: str
     section: str
     href: str
@@ -123,6 +124,10 @@ class Timing:
     isolation: tuple[tuple[str, int], ...]
 
 
+_PLAIN = str.maketrans({"ł": "l", "ø": "o", "đ": "d", "ı": "i", "æ": "ae", "œ": "oe", "ð": "d", "þ": "th"})
+"""Letters that Unicode does not decompose into a base letter and an accent, and where they are sorted."""
+
+
 def href(id_: str) -> str:
     return f"submissions/{quote(id_)}/report.html"
 
@@ -140,12 +145,43 @@ def columns(results: Iterable[Result]) -> dict[str, str]:
     return titles
 
 
-def entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry:
-    """Return a row of the class table; `top` is the maximum score."""
+def entries(
+    final_grades: Iterable[FinalGrade], absent: Sequence[Person], criteria: Collection[str], top: float
+) -> list[Entry]:
+    """Return the rows of the class table, sorted by name: submissions, and people of the roster without one.
+
+    `top` is the maximum score.
+    """
+    known = list(final_grades)
+    names = words.absentees(absent, (each.hand_in for each in known))
+    rows = [_nobody(name, person, criteria) for name, person in zip(names, absent, strict=True)]
+    rows += [_entry(each, criteria, top) for each in known]
+    return sorted(rows, key=lambda each: (by_name(each.name), each.id))
+
+
+def _nobody(name: str, person: Person, criteria: Collection[str]) -> Entry:
+    blank = _cell(None)
+    return Entry(
+        id="",
+        name=printable(name, words.NAME_LIMIT),
+        section=printable(person.section, 80),
+        href="",
+        criteria=(blank,) * len(criteria),
+        score=blank,
+        bonus=blank,
+        late=Cell("", -1.0),
+        final=blank,
+        status=words.NO_SUBMISSION,
+        tags=(f"status:{words.NO_SUBMISSION}",),
+    )
+
+
+def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry:
     result, late = final_grade.result, final_grade.late
     points = {criterion.id: final_grade.points(criterion) for criterion in result.criteria}
     score = None if result.status == "incomplete" or final_grade.unseen else result.score
     return Entry(
+        id=final_grade.id,
         name=words.distinct(final_grade),
         section=printable(final_grade.section, 80),
         href=href(final_grade.id),
@@ -194,7 +230,8 @@ def deducting(result: Result) -> list[str]:
 
 def by_name(name: str) -> list[tuple[str, int]]:
     """Return the sort key of a name: without case and accents, and with numbers by their value."""
-    plain = "".join(c for c in unicodedata.normalize("NFKD", name.casefold()) if not unicodedata.combining(c))
+    plain = unicodedata.normalize("NFKD", name.casefold().translate(_PLAIN))
+    plain = "".join(char for char in plain if not unicodedata.combining(char))
     return [(text, int(digits or 0)) for text, digits in re.findall(r"([^0-9]*)([0-9]*)", plain)]
 
 

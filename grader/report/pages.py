@@ -212,8 +212,7 @@ def index_page(
     results = [final_grade.result for final_grade in final_grades.values()]
     grades = graded(final_grades.values())
     columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
-    named = sorted(final_grades.values(), key=lambda each: (overview.by_name(each.name), each.id))
-    entries = [overview.entry(final_grade, columns, top) for final_grade in named]
+    entries = overview.entries(final_grades.values(), absent, columns, top)
     mistakes = overview.mistakes(final_grades.values())
     checks = overview.checks(results, columns)
     return _page(
@@ -239,7 +238,6 @@ def index_page(
         mixtures=overview.mixtures(results),
         attention=[words.distinct(each) for each in final_grades.values() if each.result.status == "incomplete"],
         outdated=[words.distinct(each) for each in final_grades.values() if each.outdated()],
-        absent=[printable(" ".join(filter(None, (each.name, each.sid or each.key))), 200) for each in absent],
     )
 
 

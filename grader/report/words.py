@@ -157,6 +157,10 @@ def distinct(final_grade: FinalGrade) -> str:
     return f"{name} ({printable(final_grade.id, 80)})" if final_grade.namesake and name != final_grade.id else name
 
 
+NO_SUBMISSION = "no submission"
+"""Status of a person of the roster who has not submitted."""
+
+
 def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]:
     """Return the names of people without a submission, each with an identifier if another person of the class has the name."""
     listed = [person.name for person in absent]

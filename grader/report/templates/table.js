@@ -108,7 +108,7 @@ function restore(state) {
 document.addEventListener("click", (event) => {
   if (!event.target.closest('a[href^="submissions/"]')) return;
   const rows = Array.from(submissions.tBodies[0].rows).filter((row) => !row.hidden);
-  const reports = rows.map((row) => row.querySelector("a").href);
+  const reports = rows.map((row) => row.querySelector("a")).filter(Boolean).map((link) => link.href);
   try {
     sessionStorage.setItem("imugrade", JSON.stringify({ index: location.href.split("#")[0], reports }));
   } catch {
