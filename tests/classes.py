@@ -1,4 +1,4 @@
-"""One class in the shape of each platform, and what each platform makes of the upload: ``python -m tests.classes [N] [SHAPE …]``.
+"""One class in the shape of each platform, and what each platform makes of the upload.
 
 The importers follow the rules of the platforms' own sources (canvas-lms `gradebook_importer.rb` and `content_zipper.rb`, Moodle's
 `importgradeslib.php` and `importziplib.php`), not our exporters.
@@ -6,16 +6,9 @@ The importers follow the rules of the platforms' own sources (canvas-lms `gradeb
 
 from __future__ import annotations
 
-import argparse
 import csv
 import io
-import json
 import re
-import resource
-import subprocess
-import sys
-import tempfile
-import time
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -377,46 +370,3 @@ def marks_from(
         for row in csv.DictReader(io.StringIO(made.read_text(encoding="utf-8")))
     }
     return {s.sid: float(totals[s.login]) for s in students}
-
-
-# ---- by hand ----
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("count", nargs="?", type=int, default=300)
-    parser.add_argument("shapes", nargs="*", default=list(SHAPES))
-    parser.add_argument("--full", action="store_true", help="whole submissions only, as a real class has them")
-    arguments = parser.parse_args()
-    kinds = [tidy()] if arguments.full else None
-    students = a_class(arguments.count, kinds)
-    marks: dict[str, dict[str, float | None]] = {}
-    with tempfile.TemporaryDirectory() as scratch:
-        for shape in arguments.shapes:
-            out = Path(scratch) / f"out-{shape}"
-            path = SHAPES[shape](students, Path(scratch) / shape)
-            begun = time.perf_counter()
-            _imugrade("grade", path, "-o", out)
-            graded = time.perf_counter()
-            marks[shape] = marks_from(shape, students, out, _imugrade)
-            exported = time.perf_counter()
-            _imugrade("grade", path, "-o", out)
-            again = time.perf_counter() - exported
-            spread = sorted({m for m in marks[shape].values() if m is not None})
-            print(json.dumps({
-                "shape": shape, "students": len(students), "grade_s": round(graded - begun, 1),
-                "export_s": round(exported - graded, 2), "grade_again_s": round(again, 1), "marks": spread,
-                "same": marks[shape] == next(iter(marks.values())),
-            }), flush=True)  # fmt: skip
-    print(f"CPU of all: {resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime:.0f} s")
-    if any(each != next(iter(marks.values())) for each in marks.values()):
-        sys.exit("the marks differ between shapes")
-
-
-def _imugrade(*arguments: object) -> None:
-    command = [sys.executable, "-m", "grader", *map(str, arguments)]
-    subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-
-if __name__ == "__main__":
-    main()

@@ -45,7 +45,7 @@ SLOW = (
     "test_drawing", "test_exports", "test_extensions", "test_first_screen", "test_handed_in", "test_kit", "test_marking", "test_module_level",
     "test_namesakes", "test_nonsense", "test_not_running", "test_not_understood", "test_odd_data", "test_opening", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_relative_paths", "test_remarking", "test_repairs",
-    "test_repair_suggestions", "test_repeatable", "test_replays", "test_repro", "test_savings", "test_secret_words", "test_session", "test_sight",
+    "test_repair_suggestions", "test_repeatable", "test_replays", "test_repro", "test_savings", "test_secret_words", "test_sight",
     "test_stepping", "test_traces", "test_unforeseen_noise_filter", "test_unforeseen_plots", "test_unforeseen_reader_collect", "test_variants",
     "test_wall_time", "test_withheld",
 )  # fmt: skip

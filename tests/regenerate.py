@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from tests import examples, session
+from tests import examples
 from tests.judging import made
 from tests.recordings import losses
 
@@ -18,7 +18,6 @@ ROOT = Path(__file__).parents[1]
 GENERATED: dict[Path, Callable[[], str]] = {
     made.WORDS: made.all_words,
     losses.FILE: losses.all_losses,
-    session.RECORD: session.replayed,
     examples.TABLE: examples.table,
 }
 

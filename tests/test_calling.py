@@ -140,25 +140,17 @@ def _supplied(text: str) -> list[str]:
     ("text", "supplied"),
     [
         ("def reader(): return np", ["np"]),
-        ("def helper(): return np", ["np"]),
-        ("x = np\ndef reader(): pass", ["np"]),
         ("from a import *\ndef reader(): return np", ["np"]),
         ("from brings_it import *\ndef reader(): return np", []),
         ("np = 1\ndef reader(): return np", []),
-        ("def reader(np): return np", []),
-        ("def reader():\n    global np\n    np = 1", []),
         ("def reader():\n    import numpy as np\n    return np", []),
-        ("def reader(x): return x.np", []),
         ("exec('np = 1')\ndef reader(): return np", []),
         ("class Filter:\n    def update(self): return reader()", ["reader"]),
         ("class Filter:\n    def update(self): return nobody()", []),
-        ("def reader(): return json.loads('1')", []),  # no library of the sheet
         ("def reader(): return n\nif __name__ == '__main__':\n    n = 3", []),
-        ("from __future__ import annotations\ndef reader(x: np) -> np:\n    y: np = x\n    return y", []),
         ("class Filter: pass\nFilter = Filter()", ["Filter"]),
         ("def reader(): return 1\ndel reader", ["reader"]),
         ("class Filter: pass\nclass Filter(Filter): pass", []),
-        ("def reader(): return 1\nreader = len", []),
     ],
 )
 def test_what_a_file_uses_and_binds_nowhere_is_supplied(text: str, supplied: list[str]) -> None:
@@ -171,15 +163,9 @@ def test_what_a_file_uses_and_binds_nowhere_is_supplied(text: str, supplied: lis
         ("class LowpassFilter: pass", [("LowPassFilter", "LowpassFilter")]),
         ("class low_pass_filter: pass", [("LowPassFilter", "low_pass_filter")]),
         ("class LowPassFiltr: pass", [("LowPassFilter", "LowPassFiltr")]),
-        ("class LowPassFiltre: pass", [("LowPassFilter", "LowPassFiltre")]),
-        ("class lowpass_filters: pass", [("LowPassFilter", "lowpass_filters")]),
-        ("class LowPassFiler: pass", [("LowPassFilter", "LowPassFiler")]),
         ("class LowPassFiltrs: pass", []),
-        ("class LowPass: pass", []),
-        ("class EMAFilter: pass", []),
         ("def low_pass_filter(x): pass", []),
         ("class LowpassFilter: pass\nclass LowPassFilter: pass", []),
-        ("class LowpassFilter: pass\nclass LowPassFilters: pass", []),
     ],
 )
 def test_one_definition_a_letter_away_is_the_required_one(text: str, found: list[tuple[str, str]]) -> None:
@@ -197,13 +183,10 @@ def _method(name: str) -> str:
     ("text", "meant"),
     [
         (CLASS + _method("Update"), "Update"),
-        (CLASS + _method("up_date"), "up_date"),
         (CLASS + _method("updat"), "updat"),
         ("class Base:\n" + _method("udpate") + CLASS.replace(":", "(Base):", 1), "udpate"),
         (CLASS + _method("updates") + _method("Update"), None),
-        (CLASS + _method("update") + _method("Update"), None),
         (CLASS + _method("process"), None),
-        (CLASS + _method("__call__"), None),
         (CLASS.replace("LowPassFilter", "Filter") + _method("Update"), None),
     ],
 )

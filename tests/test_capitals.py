@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from grader.intake import read_submission
-from grader.labs.imu.lab import LAB
 from tests.examples import FOLDER
 
 NOTE = "Read under a name in small letters, as Python needs it: "
@@ -57,18 +55,3 @@ def test_a_folder_of_files_in_capitals_is_one_submission(graded: Path) -> None:
     command = [sys.executable, "-m", "grader", "grade", "class/capitals", "-o", "one", "--list"]
     done = subprocess.run(command, cwd=graded, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout.split()[0]) == (0, "capitals")
-
-
-def test_a_file_in_capitals_does_not_replace_one_in_small_letters(tmp_path: Path) -> None:
-    for name, text in {
-        "filters.py": "a = 1",
-        "filters.PY": "a = 2",
-        "deep/HELPERS.Py": "a = 3",
-        "IMU_DATA.PNG": "",
-    }.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
-    read = read_submission(tmp_path, LAB.files)
-    assert read.files["filters.py"] == b"a = 1"
-    assert {"deep/helpers.py", "imu_data.png"} <= read.files.keys()
-    assert f"{NOTE}IMU_DATA.PNG, deep/HELPERS.Py." in read.notes

@@ -136,12 +136,6 @@ def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
     assert _short(found["part.a"]) == (0.0, "cheap")
 
 
-def test_a_reason_that_cannot_compute_with_the_numbers_is_none() -> None:
-    stumbling = Reason[Facts]("a", 0, "cheap", lambda _: bool(1 / 0))
-    part = Part(LAB, "part", lambda student, truth: Facts(), (stumbling,), {}, dict(PART.checks))
-    assert _short(part.judge(Facts("a"), ROWS)["part.a"]) == (0.0, "part.a")
-
-
 def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_size_alone() -> None:
     found = Charged(PART.judge(Facts("a", "cheap"), ROWS)["part.a"])  # type: ignore[arg-type]
     public, hidden = feedback.told(found, None, ROWS), hidden_feedback.told(found, ROWS)
@@ -153,11 +147,6 @@ def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_s
     )  # fmt: skip
 
 
-def test_a_row_without_an_explanation_has_no_public_name() -> None:
-    found = Charged(PART.judge(Facts("b", "precise"), ROWS)["part.b"])  # type: ignore[arg-type]
-    assert (feedback.told(found, None, ROWS).mistakes, feedback.told(found, None, ROWS).hint) == ((), "do not precise")
-
-
 def test_a_check_that_is_not_charged_says_where_the_fault_is_told() -> None:
     charges = PART.judge(Facts("a b c", "cheap nothing-there"), ROWS) | PART.judge(Facts("a b", "cheap"), ROWS)
     told = {
@@ -166,12 +155,3 @@ def test_a_check_that_is_not_charged_says_where_the_fault_is_told() -> None:
     assert told["part.b"].said == "No further deduction: the same fault was deducted under “A holds”."
     taken = PART.judge(Facts("c", "nothing-there"), ROWS)["part.a"]
     assert feedback.told(Charged(taken), None, ROWS).said == "Not graded until “C holds” is fixed."  # type: ignore[arg-type]
-
-
-def test_a_criterion_may_name_a_fault_at_each_check_that_it_lowers() -> None:
-    part: Part[Facts] = Part(LAB, "part", PART.measure, PART.reasons, {}, dict(PART.checks), only_names=True)
-    charges = part.judge(Facts("a b", "cheap"), ROWS)
-    assert {name: (each.keeps, each.found[0][0]) for name, each in charges.items() if isinstance(each, Charge)} == {
-        "part.a": (0.0, "cheap"),
-        "part.b": (0.5, "cheap"),
-    }

@@ -22,7 +22,7 @@ from grader.labs.imu import bundles
 from grader.sandbox.isolation_levels import LEVELS, UNWALLED
 from grader.sandbox.level_choice import Tried
 from grader.sandbox.one_copy import Search
-from tests.made_up import FakeMarker, check, fake_marker, lost, no_marker, result
+from tests.made_up import FakeMarker, check, fake_marker, lost, result
 
 ROOT = Path(__file__).parent.parent
 Run = Callable[..., tuple[int, str, str]]
@@ -235,15 +235,6 @@ def test_a_watching_check_says_at_once_that_it_checks_and_is_ended_by_an_interru
     assert [line for line in lines if "Score" in line] == ["   Score  0 / 6", "   Score  20 / 20"]
 
 
-def test_a_shell_gets_its_completions_with_exit_code_0() -> None:
-    asked = {"COMP_WORDS": "imugrade check --only nois", "COMP_CWORD": "3", "_IMUGRADE_COMPLETE": "complete_bash"}
-    done = subprocess.run(
-        [sys.executable, "-c", "import sys; from grader import cli; sys.exit(cli.main([]))"],
-        capture_output=True, text=True, check=False, cwd=ROOT, env={**os.environ, **asked},
-    )  # fmt: skip
-    assert (done.returncode, done.stdout.strip()) == (0, "noise_model")
-
-
 # --- grade ------------------------------------------------------------------------------------------------------------
 
 
@@ -330,25 +321,6 @@ def test_results_do_not_go_where_the_submissions_are(
     code, told, err = run("grade", students, "-o", students / out)
     assert (code, told, marker.marked()) == (2, "", [])
     assert err == f"imugrade: -o {students / out}: is one of the submissions; choose another folder for the results\n"
-
-
-def test_what_cannot_be_placed_is_told_and_costs_nothing(
-    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
-) -> None:
-    (students / "notes.txt").write_text("?")
-    code, told, _ = run("grade", students, "-o", tmp_path / "out")
-    assert code == 0
-    assert f"Not placed: {students}/notes.txt: not a folder" in told
-
-
-def test_a_marker_that_cannot_be_opened_ends_the_run_and_keeps_the_record(
-    run: Run, students: Path, tmp_path: Path, marker: FakeMarker, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run("grade", students, "-o", tmp_path / "out", "--only", "alice")
-    monkeypatch.setattr(classroom, "opener", lambda order: partial(no_marker, tmp_path))
-    code, _, err = run("grade", students, "-o", tmp_path / "out")
-    assert (code, err) == (2, f"imugrade: no marker for {tmp_path.name}\n")
-    assert (tmp_path / "out" / "gradebook.csv").read_text().startswith("id,name,sensor_access,total,status\nalice,")
 
 
 class Unwalled:
@@ -458,14 +430,6 @@ def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeyp
     assert "✗ hidden code in the sandbox can open 2 grader files; the first is /lib/a/filters.py" in told
 
 
-def test_doctor_says_what_no_isolation_means(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "grader.commands.machine.probe", lambda: [Tried(LEVELS[0], False, "not Linux"), Tried(UNWALLED, True, "")]
-    )
-    told = " ".join(run("doctor")[1].split())
-    assert "✗ in use no isolation: fine for your own code; `grade` needs --trust-submissions" in told
-
-
 def test_doctor_records_from_a_throw_away_secret_and_keeps_nothing(
     run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -483,15 +447,6 @@ def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:
     for scenario in bundles.shipped().scenarios:
         assert f"\n{scenario}: " in out
     assert "\n  time 1500\n" in out
-
-
-def test_traces_plot_draws_the_motions(run: Run, tmp_path: Path) -> None:
-    code, out, _ = run("traces", "plot", "-o", tmp_path)
-    assert code == 0
-    drawn = sorted(path.name for path in tmp_path.iterdir())
-    assert sorted(Path(line).name for line in out.splitlines()) == drawn
-    assert {"public_standing.png", "public_push.png"} <= set(drawn)
-    assert all(path.read_bytes().startswith(b"\x89PNG") for path in tmp_path.iterdir())
 
 
 def test_a_written_bundle_is_the_one_in_use_and_private(run: Run, tmp_path: Path) -> None:

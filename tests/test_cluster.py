@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 import threading
@@ -25,7 +24,6 @@ from grader.course.record import Store
 from grader.engine import rubric
 from grader.engine.chart_data import Evidence
 from grader.engine.results import Result
-from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.durability import hand_in, recorded, results
@@ -219,20 +217,6 @@ def test_every_submission_is_marked_once_and_every_marker_closed(site: Site, tmp
     assert {path.name for path in tmp_path.glob("closed-*")} == {f"closed-{pid}" for pid in marked_by}
 
 
-def test_no_more_submissions_are_in_memory_than_there_are_workers(site: Site, tmp_path: Path) -> None:
-    site.staff(2)
-    taken: list[str] = []
-
-    def reading() -> Iterator[Submission]:
-        for number in range(8):
-            taken.append(f"s{number}")
-            yield submission(taken[-1])
-
-    run = cluster.mark_all(reading(), partial(fake_marker, tmp_path), site.address, Bounds())
-    for done, _ in enumerate(run):
-        assert len(taken) <= done + 2
-
-
 def test_a_submission_that_kills_two_markers_is_handed_back_and_no_worker_is_lost(site: Site, tmp_path: Path) -> None:
     pids = site.staff(2)
     outcomes = grade(site, tmp_path, "a", "kill", "b", "c")
@@ -294,17 +278,6 @@ def test_an_address_where_no_scheduler_is_is_refused(
     assert refusal(address).startswith(f"--cluster {address}: no Dask scheduler answers there ({reason}")
 
 
-def test_an_address_where_something_else_is_is_refused(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 0.5)
-    with socket.create_server(("127.0.0.1", 0)) as silent:
-        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        assert refusal(address).endswith("no Dask scheduler answers there (nothing came within 0.5 s)")
-    site.staff(1)
-    with site.client() as client:
-        (worker,) = client.nthreads()
-    assert refusal(worker).endswith("no Dask scheduler answers there (it is a Worker)")
-
-
 def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert refusal("tcp://127.0.0.1:1") == "--cluster needs Dask; install it with: pip install 'imugrade[cluster]'"
@@ -324,17 +297,6 @@ def lost(site: Site, folder: Path, victim: int) -> str:
     with pytest.raises(GraderError) as told:
         grade(site, folder, "wait")
     return str(told.value)
-
-
-def test_a_cluster_that_loses_its_last_worker_is_given_up_in_time(
-    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(cluster, "LOOK_EVERY_S", 0.2)
-    monkeypatch.setattr(cluster, "PATIENCE_S", 1.0)
-    (pid,) = site.staff(1)
-    assert lost(site, tmp_path, pid) == (
-        f"the cluster at {site.address} has had no worker for 1 s; start some, then give the same command again"
-    )
 
 
 def test_a_scheduler_that_goes_away_ends_the_run(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

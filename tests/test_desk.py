@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import sqlite3
 import sys
-import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -185,16 +183,6 @@ def test_a_wish_that_cannot_be_met_is_said_and_not_recorded(
     assert desk.book.on_thread(desk.book.store.history) == []
 
 
-def test_a_regrade_request_that_is_refused_keeps_what_was_typed_and_people_are_picked(desk: Desk) -> None:
-    page = desk.get("/regrade-requests").text
-    assert '<option value="bob">Bob Bird</option>' in page
-    answer = desk.post("/regrade-requests", {"text": "Please <i>look</i>", "who": "", "about": ADDRESS})
-    assert answer.status == 400
-    assert 'id="error-who">Choose a student.' in answer.text
-    assert "Please &lt;i&gt;look&lt;/i&gt;</textarea>" in answer.text
-    assert f"<option selected>{ADDRESS}</option>" in answer.text
-
-
 # ---- export ----
 
 
@@ -208,20 +196,6 @@ def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: 
     assert (answer.status, answer.headers["content-type"]) == (200, "application/zip")
 
 
-def test_an_export_that_is_refused_says_why_beside_the_field(desk: Desk) -> None:
-    page = desk.post("/export", {"format": "canvas", "do": "grades"})
-    assert page.status == 400
-    assert 'id="error-template">Canvas needs the file that it exports<' in page.text
-    assert "--template" not in page.text
-    sheet = "Student,ID,Section,One (1),Two (2)\nBob Bird,1,A,,\n"
-    page = desk.post("/export", {"format": "canvas", "template": sheet, "do": "grades"})
-    assert 'id="error-column">name the assignment; columns found: One (1), Two (2)<' in page.text
-    page = desk.post("/export", {"format": "canvas", "template": "a,b\n1,2\n", "do": "grades"})
-    assert 'id="error-' in page.text
-    assert "/tmp" not in words(page.text)
-    assert "a,b\n1,2" in page.text.replace("\r", "")
-
-
 # ---- the late policy in what-if ----
 
 
@@ -232,13 +206,6 @@ def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: D
     assert "Eve changed something" in words(late.text)
     assert row(out, "bob")["final"] == "97"
     assert give(desk, "ada", BONUS, "1", seen=0, who="Ann").status == 303  # somebody else's marks are no matter
-
-
-def test_what_the_command_does_meanwhile_is_seen(desk: Desk, out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    desk.get("/submission/bob")
-    cli.main(["adjust", str(out), "bob", "--criterion", ADDRESS, "--points", "3", "--comment", "x", "--author", "cli"])
-    assert "97 / 100" in words(desk.get("/submission/bob").text)
-    assert give(desk, "bob", ADDRESS, "5", seen=0).status == 409
 
 
 # ---- what needs a look ----
@@ -444,24 +411,6 @@ def test_what_is_kept_is_bounded_and_says_what_it_left_out() -> None:
     assert sum(map(len, unpack(pack({f"{k}.py": bytes(900_000) for k in range(9)})).files.values())) <= 4_000_000
 
 
-def test_pictures_are_kept_as_they_are_beside_what_was_handed_in() -> None:
-    """They are compressed already; the order of the files is no matter, and what was kept before this is still read."""
-    files = {
-        "a.png": os.urandom(3000),
-        "imu_reader.py": b"x = 1\n" * 500,
-        "data.csv": b"0,1\n" * 500,
-        "b.JPG": b"",
-        "z.svg": b"<svg/>",
-    }
-    record = pack(files)
-    assert unpack(record).files == files
-    assert len(record) < 3000 + 300
-    assert files["a.png"] in record
-    whole = zlib.decompressobj()
-    before = zlib.compress(whole.decompress(record) + whole.unused_data)
-    assert unpack(before).files == files
-
-
 def test_a_record_of_the_layout_before_is_read_and_grows(tmp_path: Path) -> None:
     out = make_class(tmp_path / "out", STUDENTS[:1])
     with sqlite3.connect(out / FILE_NAME) as old:
@@ -551,23 +500,3 @@ def test_without_the_extra_the_command_says_how_to_install_it(
     monkeypatch.setitem(sys.modules, "uvicorn", None)
     assert cli.main(["review", str(out)]) == 2
     assert capsys.readouterr().err == "imugrade: review needs uvicorn, which comes with: pip install 'imugrade[desk]'\n"
-
-
-def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    def adjust(*arguments: str) -> str:
-        cli.main(["adjust", str(out), *arguments, "--author", "me"])
-        told = capsys.readouterr()
-        return told.out + told.err
-
-    assert adjust("bob", "--criterion", ADDRESS, "--points", "5", "--comment", "x") == f"bob {ADDRESS} 5, final 99\n"
-    assert adjust("bob", "--criterion", "bonus", "--points", "2", "--comment", "x") == "bob bonus 2, final 101\n"
-    assert adjust("bob", "--criterion", "filtering", "--comment", "neat") == "bob filtering comment, final 101\n"
-    assert adjust("bob", "--criterion", "filtering", "--undo") == "bob filtering withdrawn, final 101\n"
-    assert adjust("bob", "--criterion", "bonus", "--undo") == "bob bonus withdrawn, final 99\n"
-    told = adjust("--having", "sensor-id-as-address", "--criterion", ADDRESS, "--points", "6", "--comment", "misled")
-    assert told == f"bob {ADDRESS} 6, final 100\ncyd {ADDRESS} 6, final 99\n"
-    assert "(decision 1: mistake: sensor id as address)" in adjust()
-    assert adjust("--take-back", "1") == f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n"
-    assert "no two submissions have this in common" in adjust(
-        "--having", "nothing", "--criterion", ADDRESS, "--points", "1"
-    )

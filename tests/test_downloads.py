@@ -196,20 +196,6 @@ def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp
     )
 
 
-def test_anonymous_students_text_entries_and_strays_are_all_accounted_for(tmp_path: Path) -> None:
-    found = canvas(tmp_path, "LATE_anon_x7Qz1_500_filters.py", "roe_103_text.html", "b_2_20_filters.py", "readme.md")
-    assert [(e.id, e.read().status) for e in found.entries] == [
-        ("anon_x7Qz1", "ready"),
-        ("b_2", "ready"),
-        ("roe_103", "empty"),
-    ]
-    assert found.entries[0].hand_in.people == (Person("anon_x7Qz1", "", "canvas"),)
-    assert found.entries[0].hand_in.marked_late
-    assert found.leftovers == (
-        f"{tmp_path}/c.zip/readme.md: not named as Canvas names files, so whose it is cannot be told",
-    )
-
-
 ROSTER = {"101": "Doe, Jane", "666": "zzz_101_5", "678": "12345", "55": "Roe, Bob"}
 READ_IN_TWO_WAYS = (
     "its name can mean several people; give --roster with the platform's numbers, and it is who stands there"
@@ -239,16 +225,6 @@ def test_a_name_with_numbers_in_it_is_who_the_roster_knows_or_nobody(
 # ---- several attempts ----
 
 
-def test_a_download_that_lies_beside_what_was_unpacked_from_it_is_told_as_that(tmp_path: Path) -> None:
-    files: dict[str, bytes | str] = {"a_1_10_filters.py": "a", "b_2_11_filters.py": "b"}
-    zip_of(tmp_path / "lab_submissions.zip", files)
-    for name in files:
-        (tmp_path / name).write_text("x")
-    found = read_class([tmp_path], LAB.files)
-    assert [entry.id for entry in found.entries] == ["a_1", "b_2"]
-    assert found.leftovers == (f"{tmp_path}/lab_submissions.zip: the download itself, whose files lie beside it",)
-
-
 def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_listed(tmp_path: Path) -> None:
     first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old", "b_2_11_filters.py": "b"})
     second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
@@ -263,12 +239,6 @@ def test_all_attempts_are_found_where_the_best_is_to_count(tmp_path: Path) -> No
     found = read_class([second, first], LAB.files, attempts="best")
     assert [(e.id, e.read().files["filters.py"]) for e in found.entries] == [("a_1", b"old"), ("a_1", b"new")]
     assert found.leftovers == ()
-
-
-def test_the_same_download_twice_is_one(tmp_path: Path) -> None:
-    path = zip_of(tmp_path / "m.zip", {"a_1_10_filters.py": "x"})
-    found = read_class([path, tmp_path / "." / "m.zip"], LAB.files)
-    assert (len(found.entries), found.leftovers) == (1, ())
 
 
 # ---- Moodle ----

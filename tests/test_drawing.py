@@ -52,28 +52,6 @@ def bends_shared_axes(figure: Any) -> None:
         axes.set_aspect("equal", adjustable="datalim")
 
 
-@pytest.mark.parametrize(
-    ("said", "plain"),
-    [
-        ("$a_x$", True),
-        (r"filtered $\omega_{roll}^2$, $t_0$", True),
-        ("Acceleration ($m/s^2$)", True),
-        ("5 $", False),
-        ("$a_{x$", False),
-        ("$a_x_y$", False),
-        ("$a^$", False),
-        ("$$", False),
-        (r"$\omgea_x$", False),
-        (r"$\hat$", False),
-        (r"$\frac{a}$", False),
-        (r"\$5 and $x$", False),
-        ("$a$ $b", False),
-    ],
-)
-def test_mathematics_is_parsed_wherever_it_may_be_wrong(said: str, plain: bool) -> None:
-    assert (drawing._PLAIN_MATHEMATICS.fullmatch(said) is not None) == plain
-
-
 @pytest.mark.parametrize("spoil", [unbalanced, of_different_lengths, tells_no_tick, bends_shared_axes])
 def test_what_drawing_raises_is_raised(figure: Any, spoil: Callable[[Any], None]) -> None:
     spoil(figure)
@@ -82,13 +60,6 @@ def test_what_drawing_raises_is_raised(figure: Any, spoil: Callable[[Any], None]
     with pytest.raises(drawn.type):
         saved(figure)
     assert "draw" not in vars(figure)
-
-
-@pytest.mark.parametrize("options", [{}, {"bbox_inches": "tight"}])
-def test_the_file_holds_what_was_seen(figure: Any, options: dict[str, Any]) -> None:
-    seen, picture = saved(figure, format="png", **options)
-    assert picture.size == (500, 300) == seen.pixels.shape[1::-1]
-    assert np.array_equal(np.asarray(picture)[:, :, :3], seen.pixels)
 
 
 def test_looking_shows_what_saving_shows_and_leaves_the_figure_as_it_was(figure: Any) -> None:
@@ -115,28 +86,6 @@ def test_curves_stand_where_matplotlib_puts_them(figure: Any, shape: tuple[float
     blue = (own[:, :, 2] > own[:, :, 0] + 40) & (seen.pixels.shape[:2] == own.shape[:2])
     legend = np.abs(seen.pixels.astype(int) - own).max(axis=2) > 8
     assert np.count_nonzero(blue & legend) < 0.2 * np.count_nonzero(blue)
-
-
-def spans(axes: Any) -> None:
-    axes.axhspan(-2, 2, color="white", zorder=9)
-
-
-def over_all(axes: Any) -> None:
-    axes.figure.add_axes([0, 0, 1, 1], zorder=9).set(xticks=[], yticks=[])
-
-
-def like_planks(axes: Any) -> None:
-    axes.set_axisbelow(False)
-    axes.grid(True, color="white", linewidth=90)
-
-
-@pytest.mark.parametrize("cover", [spans, over_all, like_planks])
-def test_whatever_covers_a_curve_is_drawn(figure: Any, cover: Callable[[Any], None]) -> None:
-    before = drawing.look(figure).pixels
-    cover(figure.axes[0])
-    upper = slice(0, before.shape[0] // 2)
-    inks = [np.count_nonzero(np.ptp(p[upper], axis=2) > 40) for p in (before, drawing.look(figure).pixels)]
-    assert inks[1] < inks[0] / 3
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -86,42 +85,6 @@ def test_a_marker_that_is_killed_with_a_large_submission_on_its_way_to_it_does_n
     command, environment = [sys.executable, str(script), str(tmp_path)], {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout == "a Result\n"
-
-
-BEFORE_ITS_FIRST_TASK = """
-import multiprocessing, os, time
-from concurrent.futures import process
-from grader.course.pool import mark_all
-from tests.made_up import FakeMarker, submission
-
-def killed(self):
-    (marker,) = multiprocessing.active_children()
-    print(marker.pid, flush=True)
-    time.sleep(3)  # it is up, and waits for a task that never comes
-    os.kill(os.getpid(), 9)
-
-if __name__ == "__main__":
-    process._ExecutorManagerThread.add_call_item_to_queue = killed
-    list(mark_all(iter([submission("a")]), FakeMarker, 1))
-"""
-
-
-def test_a_marker_leaves_with_a_grader_that_was_killed_before_it_gave_it_a_task(tmp_path: Path) -> None:
-    """It would wait for one for ever: it holds both ends of its own queue."""
-    script = tmp_path / "run.py"
-    script.write_text(BEFORE_ITS_FIRST_TASK)
-    with subprocess.Popen(
-        [sys.executable, str(script)], env={**os.environ, "PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, text=True
-    ) as run:
-        assert run.stdout is not None
-        marker = int(run.stdout.readline())
-        assert run.wait(60) == -signal.SIGKILL
-    end = time.monotonic() + 20
-    while (alive := Path(f"/proc/{marker}").exists()) and time.monotonic() < end:
-        time.sleep(0.05)
-    if alive:
-        os.kill(marker, signal.SIGKILL)
-    assert not alive
 
 
 IN_A_SMALL_DISK = """

@@ -171,22 +171,6 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     assert unmatched(filled) == ["Doe, Jane", "Doe, Jane"]
 
 
-def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
-    text = "LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;100,0\nDoe;Jane;7;x;A;"
-    filled = canvas.fill(text.encode(), "t.csv", None, class_of(final_grade("a", Person("Jane Doe"))))
-    assert filled.data.decode() == text + "87,5"
-
-
-def test_points_are_scaled_to_what_the_assignment_is_out_of_where_that_is_asked_for() -> None:
-    filled = canvas.fill(
-        canvas_file("D,101,s1,jd,A,,,"), "t.csv", "4700", class_of(final_grade("x", JANE)), scaled=True
-    )
-    assert filled.data.decode().splitlines()[2] == "D,101,s1,jd,A,43.75"
-    rows = ['"Participant 12",J,,,,,20.00,Yes,-,']
-    marked = moodle.fill(worksheet(*rows), "w.csv", None, class_of(final_grade("a", MOODLE)), scaled=True)
-    assert marked.data.decode().splitlines()[1].split(",")[5] == "17.5"
-
-
 # ---- Moodle ----
 
 
@@ -225,23 +209,6 @@ def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_colu
     assert filled.data.decode() == german.replace('";;', '";87,5;')
     with pytest.raises(RequestError, match=r"^w.csv: has no column Grade; download the grading worksheet, or name the"):
         moodle.fill(german.encode(), "w.csv", None, team)
-
-
-GERMAN = (
-    "ID;Vollständiger Name;E-Mail-Adresse;Status;Bewertung;Bestwertung;Bewertung kann geändert werden;"
-    "Zuletzt geändert (Abgabe);Zuletzt geändert (Bewertung);{}\n"
-    "Teilnehmer/in12;Jürgen Müßig;j@example.edu;Abgegeben;{};100,00;Ja;Montag;-;{}\n"
-    "Teilnehmer/in13;K;k@example.edu;Abgegeben;12,00;100,00;Nein;Montag;Dienstag;\n"
-)
-
-
-@pytest.mark.parametrize("title", ["Feedback als Kommentar", "Kommentare der Lehrenden"])
-def test_a_worksheet_in_another_language_has_its_commas_its_comments_and_its_locked_grades(title: str) -> None:
-    template = GERMAN.format(title, "", "")
-    everyone = class_of(final_grade("a", MOODLE), final_grade("b", Person("K", "13", "moodle")))
-    filled = moodle.fill(template.encode(), "w.csv", "Bewertung", everyone)
-    assert filled.data.decode() == GERMAN.format(title, "87,5", '"Marks: Sensor access 87.5 / 100"')
-    assert filled.kept == ["Teilnehmer/in13"]
 
 
 # ---- Gradescope, and CSV in general ----

@@ -39,18 +39,3 @@ def test_the_words_for_axes_and_for_the_comparison_are_told_apart(code: str) -> 
     ]
     assert all(labels.says_raw(word) for word in block["raw"])
     assert all(labels.says_smooth(word) for word in block["filtered"])
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    "text", ["Acceleration", "Angular velocity", "Angular acceleration (rad/s²)", "Time", "Zeit", "x"]
-)
-def test_a_label_without_a_unit_of_ours_has_none(text: str) -> None:
-    assert labels.unit_of(text) is None
-    assert not labels.has_time_unit(text)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("name", ["denoised", "de-noised z"])
-def test_what_was_freed_of_noise_is_not_raw(name: str) -> None:
-    assert labels.says_smooth(name)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 
 import numpy as np
-import pytest
 
 from grader.base.errors import Crashed, TimedOut
 from grader.engine.load_report import Endings
@@ -37,22 +36,6 @@ def test_what_had_to_be_ended_is_not_run_again_but_beside_other_stand_ins() -> N
     endings.learn_place(PLACE, LATE, ["NoisyIMU"])
     assert [where[:2] for where in endings.beside(["NoisyIMU"])] == [("lab.py", 3)]
     assert endings.beside(["NoisyIMU", "LowPassFilter"]) == []
-
-
-def test_what_overran_by_itself_does_so_beside_any_stand_in_and_what_overran_in_a_part_not_beside_its_own() -> None:
-    endings = Endings()
-    endings.learn_overrun(frame(overran("lab.py", 3), overran("lab.py", 7, "LowPassFilter")), ())
-    assert [number for _, number, _ in endings.beside(["get_imu_readings"])] == [3, 7]
-    assert [number for _, number, _ in endings.beside(["LowPassFilter"])] == [3]
-
-
-@pytest.mark.parametrize(
-    "written", ["", "\0\0", "[]", "null", "[[1, 2]]", '[["lab.py"]]', '[["lab.py", true]]', "[" * 9000]
-)
-def test_a_place_that_is_none_is_not_believed(written: str) -> None:
-    endings = Endings()
-    endings.learn_place(written, LATE, ())
-    assert (endings.beside(()), endings.found_out) == ([], 0)
 
 
 def test_no_process_can_claim_so_many_that_the_next_question_grows_too_long() -> None:

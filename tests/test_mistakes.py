@@ -212,21 +212,6 @@ def test_the_mended_reader_reads_every_imu_and_the_wrong_one_does_not(key: str, 
     assert not sound_reader(key, "wrong", model, data)
 
 
-def test_the_example_beyond_the_end_raises_as_its_explanation_says(model: Any, data: Any) -> None:
-    with pytest.raises(IndexError, match="out of bounds"):
-        read("index-out-of-bounds", "wrong", model, data, "right_foot")
-    assert sound_reader("index-out-of-bounds", "right", model, data)
-
-
-def test_an_unknown_sensor_is_minus_one_and_reads_the_last_sensor(model: Any) -> None:
-    found = {
-        version: example("sensor-not-found", version, "model")(model)["accel_id"] for version in ("wrong", "right")
-    }
-    assert found["wrong"] == -1
-    assert model.sensor_adr[found["wrong"]] == model.sensor(model.nsensor - 1).adr[0]
-    assert found["right"] == model.sensor("torso_accelerometer").id
-
-
 LOOP = "model, data, n_steps, accelerations, angular_velocities, get_imu_readings, accel_id, gyro_id"
 
 
@@ -307,23 +292,3 @@ def test_the_mended_noise_is_white_and_of_the_asked_size_and_the_wrong_one_is_no
 
     assert sound("right")
     assert not sound("wrong")
-
-
-# --- the figures in the explanations ----------------------------------------------------------------------------------
-
-
-def test_the_tilt_of_an_upright_sensor_is_zero_with_the_mended_lines_only() -> None:
-    found = {v: example("tilt-sign-wrong", v, "accel")([0.0, 0.0, -9.81])["accel_roll"] for v in ("wrong", "right")}
-    assert abs(found["right"]) == 0
-    assert abs(found["wrong"]) == math.pi
-
-
-def test_the_allan_deviation_of_white_noise_has_the_size_of_one_average() -> None:
-    averages = np.random.default_rng(2).normal(0, 0.3, 100_000)
-    found = {k: example(k, "wrong", "averages")(averages)["adev"] for k in ("std-not-allan", "allan-factor-missing")}
-    right = example("std-not-allan", "right", "averages")(averages)["adev"]
-    assert right == pytest.approx(0.3, rel=0.02)
-    assert found["allan-factor-missing"] == pytest.approx(math.sqrt(2) * right)
-    assert found["std-not-allan"] == pytest.approx(right, rel=0.02)  # white noise hides it, as the explanation says
-    drift = np.linspace(0, 10, averages.size)
-    assert example("std-not-allan", "wrong", "averages")(averages + drift)["adev"] > 5 * right

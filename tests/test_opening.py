@@ -29,24 +29,6 @@ def test_the_second_line_says_what_was_found_and_what_was_not(tmp_path: Path) ->
     )
 
 
-def test_a_folder_without_anything_of_the_lab_is_asked_about(tmp_path: Path) -> None:
-    folder = hand_in(tmp_path / "me", "taxes.py")
-    assert opening.found(LAB, read_submission(folder, LAB.files)).endswith(
-        "no filtered_imu.png; nor anything else that the lab asks for: is this the right folder?"
-    )
-    (folder / "taxes.py").write_text("class NoisyIMU:\n    pass\n")
-    assert opening.found(LAB, read_submission(folder, LAB.files)).endswith("no filtered_imu.png")
-
-
-def test_a_notebook_alone_stands_for_the_files(tmp_path: Path) -> None:
-    submission = read_submission(hand_in(tmp_path / "me", "lab.ipynb"), LAB.files)
-    assert opening.found(LAB, submission).startswith(
-        "lab.ipynb (for imu_reader.py, noisy_imu.py, filters.py) found; no imu_data.png, no filtered_imu.png"
-    )
-    beside = read_submission(hand_in(tmp_path / "both", "lab.ipynb", "filters.py"), LAB.files)
-    assert opening.found(LAB, beside).startswith("filters.py found; no imu_reader.py")
-
-
 def test_a_name_of_a_folder_cannot_colour_the_terminal(tmp_path: Path) -> None:
     assert "\x1b" not in opening.begins(tmp_path / "\x1b[31mred")
 

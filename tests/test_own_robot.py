@@ -13,7 +13,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.base.errors import RequestError
 from grader.course.class_settings import ClassSettings, causes
 from grader.engine import recording, rubric
 from grader.engine.grader import Marker
@@ -26,7 +25,7 @@ from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
 from grader.people.roster import NO_ROSTER
 from reference.self_contained import self_contained
-from tests.examples import FOLDER, files
+from tests.examples import files
 from tests.other_robots import OTHERS, exchanged, fetched, rubric_for
 from tests.sandboxes import Opened
 
@@ -145,14 +144,6 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
 # --- it is this robot, and no other -----------------------------------------------------------------------------------
 
 
-def test_names_of_the_labs_robot_find_nothing_on_another_one(opened: Opened, cache: Path, tmp_path: Path) -> None:
-    rover(tmp_path)
-    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    result = marked(opened, file, FOLDER / "s02-vectorised", cache)
-    assert result.score < 100.0
-    assert "data_collection.matches_truth" in lost(result)
-
-
 @pytest.mark.parametrize(
     ("example", "check"),
     [
@@ -171,14 +162,6 @@ def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
         text = path.read_bytes().replace(b"torso_accelerometer", b"force").replace(b"torso_gyroscope", b"rates")
         (tmp_path / "lab" / path.name).write_bytes(text)
     assert list(lost(marked(opened, file, tmp_path / "lab", cache))) == [check]
-
-
-def test_the_labs_robot_can_be_graded_with_the_imu_of_its_head(opened: Opened, cache: Path, tmp_path: Path) -> None:
-    names = ("head_accelerometer", "head_gyroscope")
-    file = rubric_for(tmp_path, None, *names)
-    assert lost(marked(opened, file, exchanged(tmp_path / "lab", *names), cache, SECRET)) == {}
-    result = marked(opened, file, FOLDER / "s02-vectorised", cache)
-    assert "data_collection.matches_truth" in lost(result)
 
 
 def test_a_copy_without_the_files_that_it_includes_is_the_robot(opened: Opened, cache: Path, tmp_path: Path) -> None:
@@ -331,11 +314,6 @@ def test_a_mesh_becomes_what_it_weighs_and_what_it_touches_with(tmp_path: Path) 
     np.testing.assert_allclose(ends[1], ends[0], atol=2e-3)
 
 
-def test_a_model_in_one_file_is_taken_word_for_word(tmp_path: Path) -> None:
-    path = rover(tmp_path, head="<!-- ours -->")
-    assert self_contained(path) == path.read_text(encoding="utf-8")
-
-
 # --- kits -------------------------------------------------------------------------------------------------------------
 
 
@@ -361,9 +339,3 @@ def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(
     done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert '"score": 100.0' in (tmp_path / "result.json").read_text(encoding="utf-8")
-
-
-def test_without_the_reference_another_model_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recording, "folder_of", lambda lab: None)
-    with pytest.raises(RequestError, match="use the kit that your instructor gave you"):
-        bundles.obtain(None, tmp_path, Model(rover(tmp_path), "force", "rates"))

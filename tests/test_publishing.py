@@ -96,10 +96,3 @@ def test_what_the_disk_refuses_a_writer_is_told_in_one_line(store: Store, tmp_pa
     (tmp_path / "submissions").write_text("a file where the folder is to be")
     with pytest.raises(RequestError, match=r"submissions.*cannot write"):
         write_beside(tmp_path, store)
-
-
-def test_charts_of_foreign_contents_are_refused_by_a_writer_as_well(store: Store, tmp_path: Path) -> None:
-    for final_grade in store.final_grades().values():
-        keep(store, final_grade, b"no charts")
-    with pytest.raises(RequestError, match="has contents that this version of imugrade does not write"):
-        write_beside(tmp_path, store)

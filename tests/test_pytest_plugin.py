@@ -125,13 +125,6 @@ def test_an_editor_finds_each_check_once_at_the_students_own_definition(lab: Pat
     assert run(lab, "--collect-only", "-q", chosen).stdout.splitlines()[0] == chosen.removeprefix(f"{lab}/")
 
 
-def test_a_criterion_a_check_or_a_file_is_asked_for_by_its_name(lab: Path) -> None:
-    told = run(lab, "--collect-only", "-q", "filtering", "sensor_access::follows_address", "noisy_imu.py").stdout
-    ids = [line for line in told.splitlines() if "::" in line]
-    assert ids[0] == "imu_reader.py::sensor_access::follows_address"
-    assert {id_.split("::")[0] for id_ in ids[1:]} == {"noisy_imu.py", "filters.py"}
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

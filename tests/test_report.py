@@ -22,7 +22,6 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
 from grader.report import words
 from grader.report.pages import index_page, report_page
-from grader.report.progress import Lines
 from grader.report.terminal import show
 from tests.made_up import HOSTILE, check, lost, result
 
@@ -153,32 +152,6 @@ def starter() -> Result:
     return replace(result(), criteria=made, extensions=())
 
 
-def test_one_cause_is_one_block_in_the_order_of_the_sheets_steps() -> None:
-    assert terminal(starter(), width=80) == (
-        " ✗ Filtering      ░░░░░░░░░░░░░░░░░░░░  0 / 12\n"
-        " ✗ Sensor_access  ░░░░░░░░░░░░░░░░░░░░  0 / 12\n"
-        " ✗ Noise_model    ░░░░░░░░░░░░░░░░░░░░  0 / 12\n"
-        "   Score                                0 / 36\n"
-        "\n"
-        "Next  Step 2, get_imu_readings\n"
-        "\n"
-        " ✗ raised   sensor_access works                                            0 / 6\n"
-        "   Expected  no exception in sensor_access\n"
-        "   Got       NotImplementedError: Step 2 at sensor_access.py, line 2\n"
-        "             raise NotImplementedError()\n"
-        " ✗ raised   noise_model works                                              0 / 6\n"
-        "   Got       NotImplementedError: Step 5 at noise_model.py, line 5\n"
-        " ✗ raised   filtering works                                                0 / 6\n"
-        "   Got       NotImplementedError: Step 6 at filtering.py, line 6\n"
-        "   Try       Write it.\n"
-        "   Read      Lab 04-01, Steps 2, 5 and 6; imugrade explain not-written\n"
-        "\n"
-        " – skipped  3 checks, 18 points: not graded until the checks above are fixed\n"
-        "\n"
-        "Rerun  imugrade check --only sensor_access\n"
-    )
-
-
 def test_code_that_does_not_run_comes_first_with_what_it_costs() -> None:
     rows = (
         lost(title="A wrong value", lab_step=2),
@@ -228,29 +201,6 @@ def test_points_gained_and_lost_since_the_last_check_are_marked() -> None:
         ["✗", "failed", "Lost", "0", "/", "6,", "was", "3"],
     ]
     assert sum("✓ passed" in row for row in rows) == 1
-
-
-def test_a_submission_with_nothing_to_mark_is_told_in_one_line() -> None:
-    said = "Nothing recognisable was handed in: no Python file and no notebook was found."
-    rows = [check("skipped", 0.0, message=said) for _ in range(5)]
-    for only in (None, "sensor_access"):
-        shown = terminal(
-            result(*rows, status="empty", notes=("No .py or .ipynb file was found.",)), only=only, width=120
-        )
-        assert (
-            shown == "alice: This submission contains no file that the lab asks for. No .py or .ipynb file was found.\n"
-        )
-
-
-def test_of_one_criterion_what_was_earned_is_folded_into_one_line_below_what_was_lost() -> None:
-    passed = check(lab_step=2), check(lab_step=2, max_points=4.0, points=4.0, title="Returns copies")
-    assert terminal(result(*passed), only="sensor_access") == (
-        " ✓ Sensor access  ████████████████████  10 / 10\n"
-        "\n"
-        " ✓ passed   2 checks                                                               10 / 10\n"
-    )
-    shown = terminal(result(*passed, lost(lab_step=2, title="Lost")), only="sensor_access")
-    assert shown.index("Lost") < shown.index(" ✓ passed   2 checks")
 
 
 def test_at_84_of_100_the_screen_has_forty_lines_at_most() -> None:
@@ -381,14 +331,6 @@ def test_the_index_links_each_report_and_counts_the_class() -> None:
     assert re.search(r"sensor id as address\s*1\s*Bob", text)
 
 
-def test_names_are_sorted_without_case_and_accents_and_by_their_numbers() -> None:
-    names = ["Zoe", "Élodie", "eve", "Student 10", "Student 9", "Özil", "Adam"]
-    page = index({str(k): result(name=name) for k, name in enumerate(names)})
-    table = page[page.index('<table id="submissions"') : page.index('<h2 id="checks"')]
-    shown = re.findall(r'report.html">([^<]*)</a>', table)
-    assert shown == ["Adam", "Élodie", "eve", "Özil", "Student 9", "Student 10", "Zoe"]
-
-
 def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself() -> None:
     page = report_page(FinalGrade("a <b>", result(check(), lost())))
     form = next(attributes for tag, attributes in Tags(page).tags if tag == "form")
@@ -426,22 +368,6 @@ def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
     assert "All checks passed." in report(result())
 
 
-def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_asked() -> None:
-    missing = {"misconceptions": ("file-missing",), "message": "Expected  f\nGot       filters.py was not handed in"}
-    rows = (
-        lost(**missing),
-        *(check("skipped", 0.0, id=f"sensor_access.{name}", message="Not reached") for name in "bc"),
-    )
-    told = losses(report_page(FinalGrade("x", result(*rows)), (), catalogue(LAB)))
-    assert re.search(r"−18\s*filters\.py was not handed in", told)
-    assert told.count("filters.py was not handed in") == 1
-    assert "2 checks, 12 points not graded until this is fixed." in told
-    alone = losses(report(result(check(), check("skipped", 0.0, id="sensor_access.b", message="Needs a reader."))))
-    assert re.search(
-        r"−6\s*Not graded\s*1 check, 6 points not graded: the code that these checks need is missing\.", alone
-    )
-
-
 def test_a_submission_that_could_not_be_opened_says_why_and_has_no_rows() -> None:
     row = check("skipped", 0.0, message="It could not be opened.")
     page = report(result(row, row, status="unreadable", notes=("It is no zip archive.",)))
@@ -477,12 +403,3 @@ def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
         in Tags(index({"a": result(), "b": other})).text
     )
     assert "not comparable" not in index({"a": result(), "b": result()})
-
-
-def test_in_a_pipe_every_submission_that_is_marked_is_one_plain_line(capsys: pytest.CaptureFixture[str]) -> None:
-    with Lines() as lines:
-        lines.begins(3)
-        lines.done("alice", result(check(points=87.5)), resumed=False)
-        lines.done("bob", result(lost(), status="empty"), resumed=True)
-        lines.done("eve\n", result(check("not_judged", None), status="incomplete"), resumed=False)
-    assert capsys.readouterr().out == "1/3 alice 87.5\n3/3 eve\\x0a not judged\n"

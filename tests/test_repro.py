@@ -142,20 +142,6 @@ def test_the_folder_of_a_program_is_ignored_by_git_and_never_handed_in(tmp_path:
     assert (folder / ".gitignore").read_text() == "*\n"
 
 
-@pytest.mark.parametrize("kind", ["file", "link", "archive"])
-def test_a_place_that_is_no_folder_of_ours_is_refused(tmp_path: Path, kind: str) -> None:
-    lab, elsewhere = tmp_path / "lab", tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    if kind == "archive":
-        lab.touch()
-    else:
-        lab.mkdir()
-        (lab / ".imugrade").write_text("mine") if kind == "file" else (lab / ".imugrade").symlink_to(elsewhere)
-    with pytest.raises(RequestError, match=r"\.imugrade is not a folder of imugrade; choose another folder with -o"):
-        repeating.folder_in(lab)
-    assert list(elsewhere.iterdir()) == []
-
-
 # --- how a report leads to it -----------------------------------------------------------------------------------------
 
 

@@ -18,10 +18,9 @@ from grader.engine import check_runner, grader, lab_sandbox, rubric
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import WORKER_CODE
 from grader.engine.results import to_json
-from grader.intake import Submission, read_submission
+from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.sandbox.sandbox import Sandbox
 from grader.worker import environment
 from tests.examples import folders
 from tests.made_up import without_durations
@@ -75,13 +74,6 @@ def test_no_saving_changes_a_mark(marker: Marker, tmp_path: Path) -> None:
 )
 def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: bytes, wanted: tuple[str, ...]) -> None:
     assert lab_sandbox.libraries_of(LAB, {"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted
-
-
-def test_a_marker_has_them_imported_with_the_first_submission_that_can_mean_them(marker: Marker) -> None:
-    code = b"from scipy import signal\nimport matplotlib.animation\n"
-    with mock.patch.object(Sandbox, "warm") as warm:
-        marker.mark(Submission("s", "s", {"imu_reader.py": code}, (), "ready", ""), only="sensor_access")
-    warm.assert_called_once_with(("scipy.signal", "matplotlib.animation"))
 
 
 def test_a_student_s_own_artist_has_its_table_as_ever() -> None:

@@ -62,6 +62,13 @@ def test_days_begun_count_from_the_due_date_once_the_grace_is_over(
     assert handed_in(seconds) == (late and Lateness("2026-11-20T23:00+00:00", *late))
 
 
+def test_without_a_policy_only_the_platforms_own_word_stands() -> None:
+    assert handed_in(10**6, None) is None
+    marked = HandIn(marked_late=True)
+    assert judged(marked, None, ()).late == Lateness("", None)
+    assert judged(judged(marked, replace(POLICY, due=DUE + timedelta(days=9)), ()), None, ()).late == Lateness("", None)
+
+
 def test_late_without_a_time_takes_nothing_off_and_is_told() -> None:
     hand_in = judged(HandIn((Person("Jane"),), marked_late=True), POLICY, ())
     one = FinalGrade("jane", result(), hand_in)

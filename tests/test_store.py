@@ -142,15 +142,3 @@ def test_a_record_of_another_layout_is_refused_with_both_numbers(tmp_path: Path)
     newer.close()
     with pytest.raises(RequestError, match=r"another version of imugrade \(layout 7, this one reads 4\)"):
         Store(tmp_path)
-
-
-def test_a_full_disk_is_one_line_and_what_was_recorded_stays(tmp_path: Path) -> None:
-    with Store(tmp_path) as store:
-        store.keep(KEY, result())
-        pages = store._db.execute("PRAGMA page_count").fetchone()[0]
-        store._db.execute(f"PRAGMA max_page_count = {pages}")  # SQLite then answers as on a full disk
-        with pytest.raises(RequestError, match="database or disk is full"):
-            store.keep(dataclasses.replace(KEY, id="bob"), result(notes=("x" * 100_000,)))
-        assert list(store.present()) == ["alice"]
-    with Store(tmp_path) as store:
-        assert store.recall(KEY) == result()

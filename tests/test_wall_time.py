@@ -85,13 +85,6 @@ def test_answers_that_come_late_use_up_the_time_of_their_part_and_of_no_other() 
     assert list(asked(talk, 1)) == [True]
 
 
-def test_sound_answers_leave_nearly_all_of_it() -> None:
-    sandbox = Boxes(cpu_s=0.2, wall_s=0.3)
-    talk = conversation(sandbox)
-    assert all(asked(talk, 60))
-    assert min(offered for worker in sandbox.workers for offered in worker.offered) > 3 * SHARE_S
-
-
 def test_a_question_that_is_kept_just_above_the_idle_threshold_ends_with_its_part() -> None:
     now = [0.0]
     deadline = Deadline(lambda: 0.03 * now[0], lambda: now[0], cpu_s=10.0, wall_s=30.0, most_s=80.0)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
-from grader.report.pages import index_page
-from tests.browser.conftest import CHROMIUM, STUDENTS, Watched, final_grade
+from tests.browser.conftest import CHROMIUM, STUDENTS, Watched
 
 if CHROMIUM is None:
     pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
@@ -130,27 +128,6 @@ def test_a_report_has_previous_next_and_class_for_whoever_came_from_there_and_fo
     page.get_by_role("link", name="The class").click()
     expect(page.locator("#submissions")).to_be_visible()
     expect(watched.open(REPORT).locator("#among")).to_be_hidden()
-
-
-def test_of_a_large_class_the_first_rows_are_laid_out_and_all_on_demand_and_on_paper(
-    watched: Watched, out: Path
-) -> None:
-    final_grades = {
-        f"s{number:04}": replace(final_grade(number % STUDENTS), id=f"s{number:04}") for number in range(450)
-    }
-    (out / "large.html").write_text(index_page(final_grades), encoding="utf-8")
-    page = watched.open("large.html")
-    rows = page.locator("#submissions tbody tr:visible")
-    expect(rows).to_have_count(200)
-    page.locator("#submissions").get_by_role("button", name="Score").click()
-    expect(rows).to_have_count(200)
-    scores = [float(score) for score in column(page, "Score")]
-    assert scores == sorted(scores, reverse=True)
-    page.emulate_media(media="print")
-    expect(rows).to_have_count(450)
-    page.emulate_media(media="screen")
-    page.get_by_role("button", name="Show all 450 rows").click()
-    expect(rows).to_have_count(450)
 
 
 def test_without_scripts_the_class_page_is_whole(watched: Watched) -> None:

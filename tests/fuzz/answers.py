@@ -1,19 +1,16 @@
-"""Answers of the sandbox, mangled or made up on their way to the checks: ``python -m tests.fuzz.answers [--runs N] [--drawn N] [--seed S]``.
+"""Answers of the sandbox, mangled or made up on their way to the checks.
 
 A sound submission with all extensions is marked once and its answers are kept; then it is marked again and again without a sandbox:
-with one to three of the answers mangled (``--runs``), or with answers that are drawn from the rules, until there were so many of
-them (``--drawn``). Whatever comes back, every check must be judged, and no exception raised.
+with one to three of the answers mangled, or with answers that are drawn from the rules. Whatever comes back, every check must be
+judged, and no exception raised.
 """
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import random
-import sys
 import tempfile
-import time
 import traceback
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping
@@ -202,32 +199,3 @@ class Bench:
         self.troubles.clear()
         with mock.patch.object(Sandbox, "worker", lambda sandbox: _Replay(answer)):
             return self._marker.mark(self._submission)
-
-
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.fuzz.answers", description=__doc__)
-    parser.add_argument("--runs", type=int, default=500, help="gradings with mangled answers")
-    parser.add_argument("--drawn", type=int, default=0, help="answers that are drawn from the rules")
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args(arguments)
-    bad, slowest, seed, started = 0, 0.0, options.seed, time.process_time()
-    with Bench(everything()).open() as bench:
-        while seed < options.seed + options.runs or bench.drawn.total() < options.drawn:
-            before = time.process_time()
-            try:
-                bench.mark(seed) if seed < options.seed + options.runs else bench.mark_drawn(seed)
-            except Exception:
-                bench.troubles.append(traceback.format_exc(limit=-3))
-            slowest = max(slowest, time.process_time() - before)
-            if bench.troubles:
-                bad += 1
-                print(f"seed {seed}: {bench.troubles[0]}", flush=True)
-            seed += 1
-    spent = time.process_time() - started
-    print(f"{seed - options.seed} runs, {bad} with trouble, {spent:.0f} s of CPU time, slowest {slowest:.1f} s; drawn: {bench.drawn.total()}")
-    print(", ".join(f"{op} {count}" for op, count in bench.drawn.most_common()))
-    return int(bad > 0)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -184,7 +184,7 @@ def test_no_answer_of_the_box_leaves_a_check_without_a_verdict(bench: Bench, see
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(seed=SEEDS)
 def test_no_answer_that_keeps_its_rule_raises_anything(bench: Bench, seed: int) -> None:
-    """Some 700 answers to every question there is; 100,000 by ``python -m tests.fuzz.answers --runs 0 --drawn 100000``."""
+    """Some 700 answers to every question there is."""
     result = bench.mark_drawn(seed)
     assert bench.troubles == []
     assert result.status == "graded"

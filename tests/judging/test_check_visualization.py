@@ -549,6 +549,8 @@ CASES = [
             ("of the figure", _untitled(title="IMU"), None),
             ("in no file", drawn(_unsaved), "skipped"),
             ("in no file, a picture handed in", drawn(_unsaved, **PICTURE_HANDED_IN), None),
+            ("a letter as a text", _untitled(texts=("ab",)), (0.0, ["no-title"])),
+            ("a text of the figure", _untitled(texts=("IMU",)), None),
             ("another panel without, of other numbers", drawn(_with_a_panel_of_lengths), None),
         ],
         COMPARISON: [

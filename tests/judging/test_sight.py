@@ -339,3 +339,17 @@ def test_a_part_is_seen_where_a_point_in_it_or_the_next_one_is(
     assert np.flatnonzero(found.seen).tolist() == list(parts)
     assert not nothing.inside.any()
     assert not nothing.seen.any()
+
+
+def test_curves_take_two_pixels_around_them() -> None:
+    inside, known = np.array([True, True, False, True]), True
+    place = visibility._Places(np.array([5, 0, 8, -1]), np.array([6, 11, 8, 3]), inside, known)
+    below = visibility._Places(np.array([12, 9]), np.array([3, 12]), inside[:2], known)
+    wanted = np.zeros((12, 12), bool)
+    wanted[3:8, 4:9] = wanted[:3, 9:] = wanted[8:, :3] = True
+    aside = visibility._Places(np.array([10]), np.array([0]), inside[:1], known)
+    assert np.array_equal(visibility._taken([place, below, aside], (12, 12)), wanted)
+    right = visibility._Places(np.array([5]), np.array([17]), inside[:1], known)
+    wide = np.zeros((12, 20), bool)
+    wide[3:8, 15:] = True
+    assert np.array_equal(visibility._taken([right], (12, 20)), wide)
