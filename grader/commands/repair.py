@@ -53,25 +53,27 @@ def repair(
       imugrade repair out alice --undo
       imugrade repair out --list
     """
-    from grader.course import class_grading, repairs  # noqa: PLC0415
+    from grader.course import class_grading, repair_log, repairs  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if list_ or id_ is None:
-        for line in repairs.listing(out):
+        for line in repair_log.listing(out):
             print(line)
         return 0
     if not (undo or suggest) and file is None:
         raise RequestError("repair: say which FILE; the report of the submission names it")
     with class_grading.grading(LAB, out, seed, trusted=trust) as by:
         if undo:
-            print(repairs.undo(out, id_, file or "", author or login(), by))
+            print(repairs.take_back(out, id_, file or "", author or login(), by))
+            repairs.publish(out, id_, by)
             return 0
         if suggest:
             for line in repairs.suggested(out, id_, by):
                 print(line)
             return 0
         wish = repairs.Wish(id_, file or "", _read(fixed), _text(patch), deduct, comment)
-        print(repairs.repair(out, wish, author or login(), by))
+        print(repairs.record(out, wish, author or login(), by))
+        repairs.publish(out, id_, by)
     return 0
 
 

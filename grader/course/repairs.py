@@ -1,29 +1,36 @@
 """Repairs: patches on submitted files, graded like any submission, minus a deduction.
 
-The record keeps every repair, and the result of the submission as it was handed in. The present result of a repaired submission
-is that of its repaired copy. A regrade grades that copy again while the student's file is the same.
+The log keeps every repair, and the record the result of the submission as it was handed in. The present result of a repaired
+submission is that of its repaired copy. A regrade grades that copy again while the student's file is the same.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import astuple, dataclass, replace
-from datetime import datetime, timezone
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader import __version__
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.database import Database, read
+from grader.course.database import read
 from grader.course.patches import LARGEST, applied, diff_of
 from grader.course.publishing import publish_all, write_class
 from grader.course.record import Key, OvertakenError, Store
+from grader.course.repair_log import (
+    MAX_COMMENT,
+    LoggedRepair,
+    RepairLog,
+    of_these_files,
+    patched,
+    repaired_sha256,
+    sha256_of,
+    timestamp,
+)
 from grader.course.repair_suggestions import Mark, Suggestion, suggest
 from grader.course.submission_archive import unpack
-from grader.engine.results import AUTOMATIC, Repair, Result, Unrepaired, from_dict
+from grader.engine.results import AUTOMATIC, Repair, Result, Unrepaired
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
@@ -34,114 +41,9 @@ from grader.people.identity import Meant
 from grader.report import words
 from grader.report.causes import stops
 
-MAX_COMMENT = 2000
 BY_ITSELF = "Applied automatically: with this edit of one place the code runs."
 MOST = 20
 """Repairs of one submission that may be in force at once; each is a patch that a person wrote."""
-_TABLE = """
-CREATE TABLE IF NOT EXISTS repairs (
-    number INTEGER PRIMARY KEY,
-    id TEXT NOT NULL,
-    file TEXT NOT NULL,
-    file_sha256 TEXT NOT NULL,
-    diff BLOB NOT NULL,
-    deduction REAL NOT NULL,
-    comment TEXT NOT NULL,
-    author TEXT NOT NULL,
-    at TEXT NOT NULL,
-    undone_by TEXT NOT NULL DEFAULT '',
-    undone_at TEXT NOT NULL DEFAULT ''
-)
-"""
-_TRIED = "CREATE TABLE IF NOT EXISTS tried (what TEXT PRIMARY KEY)"
-_FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, undone_by, undone_at"
-
-
-@dataclass(frozen=True)
-class LoggedRepair:
-    """A repair as the record keeps it; `file_sha256` is the digest of the file that it was made for, as it was handed in."""
-
-    number: int
-    id: str
-    file: str
-    file_sha256: str
-    diff: str
-    deduction: float
-    comment: str
-    author: str
-    at: str
-    undone_by: str = ""
-    undone_at: str = ""
-
-    @property
-    def is_for(self) -> tuple[str, str]:
-        return self.file, self.file_sha256
-
-
-class RepairLog(Database):
-    """The repairs of a class, in a table of its own beside the results."""
-
-    def _prepare(self) -> None:
-        super()._prepare()
-        for name, table in (("repairs", _TABLE), ("tried", _TRIED)):
-            found = self._db.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (name,)).fetchone()
-            if found is None:
-                self._db.execute(table if self._writable else table.replace("CREATE TABLE", "CREATE TEMP TABLE"))
-
-    def all(self) -> list[LoggedRepair]:
-        """Return every repair ever made, oldest first."""
-        with self._told():
-            return [_logged(row) for row in self._db.execute(f"SELECT {_FIELDS} FROM repairs ORDER BY number")]
-
-    def in_force(self, id_: str = "") -> list[LoggedRepair]:
-        """Return the repairs that nobody took back, of one submission or of all."""
-        return [each for each in self.all() if not each.undone_at and id_ in ("", each.id)]
-
-    def add(self, made: LoggedRepair) -> None:
-        """Record a repair; its number is given here."""
-        row = (made.id, made.file, made.file_sha256, made.diff.encode("utf-8", "surrogateescape"), made.deduction)
-        with self._told(), self._transaction():
-            self._db.execute(
-                "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
-                "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                (*row, made.comment, made.author, made.at),
-            )
-
-    def undo(self, number: int, author: str) -> None:
-        """Record that somebody took a repair back."""
-        with self._told(), self._transaction():
-            query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
-            self._db.execute(query, (author, _now(), number))
-
-    def is_new(self, key: Key) -> bool:
-        """Record that a repair was searched for, and return whether it is the first search."""
-        with self._told(), self._transaction():
-            what = json.dumps(astuple(key))
-            return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
-
-    def result(self, key: Key) -> Result | None:
-        """Return the result on record under this key without making it the present one."""
-        query = (
-            "SELECT record FROM results WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? "
-            "AND traces_sha256 = ? AND grader = ?"
-        )
-        row = (key.id, key.submission_sha256, key.rubric_sha256, key.traces_sha256, key.grader)
-        with self._told():
-            found = self._db.execute(query, row).fetchone()
-            return None if found is None else read(lambda text: from_dict(json.loads(text)), found[0])
-
-
-def _logged(row: Sequence[object]) -> LoggedRepair:
-    fields = list(row)
-    fields[4] = read(lambda blob: blob.decode("utf-8", "surrogateescape"), fields[4])
-    return LoggedRepair(*fields)  # type: ignore[arg-type] # columns of the table
-
-
-def _now() -> str:
-    return datetime.now(timezone.utc).isoformat(timespec="seconds")
-
-
-# --- repairing -----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -172,19 +74,6 @@ class Grading:
         return Key(id_, submission_sha256, self.rubric.sha256, self.traces.sha256, __version__)
 
 
-def repair(out: Path, wish: Wish, author: str, grading: Grading) -> str:
-    """Record a repair, grade the repaired copy, and write the pages anew; return a line on it.
-
-    Raises
-    ------
-    RequestError
-        As `record` does.
-    """
-    line = record(out, wish, author, grading)
-    _publish(out, wish.id, grading)
-    return line
-
-
 def record(out: Path, wish: Wish, author: str, grading: Grading) -> str:
     """Grade the repaired copy and record the repair; return a line on it. The pages of OUT are left as they are.
 
@@ -196,7 +85,7 @@ def record(out: Path, wish: Wish, author: str, grading: Grading) -> str:
     with Store.existing(out) as store, RepairLog.existing(out) as log:
         final_grade = _final_grade(store, wish.id)
         handed_in = _handed_in(store, final_grade)
-        before = _of_these_files(log.in_force(final_grade.id), handed_in)
+        before = of_these_files(log.in_force(final_grade.id), handed_in)
         made = _made(wish, final_grade, patched(handed_in.files, before), handed_in, author)
         result = repaired(handed_in, final_grade, [*before, made], grading, log)
         log.add(made)
@@ -229,7 +118,7 @@ def preview(out: Path, wish: Wish, grading: Grading) -> Preview:
     with Store.existing(out) as store, RepairLog.existing(out) as log:
         final_grade = _final_grade(store, wish.id)
         handed_in = _handed_in(store, final_grade)
-        before = _of_these_files(log.in_force(final_grade.id), handed_in)
+        before = of_these_files(log.in_force(final_grade.id), handed_in)
         complete = replace(wish, comment=wish.comment or "preview")
         made = _made(complete, final_grade, patched(handed_in.files, before), handed_in, "")
         original = _original(final_grade, handed_in, grading, log)
@@ -287,7 +176,7 @@ def _made(
         raise RequestError(f"repair: nothing in {printable(wish.file, 120)} changes")
     sha256, diff = sha256_of(handed_in.files[wish.file]), diff_of(wish.file, content, fixed)
     comment = wish.comment.strip().encode("utf-8", "replace").decode()
-    return LoggedRepair(0, final_grade.id, wish.file, sha256, diff, wish.deduction, comment, author, _now())
+    return LoggedRepair(0, final_grade.id, wish.file, sha256, diff, wish.deduction, comment, author, timestamp())
 
 
 def repaired(
@@ -353,27 +242,6 @@ def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepa
     )
 
 
-def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
-    """Return what the record keeps in place of the digest of a submission for its repaired copy.
-
-    It is no digest of files: a student who hands in exactly these files has repaired them without help.
-    """
-    facts = [handed_in.sha256, *((each.file, each.diff) for each in repairs)]
-    return f"repaired-{sha256_of(json.dumps(facts).encode())}"
-
-
-def sha256_of(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
-
-
-def patched(files: Mapping[str, bytes], repairs: Iterable[LoggedRepair | Repair]) -> dict[str, bytes]:
-    """Return submitted files with these repairs, in their order."""
-    now = dict(files)
-    for each in repairs:
-        now[each.file] = applied(now[each.file], each.diff, f"repair of {printable(each.file, 80)}")
-    return now
-
-
 def _final_grade(store: Store, who: str) -> FinalGrade:
     final_grades = store.final_grades()
     id_ = Meant({id_: each.hand_in.people for id_, each in final_grades.items() if each.hand_in.people}).by(who)
@@ -393,7 +261,8 @@ def _handed_in(store: Store, final_grade: FinalGrade) -> Submission:
     return Submission(final_grade.id, final_grade.result.submission, kept.files, (), "ready", sha256)
 
 
-def _publish(out: Path, who: str, grading: Grading) -> None:
+def publish(out: Path, who: str, grading: Grading) -> None:
+    """Write the pages of a submission and of its class anew."""
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)
@@ -404,24 +273,11 @@ def _final(final_grade: FinalGrade) -> str:
     return "open" if final_grade.final is None else f"{words.number(final_grade.final)} points"
 
 
-# --- taking back, listing ------------------------------------------------------------------------------------------------
-
-
-def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
-    """Take back the last repair in force of a submission or file, and rewrite the pages; return a line on it.
-
-    Raises
-    ------
-    RequestError
-        If there is none.
-    """
-    line = take_back(out, who, file, author, grading)
-    _publish(out, who, grading)
-    return line
+# --- taking back ---------------------------------------------------------------------------------------------------------
 
 
 def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
-    """Take back a repair as `undo` does, and leave the pages of OUT as they are.
+    """Take back the last repair in force of a submission or file; return a line on it. The pages of OUT are left as they are.
 
     Raises
     ------
@@ -431,7 +287,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
     with Store.existing(out) as store, RepairLog.existing(out) as log:
         final_grade = _final_grade(store, who)
         handed_in = _handed_in(store, final_grade)
-        made = _of_these_files(log.in_force(final_grade.id), handed_in)
+        made = of_these_files(log.in_force(final_grade.id), handed_in)
         old = [each for each in log.in_force(final_grade.id) if each not in made]
         last = next((each for each in reversed([*old, *made]) if file in ("", each.file)), None)
         if last is None:
@@ -451,18 +307,6 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
         log.undo(last.number, author)
         after = store.final_grades()[final_grade.id]
     return f"{printable(final_grade.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
-
-
-def listing(out: Path) -> Iterator[str]:
-    """Yield a line on every repair ever made, oldest first, and its diff below."""
-    with RepairLog.existing(out) as log:
-        for each in log.all():
-            undone = f" (taken back by {printable(each.undone_by, 80)} at {each.undone_at})" if each.undone_at else ""
-            yield (
-                f"{printable(each.id, 80)} {printable(each.file, 80)} -{words.number(each.deduction)}  "
-                f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}{undone}"
-            )
-            yield from (f"    {printable(line, 200)}" for line in each.diff.splitlines()[2:])
 
 
 # --- regrades ------------------------------------------------------------------------------------------------------------
@@ -535,7 +379,7 @@ def _renewed(
     name = printable(final_grade.id, 80)
     try:
         handed_in = _handed_in(store, final_grade)
-        current = _of_these_files(repairs, handed_in)
+        current = of_these_files(repairs, handed_in)
         for each in [each for each in repairs if each not in current]:
             yield (
                 f"{name}: the repair of {printable(each.file, 80)} by {printable(each.author, 80)} does not count: the student "
@@ -552,9 +396,3 @@ def _renewed(
         yield f"{name}: its repairs do not count: {problem}"
     else:
         yield result
-
-
-def _of_these_files(repairs: Iterable[LoggedRepair], handed_in: Submission) -> list[LoggedRepair]:
-    """Return the repairs that were made for the files as they were handed in."""
-    present = {(path, sha256_of(content)) for path, content in handed_in.files.items()}
-    return [each for each in repairs if each.is_for in present]

@@ -17,8 +17,9 @@ from typing import Literal
 from grader.base.errors import GraderError, RequestError
 from grader.course.class_grading import Recipe
 from grader.course.pool import Bounds, Pool, Stopped, Unmarked
+from grader.course.repair_log import sha256_of
 from grader.course.repair_suggestions import MOST
-from grader.course.repairs import Grading, Preview, sha256_of
+from grader.course.repairs import Grading, Preview
 from grader.engine.results import Result
 from grader.intake import Submission
 

@@ -13,7 +13,8 @@ from grader.base.errors import RequestError
 from grader.course import repairs
 from grader.course.patches import diff_of
 from grader.course.record import OvertakenError
-from grader.course.repairs import Grading, Preview, Wish, patched, sha256_of
+from grader.course.repair_log import MAX_COMMENT, patched, sha256_of
+from grader.course.repairs import Grading, Preview, Wish
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.editing import as_bytes, editable
@@ -229,8 +230,8 @@ def _wrong(book: Classbook, ask: Ask) -> dict[str, str]:
         found["deduct"] = f"Enter points from 0 to {most:g}, with at most two decimals."
     if not ask.text("comment"):
         found["comment"] = "Say what you changed. The student reads this."
-    elif len(ask.text("comment")) > repairs.MAX_COMMENT:
-        found["comment"] = f"At most {repairs.MAX_COMMENT} characters."
+    elif len(ask.text("comment")) > MAX_COMMENT:
+        found["comment"] = f"At most {MAX_COMMENT} characters."
     return found
 
 

@@ -1,0 +1,160 @@
+"""The record of repairs: who patched which submitted file, in a table beside the results of a class; files with these patches."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+
+from grader.base.text import printable
+from grader.course.database import Database, read
+from grader.course.patches import applied
+from grader.course.record import Key
+from grader.engine.results import Repair, Result, from_dict
+from grader.intake import Submission
+from grader.report import words
+
+MAX_COMMENT = 2000
+_TABLE = """
+CREATE TABLE IF NOT EXISTS repairs (
+    number INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    file TEXT NOT NULL,
+    file_sha256 TEXT NOT NULL,
+    diff BLOB NOT NULL,
+    deduction REAL NOT NULL,
+    comment TEXT NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL,
+    undone_by TEXT NOT NULL DEFAULT '',
+    undone_at TEXT NOT NULL DEFAULT ''
+)
+"""
+_TRIED = "CREATE TABLE IF NOT EXISTS tried (what TEXT PRIMARY KEY)"
+_FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, undone_by, undone_at"
+
+
+@dataclass(frozen=True)
+class LoggedRepair:
+    """A repair as the record keeps it; `file_sha256` is the digest of the file that it was made for, as it was handed in."""
+
+    number: int
+    id: str
+    file: str
+    file_sha256: str
+    diff: str
+    deduction: float
+    comment: str
+    author: str
+    at: str
+    undone_by: str = ""
+    undone_at: str = ""
+
+    @property
+    def is_for(self) -> tuple[str, str]:
+        return self.file, self.file_sha256
+
+
+class RepairLog(Database):
+    """The repairs of a class, in a table of its own beside the results."""
+
+    def _prepare(self) -> None:
+        super()._prepare()
+        for name, table in (("repairs", _TABLE), ("tried", _TRIED)):
+            found = self._db.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (name,)).fetchone()
+            if found is None:
+                self._db.execute(table if self._writable else table.replace("CREATE TABLE", "CREATE TEMP TABLE"))
+
+    def all(self) -> list[LoggedRepair]:
+        """Return every repair ever made, oldest first."""
+        with self._told():
+            return [_logged(row) for row in self._db.execute(f"SELECT {_FIELDS} FROM repairs ORDER BY number")]
+
+    def in_force(self, id_: str = "") -> list[LoggedRepair]:
+        """Return the repairs that nobody took back, of one submission or of all."""
+        return [each for each in self.all() if not each.undone_at and id_ in ("", each.id)]
+
+    def add(self, made: LoggedRepair) -> None:
+        """Record a repair; its number is given here."""
+        row = (made.id, made.file, made.file_sha256, made.diff.encode("utf-8", "surrogateescape"), made.deduction)
+        with self._told(), self._transaction():
+            self._db.execute(
+                "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
+                "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+                (*row, made.comment, made.author, made.at),
+            )
+
+    def undo(self, number: int, author: str) -> None:
+        """Record that somebody took a repair back."""
+        with self._told(), self._transaction():
+            query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
+            self._db.execute(query, (author, timestamp(), number))
+
+    def is_new(self, key: Key) -> bool:
+        """Record that a repair was searched for, and return whether it is the first search."""
+        with self._told(), self._transaction():
+            what = json.dumps(astuple(key))
+            return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
+
+    def result(self, key: Key) -> Result | None:
+        """Return the result on record under this key without making it the present one."""
+        query = (
+            "SELECT record FROM results WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? "
+            "AND traces_sha256 = ? AND grader = ?"
+        )
+        row = (key.id, key.submission_sha256, key.rubric_sha256, key.traces_sha256, key.grader)
+        with self._told():
+            found = self._db.execute(query, row).fetchone()
+            return None if found is None else read(lambda text: from_dict(json.loads(text)), found[0])
+
+
+def _logged(row: Sequence[object]) -> LoggedRepair:
+    fields = list(row)
+    fields[4] = read(lambda blob: blob.decode("utf-8", "surrogateescape"), fields[4])
+    return LoggedRepair(*fields)  # type: ignore[arg-type] # columns of the table
+
+
+def timestamp() -> str:
+    return datetime.now(timezone.utc).isoformat(timespec="seconds")
+
+
+def listing(out: Path) -> Iterator[str]:
+    """Yield a line on every repair ever made, oldest first, and its diff below."""
+    with RepairLog.existing(out) as log:
+        for each in log.all():
+            undone = f" (taken back by {printable(each.undone_by, 80)} at {each.undone_at})" if each.undone_at else ""
+            yield (
+                f"{printable(each.id, 80)} {printable(each.file, 80)} -{words.number(each.deduction)}  "
+                f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}{undone}"
+            )
+            yield from (f"    {printable(line, 200)}" for line in each.diff.splitlines()[2:])
+
+
+def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
+    """Return what the record keeps in place of the digest of a submission for its repaired copy.
+
+    It is no digest of files: a student who hands in exactly these files has repaired them without help.
+    """
+    facts = [handed_in.sha256, *((each.file, each.diff) for each in repairs)]
+    return f"repaired-{sha256_of(json.dumps(facts).encode())}"
+
+
+def sha256_of(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def patched(files: Mapping[str, bytes], repairs: Iterable[LoggedRepair | Repair]) -> dict[str, bytes]:
+    """Return submitted files with these repairs, in their order."""
+    now = dict(files)
+    for each in repairs:
+        now[each.file] = applied(now[each.file], each.diff, f"repair of {printable(each.file, 80)}")
+    return now
+
+
+def of_these_files(repairs: Iterable[LoggedRepair], handed_in: Submission) -> list[LoggedRepair]:
+    """Return the repairs that were made for the files as they were handed in."""
+    present = {(path, sha256_of(content)) for path, content in handed_in.files.items()}
+    return [each for each in repairs if each.is_for in present]
