@@ -163,6 +163,13 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     assert [row["final"] for row in rows("marks.csv")] == ["100", "0", ""]
 
 
+def test_the_beginning_of_several_ids_is_ambiguous(run: Run) -> None:
+    hand_in(Path("class"), jane_1=1, jane_2=0)
+    assert run("grade", "class", "-o", "out")[0] == 0
+    code, _, err = run("grade", "class", "-o", "out", "--only", "jane")
+    assert (code, err) == (2, "imugrade: jane is ambiguous: it may mean jane_1, jane_2; give the id\n")
+
+
 def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:
     canvas_download(doejane_101=1)
     Path("roster.csv").write_text("name,canvas_user_id,sid\nJane Doe,103,s3\n")

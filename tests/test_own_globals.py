@@ -67,7 +67,8 @@ USES = {
         "both": ("def f(m, d):\n    return m.nq, d.time", []),
         "a global in their absence": ("def f(m=None, d=None):\n    return (m or model).nq, (d or data).time", []),
         "neither, by a helper": ("def helper():\n    return data.time\ndef f(m, d):\n    return m.nq, helper()", ["global data"]),
-        "no parameters": ("def f():\n    return model.nq, data.time", []),
+        "no model and no data": ("def f(m, d):\n    return 1.0", []),
+    "no parameters": ("def f():\n    return model.nq, data.time", []),
     }  # fmt: skip
 
 

@@ -268,6 +268,16 @@ def test_marks_and_what_is_asked_depend_on_what_own_checks_say(tmp_path: Path) -
     assert slower.asked_sha256 != without.asked_sha256
 
 
+def test_the_rubric_of_an_installation_lies_with_the_lab(tmp_path: Path) -> None:
+    class Kit(Lab):
+        folder = tmp_path  # type: ignore[assignment]
+
+    kit = Kit(**{each.name: getattr(LAB, each.name) for each in fields(LAB)})
+    assert rubric.shipped(kit) == rubric.shipped(LAB)
+    (tmp_path / "rubric.yaml").write_bytes(SHIPPED)
+    assert rubric.shipped(kit) == tmp_path / "rubric.yaml"
+
+
 def test_a_kits_own_checks_lie_beside_the_labs(tmp_path: Path) -> None:
     class Kit(Lab):
         folder = tmp_path  # type: ignore[assignment]

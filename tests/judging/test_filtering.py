@@ -125,6 +125,7 @@ FILTERS: list[tuple[str, Filter, Mapping[str, tuple[float, str]]]] = [
     ("initial value ignored", lambda a, x, _: sheet(a, x), {START: (0.5, "initial-value-ignored")}),
     ("zeros ignored as an initial value", _restarts_at_zero, {START: (0.5, "initial-value-ignored")}),
     ("nothing of a constant", lambda a, x, i: sheet(a, x, i) * bool(np.ptp(x, axis=0).any()), {CONSTANT: (0.0, CONSTANT)}),
+    ("no numbers of a constant", lambda a, x, i: sheet(a, x, i) * (1 if np.ptp(x, axis=0).any() else np.nan), {CONSTANT: (0.0, CONSTANT)}),
     *(
         (name, memoryless(change), {OF: (0.0, told), **NO_FILTER})
         for name, change, told in [

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.findings import (
-    Fault,
-    Size,
-    Where,
-)
+from grader.engine.findings import CheckFailed, Fault, Raised, Size, Where, raised
 
 pytestmark = pytest.mark.quick
+_FAULT = Fault("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
 
 
 @pytest.mark.parametrize(
@@ -21,6 +18,8 @@ pytestmark = pytest.mark.quick
         (-0.123, "m/s²", "it is off by 0.1 to 1 m/s²"),
         (9.99, "", "it is off by 1 to 10"),
         (1.1e-12, "s", "it is off by 1e-12 to 1e-11 s"),
+        (float("nan"), "s", "it is off, beyond all measure"),
+        (1e12, "s", "it is off, beyond all measure"),
     ],
 )
 def test_of_a_size_the_power_of_ten_is_told(value: float | None, unit: str, said: str) -> None:
@@ -54,3 +53,25 @@ def test_a_place_is_told_by_file_and_line(file: str | None, line: int | None, wh
 )
 def test_of_a_line_what_can_be_shown_is_shown_with_the_caret_below(text: str | None, lines: list[str]) -> None:
     assert Fault("SyntaxError", "no", "a.py", 1, text).lines == lines
+
+
+def test_a_loss_says_what_was_expected_and_what_came() -> None:
+    lost = CheckFailed("1 m/s²", "2 m/s²")
+    assert str(lost) == "expected 1 m/s²; got 2 m/s²"
+    assert (lost.expected, lost.got, lost.off, lost.hint, lost.where) == ("1 m/s²", "2 m/s²", None, "", None)
+    assert (lost.mistakes, lost.keeps, lost.belongs_to) == ((), 0.0, ("",))
+    size = Size("it is off", 1.0)
+    more = CheckFailed(
+        "a", "b", mistakes=["no-bias"], keeps=0.5, hint="Look.", off=size, belongs_to=("c.d", "e.f"), fault=_FAULT
+    )
+    assert (more.mistakes, more.keeps, more.hint, more.off) == (("no-bias",), 0.5, "Look.", size)
+    assert (more.belongs_to, more.where) == (("c.d", "e.f"), Where("imu_reader.py", 12))
+    assert CheckFailed("a", "b", belongs_to="c.d").belongs_to == ("c.d",)
+
+
+def test_an_exception_stops_a_check_and_says_what_was_done() -> None:
+    raised(None, "reading the sensors")
+    with pytest.raises(Raised) as stopped:
+        raised(_FAULT, "reading the sensors")
+    assert str(stopped.value) == "ValueError: no"
+    assert (stopped.value.fault, stopped.value.doing) == (_FAULT, "reading the sensors")

@@ -57,6 +57,10 @@ SHOWN: dict[str, tuple[Array, Array]] = {
     "in degrees": (STAMPS, np.degrees(RATE)),
     "three readings": (STAMPS[100:400:100], RATE[100:400:100]),
     "five readings in any order": (STAMPS[MIXED], RATE[MIXED]),
+    "five readings, with times that are rounded": (
+        STAMPS[MIXED] + 1e-9 * np.array([1, -1, 1, -1, 1]),
+        RATE[MIXED],
+    ),
     "five readings in degrees": (STAMPS[MIXED] - DT, np.degrees(RATE[MIXED])),
     "its last part": (STAMPS[LAST], RATE[LAST]),
     "with gaps": (STAMPS, GAPS),
