@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +15,7 @@ import pytest
 from grader.engine.results import from_dict
 from grader.engine.rubric import shipped
 from grader.labs.imu.lab import LAB
-from tests.examples import FOLDER, expected, files, folders, summary
+from tests.examples import FOLDER, expected, folders, summary
 from tests.generated import STALE
 from tests.made_up import without_durations
 
@@ -58,18 +57,6 @@ def test_every_example_gets_what_the_table_says(out: Path) -> None:
     for record in records.values():
         jsonschema.validate(record, SCHEMA)
     assert {name: summary(from_dict(record)) for name, record in records.items()} == expected(), STALE
-
-
-def test_what_tools_leave_in_an_example_is_no_part_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = [path.name for path in files("s06-id-as-address")]
-    shutil.copytree(FOLDER / "s06-id-as-address", tmp_path / "s06-id-as-address")
-    monkeypatch.setattr("tests.examples.FOLDER", tmp_path)
-    for name in (".imugrade/repro.py", "__pycache__/filters.pyc", ".ipynb_checkpoints/lab.ipynb", ".DS_Store"):
-        for left in (tmp_path / name, tmp_path / "s06-id-as-address" / name):
-            left.parent.mkdir(exist_ok=True)
-            left.touch()
-    assert [folder.name for folder in folders()] == ["s06-id-as-address"]
-    assert [path.name for path in files("s06-id-as-address")] == before
 
 
 def test_the_class_is_finished_although_one_loops_for_ever_and_one_kills_its_interpreter(out: Path) -> None:

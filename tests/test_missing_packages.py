@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from grader.commands import machine
 from grader.course import missing_packages
 from grader.course.classroom import installed_since
 from grader.course.record import Key, Store
@@ -75,21 +74,3 @@ def test_what_failed_is_graded_again_once_the_package_is_there(tmp_path: Path, m
         assert installed_since(store) == set()
         monkeypatch.setattr(missing_packages, "available", lambda: {"numpy", "pandas"})
         assert installed_since(store) == {"a"}
-
-
-def test_the_libraries_of_the_lab_are_available() -> None:
-    assert {"numpy", "scipy", "matplotlib", "mujoco"} <= missing_packages.available()
-
-
-def test_doctor_says_before_grading_what_a_class_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, first in (("ann", "import pandas\n"), ("bob", "")):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "imu_reader.py").write_text(first)
-    monkeypatch.setattr(missing_packages, "available", set)
-    told = [each.text for each in machine.packages_of([tmp_path])]
-    assert told == [
-        "pandas is not installed for student code: 1 submission imports it (ann)",
-        f"{PIP} pandas installs it; then `imugrade grade` grades only these again",
-    ]
-    (tmp_path / "ann" / "imu_reader.py").write_text("")
-    assert [each.good for each in machine.packages_of([tmp_path])] == [True]

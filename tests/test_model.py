@@ -65,24 +65,11 @@ def test_no_gyroscope_follows_its_accelerometer_directly(model: mujoco.MjModel) 
     assert all(model.sensor_adr[gyro] != model.sensor_adr[accel] + 3 for accel, gyro in imus(model))
 
 
-def test_accelerometer_and_gyroscope_come_in_both_orders(model: mujoco.MjModel) -> None:
-    assert {accel < gyro for accel, gyro in imus(model)} == {True, False}
-
-
 def test_the_initial_pose_is_the_equilibrium(model: mujoco.MjModel) -> None:
     assert np.abs(balance.missing_forces(model)).max() < 1e-3  # N or N m, of a weight of 350 N
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert np.abs(data.qacc).max() < 1e-2
-
-
-def test_solving_for_the_balance_recovers_from_a_change() -> None:
-    text = LAB_MODEL.read_text(encoding="utf-8").replace('size="0.018" mass="1"', 'size="0.018" mass="1.2"')
-    lost = np.abs(balance.missing_forces(mujoco.MjModel.from_xml_string(text))).max()
-    for _ in range(6):
-        text = balance.balanced(text)
-    assert lost > 0.4
-    assert np.abs(balance.missing_forces(mujoco.MjModel.from_xml_string(text))).max() < 0.02
 
 
 @pytest.mark.parametrize("timestep", [0.002, 0.001, 0.0025, 0.004])
@@ -121,12 +108,3 @@ def test_the_torso_imu_looks_forward_right_down(model: mujoco.MjModel) -> None:
     mujoco.mj_forward(model, data)
     axes = data.site("torso_imu").xmat.reshape(3, 3).T
     np.testing.assert_allclose(axes, [[1, 0, 0], [0, -1, 0], [0, 0, -1]], atol=1e-12)
-
-
-def test_the_four_imus_are_mounted_in_four_ways(model: mujoco.MjModel) -> None:
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    mounted = [data.site(f"{place}_imu").xmat.reshape(3, 3) for place in worlds.LAB_PLACES]
-    apart = [np.abs(a - b).max() for i, a in enumerate(mounted) for b in mounted[:i]]
-    assert min(apart) > 0.3
-    assert min(np.abs(one - np.eye(3)).max() for one in mounted) > 0.3  # none is the world's frame

@@ -10,7 +10,7 @@ from grader.engine.results import CriterionResult
 from grader.intake import Submission
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
-from tests.corpus.pieces import COLLECT_LOOKUP, COMPARE, PLOT_LOOP, edit, lab
+from tests.corpus.pieces import COMPARE, PLOT_LOOP, edit, lab
 from tests.recordings import Marking
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
@@ -66,39 +66,6 @@ def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(player: Mark
     lost = {criterion.id for criterion in result.criteria if criterion.points < criterion.max_points}
     assert lost == {"sensor_access"}
     assert set(result.misconceptions) <= {fault.mistake, *fault.also}
-
-
-@pytest.mark.parametrize(
-    "spoilt",
-    [
-        "acceleration = np.apply_along_axis(np.convolve, 0, acceleration, np.ones(5) / 5, mode='same')",
-        "acceleration, angular_velocity = acceleration.round(2), angular_velocity.round(2)",
-        "acceleration = acceleration + np.random.normal(0, 0.05, acceleration.shape)",
-    ],
-)
-def test_rows_that_were_changed_after_a_sound_run_cost_the_rows_and_not_reset_and_push(
-    player: Marking, spoilt: str
-) -> None:
-    collect = COLLECT_LOOKUP.replace("    return {", f"    {spoilt}\n    return {{")
-    criterion = _criterion(player, "data_collection", lab(collect=collect))
-    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"data_collection.matches_truth"}
-
-
-def test_rows_of_nothing_earn_neither_reset_nor_push_and_no_reset_is_claimed(player: Marking) -> None:
-    collect = COLLECT_LOOKUP.replace(
-        "    return {",
-        "    acceleration, angular_velocity = np.random.normal(0, 9.81, (2, *acceleration.shape))\n    return {",
-    )
-    criterion = _criterion(player, "data_collection", lab(collect=collect))
-    outcomes = {check.id.partition(".")[2]: check.outcome for check in criterion.checks}
-    assert (outcomes["starts_from_reset"], outcomes["applies_push"]) == ("skipped", "skipped")
-
-
-def test_a_bias_that_is_added_twice_is_not_called_ignored(player: Marking) -> None:
-    changes = [(f"{sensor} + self.{sensor}_bias", f"{sensor} + 2 * self.{sensor}_bias") for sensor in ("accel", "gyro")]
-    criterion = _criterion(player, "noise_model", edit(lab(), "noisy_imu.py", *changes))
-    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.given_bias"}
-    assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
 
 
 def test_who_uses_what_is_not_there_is_told_what_is(player: Marking) -> None:
@@ -202,24 +169,3 @@ def test_a_check_keeps_its_points_only_where_the_one_that_it_belongs_to_is_lost(
     assert _settled(("b", 0.5, "never-asked")) == {"b": 0.5}
     assert _settled(("a", 1.0, ""), ("c", 0.0, ""), ("b", 0.5, "a c")) == {"a": 1.0, "c": 0.0, "b": 1.0}
     assert _settled(("a", 0.0, "b"), ("b", 0.5, "")) == {"a": 1.0, "b": 0.5}
-
-
-ADDS_ITS_STATE = """\
-class LowPassFilter:
-    def __init__(self, alpha=0.1, initial_value=None):
-        self.alpha, self.value = alpha, initial_value
-
-    def update(self, measurement):
-        x = np.array(measurement, float)
-        self.value = x if self.value is None else self.value + self.alpha * (x + self.value)
-        return self.value.copy()
-"""
-
-
-def test_a_broken_filter_that_is_given_lists_costs_its_own_criterion_alone(player: Marking) -> None:
-    """The stand-in filter takes a list, as the program's own filter does, so that the comparison plot can be drawn with it."""
-    compare = COMPARE.replace("low_pass.update(accel)", "low_pass.update(list(accel))")
-    assert compare != COMPARE
-    files = lab(low_pass=ADDS_ITS_STATE, compare=compare)
-    result = player.mark(Submission("s", "s", {path: text.encode() for path, text in files.items()}, (), "ready", ""))
-    assert {part.id: part.points for part in result.criteria if part.points < 20.0} == {"filtering": 14.0}

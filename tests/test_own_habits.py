@@ -229,12 +229,6 @@ def _slips() -> Iterator[Slip]:
         files = changed(verbatim(), NOISY, own)
         files = changed(files, FILTER, {"noisy_imu.read()": own["noisy_imu.read()"]})
         yield Slip(f"read() is given {name}", files, {NOISE: 3.0}, OTHER)
-    yield Slip(
-        "curves of one sensor in no panel",
-        changed(tidy(), READER, {'top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")': "pass"}),
-        {"visualization.curves_match_data": 2.5},
-        ("curves-missing",),
-    )
     flag = {"class LowPassFilter:": "first = True\n\n\nclass LowPassFilter:",
             "        if self.state is None:\n": "        global first\n        if first and self.state is None:\n            first = False\n"}  # fmt: skip
     yield Slip(
@@ -242,18 +236,6 @@ def _slips() -> Iterator[Slip]:
         changed(tidy(), FILTER, flag),
         {"filtering.instances_independent": 3.0},
         ("shared-state",),
-    )
-    across = {
-        '        top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")\n': "        pass\n",
-        '        bottom.plot(t, imu_data["angular_velocity"][:, k], label=rf"$\\omega_{axis}$")\n': '    top.plot(imu_data["acceleration"].T)\n'
-        '    bottom.plot(imu_data["angular_velocity"].T)\n',
-        'ax.legend(loc="best")': 'ax.legend(["x", "y", "z"])',
-    }
-    yield Slip(
-        "a curve of three points for each reading",
-        changed(tidy(), READER, across),
-        {"visualization.curves_match_data": 5.0},
-        ("wrong-data-plotted",),
     )
     yield Slip(
         "legends of the parts of a figure",

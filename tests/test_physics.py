@@ -68,33 +68,6 @@ def test_a_site_off_the_axis_of_a_constant_spin_reads_the_centripetal_accelerati
     np.testing.assert_allclose(spin.angular_velocity, np.tile([0.0, 0.0, omega], (len(spin.time), 1)), atol=1e-12)
 
 
-@pytest.mark.parametrize("axis", range(3))
-def test_a_force_along_one_axis_shows_on_that_axis_alone(axis: int) -> None:
-    direction = np.eye(3)[axis]
-    joint = f'<joint type="slide" axis="{" ".join(map(str, direction))}"/>'
-    model = world(f'<body>{joint}<geom size="0.1" mass="2"/><site name="imu"/></body>')
-    data = mujoco.MjData(model)
-    data.qfrc_applied[0] = 3.0
-    accel, gyro = read(model, data)
-    # Along the joint the force alone counts (gravity acts on sensor and body alike); across it the bearing holds it up.
-    held = np.array([0.0, 0.0, G]) * (1 - direction)
-    np.testing.assert_allclose(accel, held + direction * 3.0 / 2.0, atol=1e-12)
-    np.testing.assert_allclose(gyro, 0.0, atol=1e-15)
-
-
-PENDULUM = """<body><joint axis="0 1 0"/><geom type="sphere" pos="0 0 -0.8" size="0.001" mass="1.5"/>
-<site name="imu" pos="0 0 -0.8"/></body>"""
-
-
-def test_a_pendulum_released_at_an_angle_feels_the_pull_of_its_rod_and_nothing_across() -> None:
-    model = world(PENDULUM)
-    data = mujoco.MjData(model)
-    data.qpos[0] = 0.6
-    accel, _ = read(model, data)
-    # A tiny sphere's own inertia takes 2/5 (r/l)² of the swing, about 6e-7.
-    np.testing.assert_allclose(accel, [0.0, 0.0, G * np.cos(0.6)], atol=1e-5)
-
-
 # --- finite differences ---------------------------------------------------------------------------------------------
 
 

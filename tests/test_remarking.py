@@ -23,10 +23,8 @@ from grader.engine.rubric import Rubric
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Person, beneath
+from grader.people.final_grade import HandIn, Person
 from grader.people.late_policy import judged
-from grader.report import charts
-from grader.report.pages import drawn_in
 from tests.examples import FOLDER, folders
 from tests.made_up import Nobody, lost
 from tests.recordings.marker import RecordedMarker
@@ -143,23 +141,6 @@ def written(out: Path, store: Store) -> dict[str, bytes]:
     return {path.parent.name: path.read_bytes() for path in sorted(out.glob("submissions/*/report.html"))}
 
 
-def test_other_points_leave_the_charts_of_a_report_as_they_stand_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    keep(tmp_path, changed())
-    with Store(tmp_path) as store:
-        before = written(tmp_path, store)
-        with monkeypatch.context() as nothing:
-            nothing.setattr(charts, "views", lambda _: pytest.fail("a chart was drawn again"))
-            regrade.remark(tmp_path, store, changed(PRICES))
-            after = written(tmp_path, store)
-            assert written(tmp_path, store) == after
-        figures = [(drawn_in(before[id_].decode()), drawn_in(after[id_].decode())) for id_ in before]
-    assert all(before[id_] != after[id_] for id_ in before)
-    assert all(old == new for old, new in figures)
-    assert len(figures[0][0]) > 2
-
-
 @pytest.mark.parametrize(
     "edit", [("call_cpu_s: 1", "call_cpu_s: 2"), ("accelerometer: torso_", "accelerometer: head_")]
 )
@@ -174,15 +155,6 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
         ):
             regrade.remark(tmp_path, store, changed(edit))
         assert store.final_grades() == before
-
-
-def test_points_by_hand_stay_and_are_told_as_out_of_date(tmp_path: Path) -> None:
-    graded = marked(found("s06-id-as-address"), changed())
-    by_hand = Adjustment("sensor_access", 20.0, "seen", "me", "now", beneath(graded.criteria[0]))
-    before = {"a": FinalGrade("a", graded, adjustments=(by_hand,))}
-    assert before["a"].outdated() == []
-    after = regrade.under(before, changed(PRICES))["a"]
-    assert (after.final, after.outdated()) == (100.0, [by_hand])
 
 
 # ---- grading again ----
@@ -242,13 +214,3 @@ def test_a_mistake_with_a_price_costs_that_within_its_check(
 ) -> None:
     by = priced("mistakes: {sensor-id-as-address: 4, raises: 0.5, swapped-sensors: 90}")
     assert points(by, keeps, *mistakes) == left
-
-
-def test_a_price_changes_what_marks_depend_on_and_not_what_is_asked() -> None:
-    plain, by = priced(""), priced("mistakes: {raises: 1}")
-    assert (by.sha256 != plain.sha256, by.asked_sha256) == (True, plain.asked_sha256)
-    assert priced("mistakes: {}").sha256 == plain.sha256
-    assert (
-        priced("mistakes: {raises: 1, never-returns: 2}").sha256
-        == priced("mistakes: {never-returns: 2, raises: 1}").sha256
-    )

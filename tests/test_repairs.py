@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -293,17 +292,6 @@ def test_every_gradebook_has_the_repaired_grade(run: Run, platform: str, templat
     for name, points in cells.items():
         line = next(line for line in text.splitlines() if name in line)
         assert points in re.split("[,;]", line) or f"{points}.0" in line, line
-
-
-def test_diff_tells_what_was_repaired_and_what_no_longer_is(run: Run) -> None:
-    before = total()
-    shutil.copytree("out", "before")
-    repaired(run)
-    told = run("diff", "before", "out")[1]
-    assert f"alice  {before:g} → 99\n" in told
-    assert f"  {REPAIRED}\n" in told
-    assert "bob" not in told
-    assert f"  no longer: {REPAIRED}\n" in run("diff", "out", "before")[1]
 
 
 def test_every_format_of_a_job_tells_a_repair(run: Run) -> None:

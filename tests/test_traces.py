@@ -241,28 +241,6 @@ def test_a_damaged_cache_entry_is_recorded_again(recordings: list[tuple[str, str
     assert len(recordings) == 2
 
 
-def test_without_a_usable_cache_it_works_all_the_same(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
-    blocked = tmp_path / "a file"
-    blocked.write_text("in the way", encoding="utf-8")
-    assert bundles.obtain(SECRET, blocked).name == "hidden"
-
-
-def test_a_changed_reference_or_simulator_makes_another_entry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    keys = {
-        recording._cache_key(LAB, "hidden", "a"),
-        recording._cache_key(LAB, "hidden", "b"),
-        recording._cache_key(LAB, "public", "a"),
-    }
-    with_mujoco(monkeypatch, "9.9.9")
-    keys.add(recording._cache_key(LAB, "hidden", "a"))
-    copied = tmp_path / "reference"
-    shutil.copytree(Path(recorder.__file__).parent, copied)
-    (copied / "filters.py").write_text("# changed\n", encoding="utf-8")
-    monkeypatch.setattr(recording, "folder_of", lambda lab: copied)
-    keys.add(recording._cache_key(LAB, "hidden", "a"))
-    assert len(keys) == 5
-
-
 def test_public_traces_are_the_shipped_ones_on_the_simulator_that_recorded_them(
     recordings: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

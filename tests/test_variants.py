@@ -10,7 +10,7 @@ from reference import worlds
 from reference.imu_reader import simulate_and_collect
 from reference.lab_variants import lab_variant
 from reference.scene import LAB_PAIR, generator, roll
-from reference.variants import FRICTION, MASSES, SPRINGS, TIMESTEPS, vary
+from reference.variants import FRICTION, MASSES, SPRINGS, TIMESTEPS
 from tests.variety import LEAST, distances, push_of
 
 SECRETS = 8
@@ -94,41 +94,3 @@ def test_masses_springs_dampers_friction_and_time_steps_are_others(
         assert min(masses.std(), springs.std(), np.abs(model.dof_damping - public.dof_damping).max()) > 0.05
     steps = {round(float(model.opt.timestep / public.opt.timestep), 6) for model in robots}
     assert steps == set(TIMESTEPS)
-
-
-# --- any model ------------------------------------------------------------------------------------------------------
-
-FRAMED = """<mujoco><compiler angle="degree" settotalmass="9"/><default><geom density="700"/><default class="soft">
-<joint stiffness="7" damping="0.3"/></default></default><worldbody><geom type="plane" size="1 1 1"/>
-<frame pos="1 0 0"><body pos="0 0 1" childclass="soft"><freejoint/><geom size=".1"/>
-<frame euler="0 0 90"><site name="imu" pos="0.1 0 0" euler="90 0 0"/></frame>
-<body><joint name="bend"/><geom size=".1" pos="0 0 0.2"/></body></body></frame></worldbody>
-<sensor><accelerometer name="acc" site="imu"/><gyro site="imu"/></sensor><sensor><jointpos joint="bend"/></sensor></mujoco>"""
-
-
-@pytest.mark.parametrize("key", ["shuffled", "free_fall", "gimbal"])
-def test_a_model_of_any_making_has_a_variant_with_its_own_names(key: str) -> None:
-    texts = {
-        "shuffled": worlds.shuffled(np.random.default_rng(3)).xml,
-        "free_fall": worlds.FREE_FALL,
-        "gimbal": worlds.GIMBAL,
-    }
-    before = mujoco.MjModel.from_xml_string(texts[key])
-    after = mujoco.MjModel.from_xml_string(vary(texts[key], np.random.default_rng(1)))
-    assert (after.nbody, after.njnt, after.ngeom, after.nq) == (before.nbody, before.njnt, before.ngeom, before.nq)
-    for i in range(before.nsensor):
-        sensor = before.sensor(i)
-        assert int(after.sensor(sensor.name).type[0]) == int(before.sensor_type[i])
-    assert np.abs(after.body_mass - before.body_mass).max() > 0.01
-
-
-@pytest.mark.skipif(not hasattr(mujoco, "MjSpec"), reason="MuJoCo before 3.2 knows no frames in its saved text")
-def test_defaults_frames_and_totals_count_for_what_they_make() -> None:
-    before, text = mujoco.MjModel.from_xml_string(FRAMED), vary(FRAMED, np.random.default_rng(5))
-    after = mujoco.MjModel.from_xml_string(text)
-    assert np.abs(after.body_mass[1:] / before.body_mass[1:] - 1).max() < 0.25 + 1e-6
-    assert after.jnt_stiffness[1] != before.jnt_stiffness[1] > 0
-    assert np.abs(after.site("imu").pos - before.site("imu").pos).max() < 0.0201
-    turned = np.abs(np.dot(after.site("imu").quat, before.site("imu").quat))
-    assert 2 * np.arccos(min(1.0, turned)) < 0.21
-    assert np.abs(after.body_pos - before.body_pos).max() < 1e-9

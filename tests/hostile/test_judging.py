@@ -7,14 +7,12 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
 
 import pytest
 
 from grader.sandbox.isolation_levels import UNWALLED
 from tests.hostile import outputs
 from tests.hostile.bait import SECRET, below
-from tests.hostile.forging import READS
 from tests.hostile.judging import Court
 from tests.hostile.program import FILTER, Program, in_method, last, sound
 
@@ -43,7 +41,9 @@ raise RuntimeError(open("@SECRET@").read())
 
 
 def in_filter(code: str) -> Program:
-    return Program("made-up", "escape", last(sound(), FILTER, in_method("LowPassFilter", "update", code)), only="filtering")
+    return Program(
+        "made-up", "escape", last(sound(), FILTER, in_method("LowPassFilter", "update", code)), only="filtering"
+    )
 
 
 @pytest.fixture
@@ -72,22 +72,6 @@ def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> No
         "the decoy target.txt changed",
         "1 processes are left over",
     ]
-
-
-def test_more_points_than_the_honest_twin_are_seen(court: Court) -> None:
-    forged = Program("made-up", "forgery", sound(), READS, "sensor_access")
-    (trouble,) = court.try_(forged).troubles
-    assert trouble.startswith("20 points, without the attack ")
-
-
-def test_points_lost_where_the_attack_is_not_are_seen(court: Court) -> None:
-    (trouble,) = court.try_(replace(in_filter("return 0.0"), keeps=("filtering",))).troubles
-    assert trouble.startswith("filtering lost points that the attack is not about: filtering.")
-
-
-def test_other_marks_of_a_neighbour_are_seen(court: Court, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Court, "_neighbour", lambda court: {"filtering.follows_recursion": 0.0})
-    assert court.try_(Program("made-up", "poison", sound(), only="filtering")).troubles == ["a neighbour's marks changed"]
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import ast
-
 import pytest
 
-from tests.mutants.grading import FILES, REFERENCE, SHEET, all_mutants, lost, reasons
-from tests.mutants.operators import OPERATORS, Mutant, mutants
+from tests.mutants.grading import FILES, REFERENCE, all_mutants, lost, reasons
+from tests.mutants.operators import OPERATORS, Mutant
 
 
 def _one_of_each_operator() -> list[Mutant]:
@@ -27,21 +25,7 @@ def test_the_reference_itself_loses_none() -> None:
     assert lost(Mutant("filters.py", "", "", 0, "", source)) == ()
 
 
-def test_every_mutant_is_another_program_that_can_be_read() -> None:
-    found = all_mutants()
-    originals = {file: ast.dump(ast.parse((REFERENCE / file).read_text(encoding="utf-8"))) for file in SHEET}
-    assert len(found) > 300
-    assert len({mutant.key for mutant in found}) == len(found)
-    assert [m.key for m in found if ast.dump(ast.parse(m.source)) == originals[m.file]] == []
-
-
 def test_every_reason_speaks_of_a_mutant_that_there_is() -> None:
     made = all_mutants(FILES)
     explained = {pattern for mutant in made for pattern in reasons().of(mutant)}
     assert reasons().patterns - explained == set()
-
-
-def test_docstrings_annotations_imports_and_lists_of_names_are_left_alone() -> None:
-    source = '"""Words."""\nimport math\n\n__all__ = ["f"]\n\n\ndef f(x: int = 1) -> int:\n    """More."""\n    return x + 1\n'
-    changes = {m.change for m in mutants("f.py", source, frozenset())}
-    assert changes == {"1 → 2", "1 → 2 (2)", "x + 1 → x - 1", "return x + 1 → return"}
