@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-from grader.base.errors import RequestError
 from grader.course import classroom
 from grader.course.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
 from grader.course.warnings import remarks
@@ -21,7 +20,7 @@ from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
-from tests.made_up import FakeMarker, check, fake_marker, no_marker, result, submission
+from tests.made_up import FakeMarker, check, fake_marker, result, submission
 
 ROOT = Path(__file__).parent.parent
 
@@ -53,13 +52,6 @@ def test_a_submission_that_kills_two_markers_is_handed_back_and_no_other_is_mark
     assert sorted(FakeMarker(tmp_path).marked()) == ["a", "b", "c", "kill", "kill"]
 
 
-def test_what_lay_ready_at_a_marker_that_was_killed_is_nobodys_failure(tmp_path: Path) -> None:
-    outcomes = grade(tmp_path, "kill", "a", "kill-again", "b")
-    unmarked = {id_ for id_, outcome in outcomes.items() if isinstance(outcome, Unmarked)}
-    assert unmarked == {id_ for id_ in outcomes if id_.startswith("kill")}
-    assert sorted(FakeMarker(tmp_path).marked()) == ["a", "b", "kill", "kill", "kill-again", "kill-again"]
-
-
 def test_a_fault_of_the_grader_is_handed_back_with_its_words(tmp_path: Path) -> None:
     assert grade(tmp_path, "bug")["bug"] == Unmarked("GraderError: the zygote is gone")
 
@@ -83,12 +75,6 @@ def test_a_marker_that_grows_without_end_is_ended(tmp_path: Path) -> None:
     outcomes = bounded(tmp_path, Bounds(memory_bytes=300 << 20), "a", "fat", "b")
     assert outcomes.pop("fat") == Stopped("more than 0.292969 GB of memory")
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
-
-
-def test_a_marker_that_cannot_be_opened_ends_the_run(tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match=f"no marker for {tmp_path.name}"):
-        list(mark_all(iter([submission("a")]), partial(no_marker, tmp_path), 1))
-    assert multiprocessing.active_children() == []
 
 
 def test_a_run_that_is_given_up_leaves_no_process_behind(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.durability import hand_in, recorded, results
-from tests.made_up import FakeMarker, Nobody, fake_marker, no_marker, submission
+from tests.made_up import FakeMarker, Nobody, fake_marker, submission
 
 ROOT = Path(__file__).parent.parent
 WITHIN_S = 60.0
@@ -206,17 +206,6 @@ def evidence(out: Path) -> tuple[object, ...]:
 # --- how submissions are handed out ---------------------------------------------------------------------------------
 
 
-def test_every_submission_is_marked_once_and_every_marker_closed(site: Site, tmp_path: Path) -> None:
-    site.staff(2)
-    names = [f"s{i}" for i in range(9)]
-    outcomes = grade(site, tmp_path, *names)
-    assert sorted(outcomes) == sorted(FakeMarker(tmp_path).marked()) == names
-    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
-    marked_by = {int(line.split()[1]) for line in (tmp_path / "marked").read_text().splitlines()}
-    assert len(marked_by) <= 2  # they stay warm
-    assert {path.name for path in tmp_path.glob("closed-*")} == {f"closed-{pid}" for pid in marked_by}
-
-
 def test_a_submission_that_kills_two_markers_is_handed_back_and_no_worker_is_lost(site: Site, tmp_path: Path) -> None:
     pids = site.staff(2)
     outcomes = grade(site, tmp_path, "a", "kill", "b", "c")
@@ -236,12 +225,6 @@ def refusal(address: str, opener: object = partial(fake_marker, Path())) -> str:
     assert time.monotonic() - started < 2 * cluster.ANSWERS_WITHIN_S
     assert "\n" not in str(refused.value)
     return str(refused.value)
-
-
-def test_a_marker_that_cannot_be_opened_ends_the_run_and_names_the_worker(site: Site, tmp_path: Path) -> None:
-    site.staff(1)
-    assert refusal(site.address, partial(no_marker, tmp_path)).startswith("worker tcp://127.0.0.1:")
-    assert refusal(site.address, partial(no_marker, tmp_path)).endswith(f": no marker for {tmp_path.name}")
 
 
 @pytest.mark.parametrize("package", ["imugrade", "mujoco"])

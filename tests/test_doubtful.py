@@ -153,12 +153,3 @@ def test_pictures_without_any_code_are_shown_to_whoever_looks(desk: Desk) -> Non
     assert sent == {
         (FOLDER / "s01-sheet-verbatim" / name).read_bytes() for name in ("imu_data.png", "filtered_imu.png")
     }
-
-
-def test_two_who_handed_in_the_sheets_own_code_are_told_as_the_same_and_as_no_more(desk: Desk) -> None:
-    page = words(desk.get("/similar/twin1/twin2").text)
-    assert "Both contain the same files, byte for byte." in page
-    assert page.count("The shared code is from the lab sheet, the kit, or in half of the class") == 2
-    assert "byte for byte" not in words(desk.get("/similar/twin1/sound").text)
-    ((_, sentence, _),) = listed(desk, "same-files")
-    assert sentence == "2 submissions contain the same files."

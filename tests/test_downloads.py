@@ -64,14 +64,6 @@ def test_the_shape_is_told_in_one_line(shape: str, title: str, tmp_path: Path) -
     assert read_class([path], LAB.files).told == (f"{path}: {title}, 7 submissions",)
 
 
-def test_zipped_clones_are_clones_and_one_without_a_file_is_an_empty_submission(tmp_path: Path) -> None:
-    members = {"lab-a/filters.py": "a", "lab-a/.git/HEAD": "x", "lab-b/.git/": "", "__MACOSX/lab-a": "x"}
-    found = read_class([zip_of(tmp_path / "c.zip", dict(members))], LAB.files)
-    assert found.told == (f"{tmp_path}/c.zip: git clones, 2 submissions",)
-    assert [(entry.id, entry.read().status) for entry in found.entries] == [("lab-a", "ready"), ("lab-b", "empty")]
-    assert found.leftovers == ()
-
-
 @pytest.mark.parametrize("shape", ["canvas", "moodle", "gradescope"])
 def test_a_download_that_was_unpacked_is_read_as_the_zip_is(shape: str, tmp_path: Path) -> None:
     path = classes.SHAPES[shape](STUDENTS, tmp_path / "in")
@@ -231,14 +223,6 @@ def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_liste
     found = read_class([first, second], LAB.files)
     assert files_of(found) == {"a_1": {"filters.py": b"new"}, "b_2": {"filters.py": b"b"}}
     assert found.leftovers == (f"{first}/a_1_10_filters.py: an earlier attempt; the latest one is graded",)
-
-
-def test_all_attempts_are_found_where_the_best_is_to_count(tmp_path: Path) -> None:
-    first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old"})
-    second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
-    found = read_class([second, first], LAB.files, attempts="best")
-    assert [(e.id, e.read().files["filters.py"]) for e in found.entries] == [("a_1", b"old"), ("a_1", b"new")]
-    assert found.leftovers == ()
 
 
 # ---- Moodle ----

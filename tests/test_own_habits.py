@@ -68,13 +68,6 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {RECURSION: 3.0},
         OTHER,
     ),
-        "a time constant": (
-        FILTER,
-        FILTER_IN_TIME | {"cutoff_hz, dt,": "tau, dt,", "1 / (2 * np.pi * cutoff_hz)": "tau"}
-        | {"LowPassFilter(alpha=0.1)": "LowPassFilter(0.02, 0.002)"},
-        {RECURSION: 3.0},
-        OTHER,
-    ),
         "an alpha, or a cutoff": (
         FILTER,
         {
@@ -115,15 +108,6 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         },
         {RECORD: 3.0},
         OTHER,
-    ),
-        "ids, and a duration of another name": (
-        READER,
-        {
-            "(model, data, duration_seconds=5.0):": "(model, data, accel_id, gyro_id, length=5.0):\n    duration_seconds = length",
-            "(model, data, duration_seconds=3.0)": "(model, data, accel_id, gyro_id, 3.0)",
-        },
-        {},
-        (),
     ),
         "a file name": (
         READER,

@@ -63,17 +63,6 @@ def test_many_files_are_the_same_whoever_writes_them(store: Store, tmp_path: Pat
     assert kept == {each.id: store.page_digest(each.id) for each in final_grades}
 
 
-def test_of_several_standings_of_one_submission_the_last_one_counts(store: Store, tmp_path: Path) -> None:
-    final_grades = list(store.final_grades().values())
-    last = replace(final_grades[0], result=replace(final_grades[0].result, notes=("the last",)))
-    with Publisher(tmp_path, store, LAB, processes=2) as publisher:
-        for final_grade in final_grades:
-            publisher.put(final_grade)
-        keep(store, last)
-        publisher.put(last)
-    assert b"the last" in (tmp_path / "submissions" / last.id / "report.html").read_bytes()
-
-
 def test_where_a_writer_is_killed_its_files_are_written_all_the_same(
     store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -123,37 +123,6 @@ def test_a_doubtful_case_is_decided_without_a_mouse(visit: Visit, desk: Desk) ->
     assert desk.book.on_thread(lambda: desk.book.history("bob"))[-1].points == 4.5
 
 
-def test_a_key_that_comes_before_the_page_is_whole_waits_for_it(visit: Visit, desk: Desk) -> None:
-    page = visit.open("/submission/ada")
-    page.add_init_script(
-        "if (location.pathname === '/submission/ada') new MutationObserver((_, own) => { if (document.body) { own.disconnect();"
-        " document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 'n', bubbles: true})); } })"
-        ".observe(document, {childList: true, subtree: true});"
-    )
-    page.goto(f"{desk.origin}/submission/ada")
-    expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
-
-
-def test_the_list_is_worked_off_by_keys_and_a_form_is_recorded_and_left_by_keys(visit: Visit, desk: Desk) -> None:
-    page = visit.open("/?kind=empty")
-    page.keyboard.press("l")
-    expect(page.get_by_role("heading", level=1)).to_have_text("void")
-    page.keyboard.press("m")
-    expect(page.locator("#override-total input[name=points]")).to_be_focused()
-    page.keyboard.type("7")
-    page.keyboard.press("Tab")
-    page.keyboard.type("for the attempt")
-    page.keyboard.press("Control+Enter")
-    expect(page.locator("#override-total .given")).to_contain_text("7, automatic 100, by prof: for the attempt")
-    page.keyboard.press("o")
-    expect(page.locator("#override-bonus input[name=points]")).to_be_focused()
-    page.keyboard.press("Escape")
-    page.keyboard.press("t")
-    expect(page.locator(".queue").first).to_contain_text("Reviewed by prof")
-    page.keyboard.press("2")
-    expect(page.get_by_role("heading", level=1)).to_have_text("6 submissions")
-
-
 def test_nothing_that_a_student_wrote_runs(visit: Visit) -> None:
     for path in ("/class", "/submission/evil", f"/what-if?weight:{ADDRESS}=14"):
         page = visit.open(path)

@@ -104,32 +104,6 @@ def test_a_bar_leads_to_those_who_stand_in_it_and_goes_together_with_the_other_f
     expect(bar).to_have_attribute("aria-pressed", "false")
 
 
-def test_back_from_a_report_the_class_is_filtered_and_sorted_as_before(watched: Watched) -> None:
-    page = watched.open(INDEX)
-    page.get_by_label("Find").fill("thu 1")
-    page.locator("#submissions").get_by_role("button", name="Score").click()
-    before = column(page, "Name")
-    page.locator("#submissions tbody a:visible").first.click()
-    expect(page.get_by_role("heading", level=1)).to_have_text(before[0])
-    page.go_back()
-    expect(page.locator("#shown")).to_have_text(f"5 of {STUDENTS + 1}")
-    assert column(page, "Name") == before
-
-
-def test_a_report_has_previous_next_and_class_for_whoever_came_from_there_and_for_nobody_else(watched: Watched) -> None:
-    page = watched.open(INDEX)
-    page.get_by_label("Find").fill("thu 1")
-    first, second, *_ = column(page, "Name")
-    page.locator("#submissions").get_by_role("link", name=first, exact=True).click()
-    expect(page.locator("#among-place")).to_have_text("1 of 5")
-    expect(page.get_by_role("link", name="Previous")).to_be_hidden()
-    page.get_by_role("link", name="Next").click()
-    expect(page.get_by_role("heading", level=1)).to_have_text(second)
-    page.get_by_role("link", name="The class").click()
-    expect(page.locator("#submissions")).to_be_visible()
-    expect(watched.open(REPORT).locator("#among")).to_be_hidden()
-
-
 def test_without_scripts_the_class_page_is_whole(watched: Watched) -> None:
     page = watched.open(INDEX, java_script_enabled=False)
     expect(page.locator("#submissions tbody tr")).to_have_count(STUDENTS + 1)

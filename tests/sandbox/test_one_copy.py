@@ -13,7 +13,7 @@ import pytest
 
 import grader
 import reference
-from grader.sandbox import one_copy, packages, surroundings
+from grader.sandbox import one_copy, surroundings
 from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox
 
@@ -182,19 +182,3 @@ def test_what_lies_in_the_folder_of_the_standard_library_and_is_no_part_of_it_is
     monkeypatch.setattr(surroundings, "_standard", lambda: (str(tmp_path),))
     beside = [Path(path).name for path in surroundings.hidden() if path.startswith(str(tmp_path))]
     assert beside == ["reference", "site-packages"]
-
-
-def test_a_requirement_of_another_extra_shows_nothing(tmp_path: Path) -> None:
-    installed(tmp_path, "imugrade", [], requires="Requires-Dist: tool\nRequires-Dist: tester ; extra == 'test'\n")
-    installed(tmp_path, "numpy", [], requires="Requires-Dist: tester>=1 ; extra == 'test'\n")
-    installed(tmp_path, "pandas", [], requires="Requires-Dist: scipy[fast] (>=1)\n")
-    installed(
-        tmp_path,
-        "scipy",
-        [],
-        requires='Requires-Dist: tool ; extra == "fast"\nRequires-Dist: tester ; extra == "slow"\n',
-    )
-    for name in ("tool", "tester", "pip"):
-        installed(tmp_path, name, [])
-    kept = packages.for_students(packages.installed(str(tmp_path)))
-    assert sorted(one.name for one in kept) == ["numpy", "pandas", "scipy", "tool"]
