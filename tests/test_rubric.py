@@ -89,6 +89,20 @@ def test_what_a_mark_depends_on_changes_the_hash(old: str, new: str) -> None:
     assert rubric.parse(LAB, edited(old, new).encode()).sha256 != rubric.load(LAB).sha256
 
 
+def test_slips_of_every_kind_are_told_in_one_round() -> None:
+    text = edited("follows_address: 6", "follows_adress: 6").replace("points: 20", "points: -1", 1)
+    text = text.replace("time_axis: 3", "time_axis: many")
+    told = problems(text + "mistakes: {no-such: 1}\n")
+    assert [line.partition(": ")[2].partition(";")[0] for line in told] == [
+        "the check sensor_access.follows_address (Reads the sensors that the ids name, wherever they lie in sensordata and "
+        "in whichever model) has no weight under sensor_access",
+        "the points of sensor_access must be a number from 0 to 1000, not '-1'",
+        "there is no check sensor_access.follows_adress (did you mean sensor_access.follows_address?)",
+        "the weight of time_axis must be a number from 0 to 1000, not 'many'",
+        "there is no fault 'no-such'",
+    ]
+
+
 # ---- the late policy ----
 
 
@@ -592,6 +606,15 @@ def test_a_path_without_a_file_is_one_line(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.yaml", Path("a\0b")):
         with pytest.raises(RubricError, match=r"there is no such file; give the path of a rubric\.yaml$"):
             rubric.load(LAB, path)
+
+
+def test_a_large_file_is_refused_as_it_lies_on_the_disk(tmp_path: Path) -> None:
+    file = tmp_path / "rubric.yaml"
+    file.write_bytes(SHIPPED + b"#" * (1_000_000 - len(SHIPPED)))
+    assert rubric.load(LAB, file).sha256 == rubric.load(LAB).sha256
+    file.write_bytes(SHIPPED + b"#" * (1_000_001 - len(SHIPPED)))
+    with pytest.raises(RubricError, match=r"rubric\.yaml:1: the file is larger than 1 MB"):
+        rubric.load(LAB, file)
 
 
 def test_checks_and_rubric_must_match() -> None:
