@@ -148,7 +148,7 @@ def _way(order: Export) -> Make:
     if write is not None and template is None:
         return lambda final_grades, absent: Draft(
             write(final_grades, absent),
-            sum(each.final is not None for each in final_grades.values()),
+            sum(len(each.people) for each in final_grades.values() if each.final is not None),
             tuple(_blank(final_grades, absent)),
         )
     if fill is None and write is None:
