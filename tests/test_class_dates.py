@@ -95,3 +95,13 @@ def test_a_late_mark_that_the_roster_contradicts_is_told(run: Run) -> None:
     code, _, err = run("grade", "canvas.zip", "-o", "out", "--rubric", "rub.yaml", "--roster", "roster.csv")
     told = "late on the platform, but in time by the roster and the late policy: doejane_101"
     assert (code, err.splitlines()[-1]) == (0, f"imugrade: {told}")
+
+
+def test_a_platform_that_marks_late_ones_vouches_for_the_others(run: Run) -> None:
+    files = {"doejane_LATE_101_900_filters.py": b"# 1\n", "roe_102_901_filters.py": b"# 0\n"}
+    rubric_with(Path("rub.yaml"), ("# late:\n", f"late: {{due: {LOCAL}, tz: Europe/Berlin, per_day: 10%}}\n# late:\n"))
+    Path("marked.zip").write_bytes(zipped(files))
+    Path("plain.zip").write_bytes(zipped({name.replace("LATE_", ""): data for name, data in files.items()}))
+    unknown = "the late policy deducts nothing from 2 of 2 hand-ins"
+    assert "hand-ins: their time" not in run("grade", "marked.zip", "-o", "marked", "--rubric", "rub.yaml")[2]
+    assert unknown in run("grade", "plain.zip", "-o", "plain", "--rubric", "rub.yaml")[2]

@@ -41,7 +41,9 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
     if policy is None:
         return
     untimed = [each.id for each in final_grades.values() if not each.hand_in.submitted and each.late is None]
-    if untimed:
+    if untimed and not any(
+        each.hand_in.marked_late for each in final_grades.values()
+    ):  # the platform marks all that are late
         many = f"{len(untimed)} of {len(final_grades)} hand-ins"
         yield f"the late policy deducts nothing from {many}: their time is unknown (add a column `submitted` to the roster)"
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
