@@ -18,7 +18,7 @@ from grader.course.submission_archive import LARGEST, pack, unpack
 from grader.desk.regrade_requests import read_in
 from grader.desk.similarity_groups import similarity_groups
 from grader.engine import rubric
-from grader.engine.findings import A_PERSON_MAY
+from grader.engine.findings import A_PERSON_MAY, Where
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person
@@ -400,6 +400,14 @@ def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, ou
 
 
 # ---- files as they were handed in ----
+
+
+def test_the_file_of_the_first_lost_check_is_shown_first(tmp_path: Path) -> None:
+    says = {"got": "TypeError at filters.py, line 2", "where": Where("filters.py", 2)}
+    files = {"a.py": b"x = 1\n", "filters.py": FILTER, "z.py": b"y = 1\n"}
+    with desk_over(make_class(tmp_path / "out", [Student("ann", {ADDRESS: 0.0}, {ADDRESS: says}, files)])) as desk:
+        page = words(desk.get("/submission/ann").text)
+    assert "filters.py a.py z.py filters.py Edit" in page
 
 
 def test_what_is_kept_is_bounded_and_says_what_it_left_out() -> None:

@@ -144,6 +144,10 @@ def _page(
     shown = book.store.charts(final_grade.id)
     shown_parts = [_part(final_grade, part, code, shown, beside) for part in parts]
     shown_parts.sort(key=lambda part: all(row.folded for row in part.rows))  # criteria with deductions first
+    places = [place.path for part in shown_parts for row in part.rows if not row.folded for place in row.places]
+    listings = tuple(
+        sorted(files.listings, key=lambda each: each.path not in places[:1])
+    )  # the first lost check's file first
     return framed(
         book,
         ask,
@@ -163,7 +167,7 @@ def _page(
         keys=_keys(shown_parts if marked else (), requests),
         marked=marked,
         whole=[_said(final_grade, target, beside) for target in (TOTAL, BONUS)],
-        files=files,
+        files=replace(files, listings=listings),
         items=[each for each in items if final_grade.id in each.ids],
         history=list(reversed(history)),
         told=adjusting.said,
