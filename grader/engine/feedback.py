@@ -177,9 +177,9 @@ def mistake_of(fault: Fault, mistakes: Mapping[str, Mistake]) -> str:
 
 def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
     if isinstance(finding, TimedOut):
-        return no_answer("timeout", f": {printable(str(finding), 200)}", ("never-returns",), mistakes)
+        return no_answer("timeout", f"none: {printable(str(finding), 200)}", ("never-returns",), mistakes)
     if isinstance(finding, Crashed):
-        return no_answer("crashed", f": {printable(str(finding), 200)}", ("kills-its-process",), mistakes)
+        return no_answer("crashed", f"none: {printable(str(finding), 200)}", ("kills-its-process",), mistakes)
     assert isinstance(finding, Malformed)
     named = ("tampering",) if "the worker code was changed" in str(finding) else ()
     got = "an answer that the grader cannot read"
@@ -187,11 +187,11 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
     return Feedback("crashed", 0.0, expected="an answer", got=got, hint=hint, mistakes=named, not_understood=not named)
 
 
-def no_answer(outcome: Outcome, why: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Feedback:
+def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Feedback:
     """Return the feedback for an answer that did not come."""
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(mistakes[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
-    return Feedback(outcome, 0.0, expected=expected, got=f"none{why}", hint=hint, mistakes=named)
+    return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, mistakes=named)
 
 
 NOT_UNDERSTOOD = Feedback(

@@ -103,6 +103,7 @@ def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
 
 def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
     if isinstance(finding, TimedOut):
-        return no_answer("timeout", "", ("never-returns",), mistakes)
-    named = ("kills-its-process",) if isinstance(finding, Crashed) else ()
-    return no_answer("crashed", " that can be read", named, mistakes)
+        return no_answer("timeout", "no answer in time", ("never-returns",), mistakes)
+    if isinstance(finding, Crashed):
+        return no_answer("crashed", "no answer, because the process ended", ("kills-its-process",), mistakes)
+    return no_answer("crashed", "an answer that the grader cannot read", (), mistakes)

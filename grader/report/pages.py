@@ -361,7 +361,7 @@ def _title(cause: Cause, named: Sequence[Mistake]) -> str:
         known = [words.misconception(each) for each in cause.mistakes]
         return _sentence("; ".join(known)) if known else printable(cause.checks[0].title, 300)
     got = {line.text for check in cause.checks for line in words.row(check, "", LabName()).lines if line.label == "Got"}
-    if all(mistake.group == "any" for mistake in named) and len(got) == 1 and got != {"none"}:
+    if all(mistake.group == "any" for mistake in named) and len(got) == 1:
         return _sentence(got.pop().partition("\n")[0])
     return _sentence("; ".join(mistake.title for mistake in named))
 
