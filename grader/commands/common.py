@@ -18,7 +18,10 @@ Word = TypeVar("Word", bound=str | None)
 
 SECRET_VARIABLE = "IMUGRADE_SEED"
 RubricOption = Annotated[
-    Path | None, typer.Option("--rubric", metavar="FILE", help="Use this rubric.yaml instead of the shipped one.")
+    Path | None,
+    typer.Option(
+        "--rubric", metavar="FILE", help="Use this rubric.yaml instead of the one on record or the shipped one."
+    ),
 ]
 SeedOption = Annotated[
     str | None,
