@@ -238,6 +238,21 @@ def test_the_mean_is_that_of_the_final_grades_of_the_graded_everywhere(run: Run,
         assert "mean of graded 83.7 → 90.3" in words(desk.get("/what-if?late:per_day=10%25").text)
 
 
+def test_what_if_starts_from_the_rubric_of_the_class_and_saves_its_late_policy(run: Run, tmp_path: Path) -> None:
+    rubric_with(tmp_path / "late.yaml", HEAVIER, LATE)
+    Path("roster.csv").write_text(ROSTER)
+    assert run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv")[0] == 0
+    assert totals("final")["alice"] == 80.0
+    with desk_over(Path("out").absolute()) as desk:
+        assert f'name="weight:{CHECK}" inputmode="decimal" size="4" value="9"' in desk.get("/what-if").text
+        assert desk.post("/what-if", {f"weight:{CHECK}": "6", "do": "mark"}).status == 303
+        desk.book.settled()
+    saved = totals("final")
+    assert saved["alice"] == 80.0
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert totals("final") == saved
+
+
 # ---- what people said ----
 
 

@@ -196,9 +196,6 @@ def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: 
     assert (answer.status, answer.headers["content-type"]) == (200, "application/zip")
 
 
-# ---- the late policy in what-if ----
-
-
 def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:
     assert give(desk, "bob", ADDRESS, "3", seen=0, who="Eve").status == 303
     late = give(desk, "bob", ADDRESS, "5", seen=0, who="Ann")
