@@ -77,6 +77,7 @@ def _page(
     book: Classbook, ask: Ask, errors: Mapping[str, str] | None = None, plan: Plan | None = None, code: int = 200
 ) -> Response:
     settings = book.store.settings()
+    people = (person for each in book.final_grades().values() for person in each.people)
     return framed(
         book,
         ask,
@@ -84,6 +85,7 @@ def _page(
         code,
         platforms=[registry.platform(name) for name in registry.names("fill", "write")],
         roster=settings.roster_source if settings and settings.roster else "",
+        chosen=ask.text("format") or next((person.platform for person in people if person.platform), ""),
         typed=ask.text,
         lines=list(plan.lines()) if plan else [],
         errors=errors or {},
