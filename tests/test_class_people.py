@@ -79,6 +79,8 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (0, "imugrade: graded: 2\n")
     assert [row["Lab (1)"] for row in rows("filled.csv")] == ["100", "100", "100"]
+    with desk_over(Path("out").absolute()) as desk:
+        assert '<option value="canvas" selected>' in desk.get("/export").text
     Path("moodle.csv").write_text(
         "Identifier,Full name,Email address,Grade,Maximum grade,Grade can be changed\n"
         "Participant 7,Ann Lee,ann@example.edu,,100,Yes\nParticipant 8,Bob Roe,bob@example.edu,,100,Yes\n"
