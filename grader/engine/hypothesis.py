@@ -30,18 +30,6 @@ class Hypothesis(Protocol):
 
 
 @dataclass(frozen=True)
-class Named(Generic[Seen]):
-    """A hypothesis with a cost, a name and a predicate; the name is None for a known cause without a name."""
-
-    cost: int
-    told: str | None
-    predicts: Callable[[Seen], bool]
-
-    def fits(self, seen: Seen, /) -> bool:
-        return self.predicts(seen)
-
-
-@dataclass(frozen=True)
 class Reason(Generic[Seen]):
     """A fault as the reason for a deviation of one measured property.
 
@@ -88,12 +76,6 @@ def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Cand
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.told for each in fitting}) == 1 else None
     return None
-
-
-def mistakes_of(hypotheses: Iterable[Named[Seen]], seen: Seen) -> list[str]:
-    """Return the name of the explanation in a list; an empty list if there is none or it has no name."""
-    found = explain(hypotheses, seen)
-    return [found.told] if found is not None and found.told is not None else []
 
 
 def _cost(hypothesis: Hypothesis) -> int:

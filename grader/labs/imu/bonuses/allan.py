@@ -7,11 +7,10 @@ Riley, W. J. (2008). Handbook of Frequency Stability Analysis. NIST Special Publ
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array
 
 EXACT = 1e-6
@@ -143,16 +142,10 @@ def _slope(taus: Array, curve: Array, clusters: Array) -> float:
     return float(np.polyfit(np.log(taus[known]), np.log(curve[known]), 1)[0])
 
 
-def mistakes(records: list[Record], rate: float) -> list[str]:
-    """The one mistake that predicts every curve, or nothing."""
-    return mistakes_of(_HYPOTHESES, (records, rate))
-
-
-def _every(predicts: Callable[[Sizes, Array, Array], bool]) -> Callable[[tuple[list[Record], float]], bool]:
+def _every(predicts: Callable[[Sizes, Array, Array], bool]) -> Callable[[list[Record], float], bool]:
     """Return whether one meaning of averaging times makes all records what is predicted."""
 
-    def predicted(seen: tuple[list[Record], float]) -> bool:
-        records, rate = seen
+    def predicted(records: list[Record], rate: float) -> bool:
         return any(
             all(predicts(size(taus, rate), curve, samples) for taus, curve, samples in records) for _, size in _SIZES
         )
@@ -168,8 +161,8 @@ def _is_spread(sizes: Sizes, curve: Array, samples: Array) -> bool:
     return all(any(abs(value - form(samples, m)) <= 0.02 * form(samples, m) for form in forms) for m, value in usable)
 
 
-_HYPOTHESES: list[Named[tuple[list[Record], float]]] = [
-    Named(1, "allan-factor-missing", _every(lambda sizes, curve, samples: fits(sizes, curve, samples, factor=2**0.5))),
-    Named(2, "std-not-allan", _every(_is_spread)),
-]
-FAULTS = tuple(each.told for each in _HYPOTHESES if each.told)
+FAULTS: Mapping[str, Callable[[list[Record], float], bool]] = {
+    "allan-factor-missing": _every(lambda sizes, curve, samples: fits(sizes, curve, samples, factor=2**0.5)),
+    "std-not-allan": _every(_is_spread),
+}
+"""For each fault, whether it predicts every curve; the most plausible first."""

@@ -42,8 +42,8 @@ def has_no_angles(facts: Tilt) -> bool:
     return not np.isfinite(facts.level).all()
 
 
-def _responds(name: str) -> Callable[[Tilt], bool]:
-    return lambda f: f.response is not None and not has_no_angles(f) and tilting.mistakes(f.response) == [name]
+def _responds(holds: Callable[[tilting.Response], bool]) -> Callable[[Tilt], bool]:
+    return lambda f: f.response is not None and not has_no_angles(f) and holds(f.response)
 
 
 _LEVEL = "returns_roll_and_pitch"
@@ -51,9 +51,9 @@ _TILT_REASONS: tuple[Reason[Tilt], ...] = (
     Reason(_LEVEL, 1, "not-finite", lambda f: has_no_angles(f) and _is_pair(f)),
     Reason(_LEVEL, 2, "wrong-return-type", has_no_angles),
     *(
-        Reason(check, 3, name, _responds(name))
+        Reason(check, 3 + cost, name, _responds(holds))
         for check in (_LEVEL, "settles_at_tilt", *RIDES)
-        for name in tilting.FAULTS
+        for cost, (name, holds) in enumerate(tilting.FAULTS.items())
     ),
 )
 TILT: Part[Tilt] = Part(LAB, "complementary_filter", measure_tilt, _TILT_REASONS, only_names=True)
@@ -61,8 +61,8 @@ TILT: Part[Tilt] = Part(LAB, "complementary_filter", measure_tilt, _TILT_REASONS
 # ---- the Allan deviation ----
 
 
-def _shows(name: str) -> Callable[[Allan], bool]:
-    return lambda f: f.meant is None and allan.mistakes(f.records, f.rate) == [name]
+def _shows(holds: Callable[[list[allan.Record], float], bool]) -> Callable[[Allan], bool]:
+    return lambda f: f.meant is None and holds(f.records, f.rate)
 
 
 def is_variance(facts: Allan) -> bool:
@@ -77,9 +77,9 @@ _ALLAN_REASONS: tuple[Reason[Allan], ...] = (
     Reason("averaging_times", 1, "tau-wrong", lambda f: f.meant is not None and not f.meant[0]),
     Reason("matches_definition", 1, "returns-variance", is_variance),
     *(
-        Reason(check, 2, name, _shows(name))
+        Reason(check, 2 + cost, name, _shows(holds))
         for check in ("matches_definition", "shows_kinds_of_noise")
-        for name in allan.FAULTS
+        for cost, (name, holds) in enumerate(allan.FAULTS.items())
     ),
 )
 ALLAN: Part[Allan] = Part(LAB, "allan_variance", measure_allan, _ALLAN_REASONS, only_names=True)

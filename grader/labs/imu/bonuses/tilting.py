@@ -6,11 +6,11 @@ tilt that lasts comes out as that tilt in the end, and at first as a small part 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array
 
 G = 9.81
@@ -86,11 +86,6 @@ def ignores_gyroscope(seen: Response) -> bool:
     return bool(np.abs(seen.turn).max() < 1e-3)
 
 
-def mistakes(seen: Response) -> list[str]:
-    """The one mistake that the response shows, or nothing."""
-    return mistakes_of(_HYPOTHESES, seen)
-
-
 def _degrees(seen: Response) -> bool:
     own = np.diag(seen.turn)
     scale = np.degrees(1.0)
@@ -132,11 +127,11 @@ def _near(got: Array, wanted: Array, atol: float = 0.02) -> bool:
     return bool(np.all(np.abs(got - wanted) <= atol))
 
 
-_HYPOTHESES: list[Named[Response]] = [
-    Named(1, "gyro-only", lambda seen: not ignores_gyroscope(seen) and not seen.moved),
-    Named(1, "accel-only", lambda seen: seen.moved and ignores_gyroscope(seen)),
-    Named(2, "weights-swapped", lambda seen: seen.moved and _swapped(seen)),
-    Named(3, "degrees-not-radians", lambda seen: seen.moved and _degrees(seen)),
-    Named(4, "tilt-sign-wrong", lambda seen: seen.moved and _sign(seen)),
-]
-FAULTS = tuple(each.told for each in _HYPOTHESES if each.told)
+FAULTS: Mapping[str, Callable[[Response], bool]] = {
+    "gyro-only": lambda seen: not ignores_gyroscope(seen) and not seen.moved,
+    "accel-only": lambda seen: seen.moved and ignores_gyroscope(seen),
+    "weights-swapped": lambda seen: seen.moved and _swapped(seen),
+    "degrees-not-radians": lambda seen: seen.moved and _degrees(seen),
+    "tilt-sign-wrong": lambda seen: seen.moved and _sign(seen),
+}
+"""For each fault, whether it predicts the response; the most plausible first."""
