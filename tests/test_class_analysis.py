@@ -111,11 +111,6 @@ def test_difficulty_and_discrimination_are_those_worked_out_by_hand() -> None:
     assert [item.id for item in found] == ["filtering.a", "filtering.b", "filtering.c"]
 
 
-def test_nine_submissions_or_equal_ones_tell_nothing_apart() -> None:
-    assert [item.discrimination for item in items([marked(i, i, i) for i in range(9)])] == [None] * 3
-    assert [item.discrimination for item in items([marked(5, 5, 5)] * 20)] == [None] * 3
-
-
 def test_a_check_that_good_submissions_lose_is_doubtful() -> None:
     good, weak = [marked(0, 10, 10)] * 20, [marked(10, 0, 0)] * 20
     found = {item.id: item for item in items([*good, *weak])}

@@ -36,18 +36,6 @@ def test_a_check_remembers_the_points_of_the_last_one(tmp_path: Path) -> None:
     assert history.recalled(tmp_path, result()) == POINTS
 
 
-def test_each_path_has_a_memory_of_its_own_whichever_way_it_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "a").mkdir()
-    (tmp_path / "link").symlink_to(tmp_path / "a")
-    history.remember(tmp_path / "a", result(check()), {})
-    monkeypatch.chdir(tmp_path / "a")
-    for path in (tmp_path / "link", tmp_path / "b" / ".." / "a", Path()):
-        assert history.recalled(path, result()) == POINTS
-    assert history.recalled(tmp_path / "b", result()) == {}
-
-
 # --- their own prints -------------------------------------------------------------------------------------------------
 
 

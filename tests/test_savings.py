@@ -10,10 +10,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from unittest import mock
 
-import pytest
-from matplotlib import artist
-from matplotlib.lines import Line2D
-
 from grader.engine import check_runner, grader, lab_sandbox, rubric
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import WORKER_CODE
@@ -21,7 +17,6 @@ from grader.engine.results import to_json
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.worker import environment
 from tests.examples import folders
 from tests.made_up import without_durations
 
@@ -62,22 +57,3 @@ def test_no_saving_changes_a_mark(marker: Marker, tmp_path: Path) -> None:
         for folder in chosen:
             check_runner.session.cache_clear()  # the checks are collected anew for each submission
             assert marks(slow, folder) == cheap[folder.name], folder.name
-
-
-@pytest.mark.parametrize(
-    ("code", "wanted"),
-    [
-        (b"from scipy import signal\n", ("scipy.signal",)),
-        (b"import numpy  # a signal\n", ()),
-        (b"import scipy.stats as st, mujoco.viewer\n", ("scipy.stats",)),
-    ],
-)
-def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: bytes, wanted: tuple[str, ...]) -> None:
-    assert lab_sandbox.libraries_of(LAB, {"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted
-
-
-def test_a_student_s_own_artist_has_its_table_as_ever() -> None:
-    """What the imports are spared is spared while they last."""
-    with environment._undocumented():
-        assert artist.kwdoc(Line2D) == ""
-    assert "linestyle" in artist.kwdoc(Line2D)
