@@ -85,12 +85,6 @@ def test_the_push_makes_it_sway(push: dict[str, FloatArray]) -> None:
     assert np.ptp(push["acceleration"][:, 0]) > 1.0
 
 
-def test_after_the_push_it_settles(push: dict[str, FloatArray]) -> None:
-    late = slice(2250, None)  # the last half second
-    np.testing.assert_allclose(push["acceleration"][late].mean(axis=0), STANDING, atol=0.05)
-    assert np.abs(push["angular_velocity"][late]).max() < 0.01
-
-
 def test_after_the_push_it_stays_up(model: mujoco.MjModel) -> None:
     data = mujoco.MjData(model)
     height, up = float(model.qpos0[2]), []

@@ -250,22 +250,6 @@ SHEET = "\n\n".join(
     "\n".join(line for line in str(verbatim()[name]).splitlines() if not line.startswith("from "))
     for name in (READER, NOISY, FILTER)
 )
-IMPORTS = "import numpy as np\n", "import matplotlib.pyplot as plt\n"
-BARE = SHEET.replace(IMPORTS[0], "").replace(IMPORTS[1], "")
-
-
-@pytest.mark.parametrize(
-    ("cells", "lost"),
-    [
-        ((*IMPORTS, BARE), {}),
-        (("%pylab inline", BARE), {}),
-        ((IMPORTS[1], BARE), {}),
-        ((IMPORTS[0], BARE), {}),
-    ],
-    ids=["imports in cells of their own", "pylab", "no numpy", "no pyplot"],
-)
-def test_the_cells_of_a_notebook_are_one_file(cells: tuple[str, ...], lost: dict[str, float], player: Marking) -> None:
-    assert lost_by(marked(player, _notebook(*cells))) == lost
 
 
 @pytest.mark.parametrize("slip", [*_slips()], ids=lambda slip: slip.name)
