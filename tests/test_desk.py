@@ -152,6 +152,14 @@ def test_points_for_a_check_a_criterion_the_total_and_a_bonus_reach_the_publishe
     assert "4.5 / 6" in words(report)
 
 
+def test_a_comment_alone_changes_no_points_and_the_student_reads_it(desk: Desk, out: Path) -> None:
+    give(desk, "ada", "filtering", "", "Well done")
+    assert "prof : Well done" in words((out / "submissions" / "ada" / "report.html").read_text()).replace(
+        "prof:", "prof :"
+    )
+    assert row(out, "ada")["final"] == "100"
+
+
 def test_undo_brings_back_what_stood_before_and_history_keeps_all(desk: Desk, out: Path) -> None:
     give(desk, "bob", ADDRESS, "4", "first")
     give(desk, "bob", ADDRESS, "5", "second")
@@ -194,6 +202,13 @@ def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: 
     assert {row["id"]: row["final"] for row in csv.DictReader(answer.text.splitlines())}["bob"] == "98"
     answer = desk.post("/export", {"do": "feedback"})
     assert (answer.status, answer.headers["content-type"]) == (200, "application/zip")
+
+
+def test_points_beneath_others_by_hand_are_refused_because_they_would_change_nothing(desk: Desk) -> None:
+    give(desk, "bob", "sensor_access", "18")
+    assert "Bob Bird has an override of sensor_access" in give(desk, "bob", ADDRESS, "5").text
+    give(desk, "bob", TOTAL, "70")
+    assert "Bob Bird has an override of total" in give(desk, "bob", "filtering", "5").text
 
 
 def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:
@@ -505,3 +520,23 @@ def test_without_the_extra_the_command_says_how_to_install_it(
     monkeypatch.setitem(sys.modules, "uvicorn", None)
     assert cli.main(["review", str(out)]) == 2
     assert capsys.readouterr().err == "imugrade: review needs uvicorn, which comes with: pip install 'imugrade[desk]'\n"
+
+
+def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def adjust(*arguments: str) -> str:
+        cli.main(["adjust", str(out), *arguments, "--author", "me"])
+        told = capsys.readouterr()
+        return told.out + told.err
+
+    assert adjust("bob", "--criterion", ADDRESS, "--points", "5", "--comment", "x") == f"bob {ADDRESS} 5, final 99\n"
+    assert adjust("bob", "--criterion", "bonus", "--points", "2", "--comment", "x") == "bob bonus 2, final 101\n"
+    assert adjust("bob", "--criterion", "filtering", "--comment", "neat") == "bob filtering comment, final 101\n"
+    assert adjust("bob", "--criterion", "filtering", "--undo") == "bob filtering withdrawn, final 101\n"
+    assert adjust("bob", "--criterion", "bonus", "--undo") == "bob bonus withdrawn, final 99\n"
+    told = adjust("--having", "sensor-id-as-address", "--criterion", ADDRESS, "--points", "6", "--comment", "misled")
+    assert told == f"bob {ADDRESS} 6, final 100\ncyd {ADDRESS} 6, final 99\n"
+    assert "(decision 1: mistake: sensor id as address)" in adjust()
+    assert adjust("--take-back", "1") == f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n"
+    assert "no two submissions have this in common" in adjust(
+        "--having", "nothing", "--criterion", ADDRESS, "--points", "1"
+    )
