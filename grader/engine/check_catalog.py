@@ -31,12 +31,11 @@ def title_of(docstring: str) -> str:
 
 def checks_of(lab: Lab) -> Mapping[str, Check]:
     """Return the checks of a lab by id."""
-    sources = [*sorted((lab.folder / "checks").glob("check_*.py")), *check_files(lab)]
-    return {check.id: check for path in sources for check in _checks_in(path.read_text(encoding="utf-8"))}
+    return {check.id: check for path in check_files(lab) for check in _checks_in(path.read_text(encoding="utf-8"))}
 
 
 def check_files(lab: Lab) -> list[Path]:
-    """Return the files with the checks of the criteria that have a folder of their own."""
+    """Return the files with the checks of a lab: one in the folder of each criterion."""
     return sorted(lab.folder.glob("*/checks.py"))
 
 

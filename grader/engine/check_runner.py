@@ -346,15 +346,14 @@ def _write(own: OwnChecks, private: Path) -> Path:
 
 
 def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
-    folder = lab.folder / "checks"
     switched_off = ("terminal", "cacheprovider", "doctest", "junitxml", "pastebin", "faulthandler", "stepwise", "logging",
                     "warnings", "capture", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
                     "unraisableexception", "threadexception", "nose", "legacypath")  # fmt: skip
     options = [
         "-c",
-        str(folder / "pytest.ini"),
+        str(Path(__file__).with_name("checks.ini")),
         "--rootdir",
-        str(folder),
+        str(lab.folder),
         "--noconftest",
         "--assert=plain",
         "--collect-only",
@@ -365,7 +364,7 @@ def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
         patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # plugins that shuffle tests are common
         for ours in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):  # set for another pytest, perhaps one that runs this process
             patch.delenv(ours, raising=False)
-        return int(pytest.main([*options, str(folder), *map(str, check_files(lab)), *more], plugins=[collected]))
+        return int(pytest.main([*options, *map(str, check_files(lab)), *more], plugins=[collected]))
 
 
 def known_checks(lab: Lab, own: OwnChecks = ()) -> dict[str, Check]:

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
-from grader.engine.findings import CheckFailed
-from grader.labs.imu import recordings
-from grader.labs.imu.answers import Collection
-from grader.labs.imu.checks import check_data_collection as checks
-from grader.labs.imu.diagnosis import collection as diagnosis
-from grader.labs.imu.diagnosis.collection import Story, Worlds
+from grader.labs.imu.data_collection import checks
 from tests.judging.made import Case, Made, finding, is_as_marked, marked, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
@@ -465,8 +459,8 @@ CASES = [
             ("always five seconds", counting(lambda _duration, dt: 5 / dt), (0.0, ["ignores-duration"])),
             ("always half a second", counting(lambda _duration, dt: 0.5 / dt), (0.0, ["ignores-duration"])),
             ("fifty a second", FiftyHertz, (0.0, ["fixed-rate"])),
-            ("always five", of(steps=lambda *_: 5), (0.0, ["ignores-duration"])),
-            ("room for more", telling(_room), (0.0, [])),
+            ("always five, which the rows are charged for", of(steps=lambda *_: 5), None),
+            ("room for more, which the rows are charged for", telling(_room), None),
             ("two steps a row, for twice the time", TWO_STEPS, None),
             ("twenty too few, without time", both(WITHOUT_TIME, SHORT), (0.0, [])),
             ("twenty too few, with noise", both(telling(_noisy), SHORT), (0.0, [])),
@@ -506,7 +500,7 @@ CASES = [
             ("a step too late", telling(lambda t, a, g, _m: (t + 0.002, a, g)), (0.5, ["time-axis-wrong"])),
             ("a usual time step", COUNTED, (0.5, ["hard-coded-timestep"])),
             ("no numbers", telling(lambda t, a, g, _m: (t * np.nan, a, g)), (0.0, ["not-finite"])),
-            ("none", WITHOUT_TIME, (0.0, [])),
+            ("none, which the form is charged for", WITHOUT_TIME, None),
             ("every second", Skipping, None),
             ("five steps too late", telling(lambda t, a, g, _m: (t + 0.01, a, g)), (0.0, ["time-axis-wrong"])),
             ("no rows", NO_STEPS, "skipped"),
@@ -515,7 +509,7 @@ CASES = [
             ("half a step too late", stamped(lambda t, dt: t + dt / 2), (0.5, ["time-axis-wrong"])),
             ("numbers of rows", stamped(lambda t, _: np.arange(len(t))), (0.0, ["time-axis-wrong"])),
             ("that begins after settling", Settling, (0.0, ["time-axis-wrong"])),
-            ("that stands still, which the push is charged for", ResetInTheLoop, (0.0, ["time-axis-wrong"])),
+            ("that stands still, which the push is charged for", ResetInTheLoop, None),
             ("zeros", stamped(lambda t, _: 0 * t), (0.0, ["time-axis-wrong"])),
             ("backward", stamped(lambda t, _: t[::-1]), (0.0, ["time-axis-wrong"])),
             ("one late stamp", _late(0.7), (0.0, ["time-axis-wrong"])),
@@ -624,15 +618,15 @@ CASES = [
             ),
         ],
         RESET: [
-            ("none of a run of less than a second, which the count is charged for", WHOLE_SECONDS, (0.0, [])),
+            ("none of a run of less than a second, which the count is charged for", WHOLE_SECONDS, None),
             ("no rows at all", NO_STEPS, "skipped"),
             ("a recording of the hidden run", telling(_recorded_as_it_was), "skipped"),
             ("time alone", TIME_ALONE, "skipped"),
             ("squared", SQUARED, None),
             ("smoothed", SMOOTHED, None),
             ("none, squared", both(SQUARED, NO_RESET), (0.0, ["no-reset"])),
-            ("of all but the pose, squared", both(SQUARED, of(begin=_keeps_pose)), (0.0, [])),
-            ("another pose, smoothed", both(SMOOTHED, of(begin=_in_pose(2, 0.05))), (0.0, [])),
+            ("of all but the pose, squared", both(SQUARED, of(begin=_keeps_pose)), (0.0, ["no-reset"])),
+            ("another pose, smoothed", both(SMOOTHED, of(begin=_in_pose(2, 0.05))), (0.0, ["no-reset"])),
             ("numbers of chance", telling(_of_chance), "skipped"),
             ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
             ("rows that stand still", STILL, "skipped"),
@@ -656,7 +650,7 @@ CASES = [
             ("none, with noise", both(telling(_noisy), NO_RESET), (0.0, ["no-reset"])),
             ("none, with noise, without time", both(WITHOUT_TIME, telling(_noisy), NO_RESET), (0.0, ["no-reset"])),
             ("none, and another push each time", both(Random, NO_RESET), (0.0, ["no-reset"])),
-            ("another pose, with noise", both(telling(_noisy), of(begin=_in_pose(2, 0.05))), (0.0, [])),
+            ("another pose, with noise", both(telling(_noisy), of(begin=_in_pose(2, 0.05))), (0.0, ["no-reset"])),
             ("noise, and another push each time", both(telling(_noisy), Random), None),
             ("noise, and half a push", both(telling(_noisy), HALF), None),
             ("before each step", Before, None),
@@ -748,33 +742,6 @@ def test_a_made_up_recorder_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize("timestep", [0.001, 0.004])
-def test_stamps_at_the_usual_time_step_are_hard_coded_where_the_model_has_another(timestep: float) -> None:
-    usual = 0.002
-    with pytest.raises(CheckFailed) as lost:
-        checks._keeps_timestep(np.arange(5) * usual, timestep, usual)
-    assert (lost.value.keeps, lost.value.mistakes) == (0.5, ("hard-coded-timestep",))
-    checks._keeps_timestep(np.arange(5) * usual, usual, usual)
-    checks._keeps_timestep(np.arange(5) * timestep, timestep, usual)
-    checks._keeps_timestep(np.zeros(1), timestep, usual)
-
-
-@pytest.mark.quick
-def test_time_goes_on_where_the_first_stamp_is_near_to_where_it_was_left() -> None:
-    left_at = float(truth()["push_dirty"]["dirty_time"])
-
-    def goes_on(time: np.ndarray | None) -> bool:
-        return checks._time_goes_on(Collection(time, None, None), truth())
-
-    assert goes_on(np.array([left_at + 0.004, 0.0]))
-    assert goes_on(np.array([0.6 * left_at]))
-    assert not goes_on(np.array([0.004, left_at]))
-    assert not goes_on(np.array([1.6 * left_at]))
-    assert not goes_on(np.zeros(0))
-    assert not goes_on(None)
-
-
 CHARGED = [
     (SOUND, []),
     (ONE_MORE, []),
@@ -816,83 +783,6 @@ def test_one_fault_is_charged_by_one_check(kind: Callable[[], Recorder], charged
     assert [case.check for case in cases if finding(case) is not None] == charged
 
 
-@pytest.mark.quick
-def test_stamps_at_the_time_step_of_the_students_own_model_are_hard_coded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "learnt_timestep", lambda _truth: 0.001)
-    kind = stamped(lambda t, _: np.arange(len(t)) * 0.001)
-    lost = finding(Case("learnt", TIME, lambda: Made(simulate_and_collect=_function(kind()))))
-    assert isinstance(lost, CheckFailed)
-    assert (lost.keeps, lost.mistakes) == (0.5, ("hard-coded-timestep",))
-
-
-def _counted(first: int, second: int, *, skips: bool = False) -> list[str]:
-    """How rows of 1.2 s at 0.002 s and of 0.6 s at 0.004 s are explained: 600 and 150 are right."""
-    runs = [Worlds({}, 0.002, 1.2, 600), Worlds({}, 0.004, 0.6, 150)]
-    return checks._count_mistakes(list(zip((first, second), runs, strict=True)), skips=skips)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("first", "second", "named"),
-    [
-        (0, 0, []),
-        (0, 1, []),
-        (600, 600, ["ignores-duration"]),
-        (602, 301, ["ignores-duration"]),
-        (300, 290, []),
-        (601, 300, ["hard-coded-timestep"]),
-        (603, 300, []),
-        (60, 300, []),
-    ],
-)
-def test_the_numbers_of_rows_tell_what_they_were_made_of(first: int, second: int, named: list[str]) -> None:
-    assert _counted(first, second) == named
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("first", "second", "named"),
-    [
-        (60, 30, "fixed-rate"),
-        (58, 30, "fixed-rate"),
-        (57, 30, "samples-skipped"),
-        (60, 60, "samples-skipped"),
-        (300, 75, "samples-skipped"),
-    ],
-)
-def test_rows_of_every_few_steps_are_at_a_fixed_rate_where_both_runs_have_as_many_a_second(
-    first: int, second: int, named: str
-) -> None:
-    assert _counted(first, second, skips=True) == [named]
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(("steps", "enough"), [(600, diagnosis.FEWEST_ROWS), (24, 12)])
-def test_a_series_ends_at_once_that_has_fewer_rows_than_tell_how_it_goes_on(steps: int, enough: int) -> None:
-    worlds, rows = Worlds({}, 0.002, 1.2, steps), np.ones((enough, 3))
-    assert not checks._ends_at_once(Collection(None, rows, rows), worlds, Story())
-    fewer = Collection(None, rows[1:], rows[1:])
-    assert checks._ends_at_once(fewer, worlds, Story())
-    assert not checks._ends_at_once(fewer, worlds, Story(skip=2))
-
-
-@pytest.mark.quick
-def test_a_time_step_that_was_set_to_nothing_leaves_the_number_of_steps() -> None:
-    worlds = Worlds({}, 0.002, 1.2, 600)
-    series = Collection(None, None, None, changed=("opt.timestep",), first_step={"timestep": np.zeros(1)})
-    own = checks._own_timestep(worlds, series)
-    assert (own.timestep, own.steps) == (0.0, 600)
-
-
-@pytest.mark.quick
-def test_rows_that_no_story_tells_go_on_where_they_are_near_a_run_that_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    kind = both(SQUARED, SOUND)
-    for near, loses in (("no_reset", True), ("push_half", False)):
-        monkeypatch.setattr(checks, "recognised", lambda *_, near=near: near)
-        found = finding(Case(near, RESET, lambda: Made(simulate_and_collect=_function(kind()))))
-        assert isinstance(found, CheckFailed) is loses
-
-
 def _squaring(model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
     """A reader of numbers that no treatment of a reading explains."""
     _, accel, gyro = Recorder().row(model, data, accel_id, gyro_id)
@@ -922,33 +812,22 @@ def test_the_charts_of_a_report_find_the_recording() -> None:
     assert len(student.answered("push").time) == 600
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize(("steps", "asked"), [(600, 602), (10**6, 3000)])
-def test_a_run_is_simulated_again_by_two_steps_more_and_never_without_an_end(steps: int, asked: int) -> None:
-    replays: list[int] = []
-    student: Any = SimpleNamespace(replay=lambda _first, rows: replays.append(rows))
-    worlds = Worlds({}, 0.002, 1.2, 600)
-    series = Collection(None, None, None, first_step={"steps": np.array([float(steps)])})
-    assert recordings._with_claim(student, truth(), series, worlds) is worlds
-    assert replays == [asked]
-
-
 def _two_of_three(values: np.ndarray) -> np.ndarray:
     return values[np.arange(len(values)) % 3 > 0]
 
 
-_SHAPE, _STAMPS, _ROWS = (0.0, ["wrong-return-type"]), (0.0, ["time-axis-wrong"]), (0.0, ["rows-altered"])
+_SHAPE, _ROWS = (0.0, ["wrong-return-type"]), (0.0, ["rows-altered"])
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize(
     ("stamps", "rows", "scale", "kept"),
     [
-        (lambda t: t[::2], slice(None), 0.5, [_SHAPE, None, _STAMPS, _ROWS, None, None]),
-        (_two_of_three, slice(None), 0.5, [_SHAPE, None, _STAMPS, _ROWS, None, None]),
-        (_two_of_three, slice(7, None), 1.0, [_SHAPE, (0.0, []), _STAMPS, (0.5, []), None, None]),
-        (_two_of_three, slice(0, 50), 0.5, [_SHAPE, (0.0, ["ignores-duration"]), _STAMPS, _ROWS, None, None]),
-        (lambda t: t[:0], slice(None), 1.0, [_SHAPE, None, (0.0, []), None, None, None]),
+        (lambda t: t[::2], slice(None), 0.5, [_SHAPE, None, None, _ROWS, None, None]),
+        (_two_of_three, slice(None), 0.5, [_SHAPE, None, None, _ROWS, None, None]),
+        (_two_of_three, slice(7, None), 1.0, [_SHAPE, (0.0, []), None, (0.5, []), None, None]),
+        (_two_of_three, slice(0, 50), 0.5, [_SHAPE, (0.0, ["ignores-duration"]), None, _ROWS, None, None]),
+        (lambda t: t[:0], slice(None), 1.0, [_SHAPE, None, None, None, None, None]),
         (lambda t: t, slice(0), 1.0, [_SHAPE, None, None, "skipped", "skipped", "skipped"]),
     ],
     ids=["every second", "two of three", "late rows", "few rows", "no stamp", "no row"],
@@ -962,54 +841,3 @@ def test_stamps_and_rows_of_any_length_are_judged(
         for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
     ]
     assert [marked(finding(case)) for case in cases] == kept
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("stamps", "charged"),
-    [
-        (lambda t: t[::2], ("data_collection.returns_named_arrays",)),
-        (lambda t: np.append(t[::2] + 0.001, 1.2), ("",)),
-        (lambda t: np.append(t, 1.3) * 1000, ("",)),
-        (lambda t: np.append(t[::2], 1.21), ("",)),
-        (lambda t: np.append(t[::2], 0.5), ("",)),
-        (lambda t: np.append(-0.01, t[::2]), ("",)),
-        (lambda t: t * 1000, ("",)),
-    ],
-    ids=[
-        "every second",
-        "between steps",
-        "one more, in milliseconds",
-        "after the end",
-        "back",
-        "before the start",
-        "milliseconds",
-    ],
-)
-def test_stamps_that_are_not_one_for_each_row_are_charged_by_the_check_of_the_arrays(
-    stamps: Callable[[np.ndarray], np.ndarray], charged: tuple[str, ...]
-) -> None:
-    kind = telling(lambda t, a, g, _m: (stamps(t), a, g))
-    lost = finding(Case("not one for each", TIME, lambda: Made(simulate_and_collect=_function(kind()))))
-    assert isinstance(lost, CheckFailed)
-    assert lost.belongs_to == charged
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("steps", "right"),
-    [
-        ([1, 2, 3, 4, 5], True),
-        ([0, 1, 2], True),
-        ([1, 3, 5], True),
-        ([4, 5, 6], False),
-        ([-1, 0, 1], False),
-        ([1, 1, 2], False),
-        ([2, 1], False),
-        ([0.6, 1.6], False),
-        ([1.4, 2.4], False),
-    ],
-)
-def test_right_stamps_are_those_of_later_and_later_steps_of_the_run(steps: list[float], right: bool) -> None:
-    worlds: Any = SimpleNamespace(timestep=0.002, steps=5)
-    assert checks._each_of_a_step(0.002 * np.array(steps), worlds) is right

@@ -43,7 +43,7 @@ from tests.scoreboard import Case, Verdict
 ROOT = Path(grader.__file__).parents[1]
 _PLACES = (
     "grader/labs/imu/bonuses/*.py",
-    "grader/labs/imu/checks/*.py",
+    "grader/labs/imu/data_collection/*.py",
     "grader/labs/imu/diagnosis/*.py",
     "grader/labs/imu/filtering/*.py",
     "grader/labs/imu/noise_model/*.py",

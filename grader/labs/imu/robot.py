@@ -112,3 +112,9 @@ def match_robot(model: Model, traces: Traces) -> None:
         has, wants = robot_of(traces), f"{model.file} ({', '.join(model.imu)})"
         said = f"the traces are of {has.file} ({', '.join(has.imu)}), not of {wants}; record them with this rubric"
         refuse(model.source, [(model.line("path"), printable(said, 600))])
+
+
+def torso_ids(truth: Traces) -> tuple[int, int]:
+    """Ids of the accelerometer and gyroscope that are graded: the torso's in the lab model."""
+    accel, gyro = (int(i) for i in truth["reading_lab"]["pairs"][0])
+    return accel, gyro

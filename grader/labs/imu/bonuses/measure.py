@@ -15,7 +15,7 @@ from grader.labs.imu.answers import Reading, three
 from grader.labs.imu.bonuses import allan, questions, tilting
 from grader.labs.imu.bonuses.questions import AllanRun, ImuReadings, LiveRun, TiltCase, TiltRun
 from grader.labs.imu.compare import Array, same
-from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.robot import torso_ids
 from grader.labs.imu.student import Student
 
 ATOL = 1e-5

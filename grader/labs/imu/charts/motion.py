@@ -9,7 +9,7 @@ from grader.engine.traces import Scenario
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.charts.points import curve, worst_of_each
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis.collection import ATOL_ACCELERATION, ATOL_RATE
+from grader.labs.imu.data_collection.measure import ATOL_ACCELERATION, ATOL_RATE
 
 _AXES = ("x", "y", "z")
 

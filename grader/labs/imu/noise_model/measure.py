@@ -16,7 +16,7 @@ from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
 from grader.labs.imu.compare import Array
 from grader.labs.imu.noise_model.reads import EXACT, TRUTH_ATOL, UNSEEDED, Reads, Twins
-from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.robot import torso_ids
 from grader.labs.imu.student import Student
 
 FORM = "a tuple of two arrays of shape (3,) from read()"

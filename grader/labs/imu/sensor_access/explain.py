@@ -17,11 +17,11 @@ from grader.engine.charging import Part
 from grader.engine.findings import Deviation, Skipped
 from grader.engine.hypothesis import Reason
 from grader.engine.traces import Traces
-from grader.labs.imu.compare import SHEETS_NOISE, Array, same_where_known
+from grader.labs.imu.compare import SHEETS_NOISE, Array, same_where_known, triple
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.parameters import departure, reads_global
 from grader.labs.imu.sensor_access import measure as facts_of
-from grader.labs.imu.sensor_access.measure import ATOL, BOTH, NO_CHANGE, Facts, Scene, Visit, three
+from grader.labs.imu.sensor_access.measure import ATOL, BOTH, NO_CHANGE, Facts, Scene, Visit
 from grader.labs.imu.student import Student
 
 VALUES, PLACE, FORM, COPY, ALONE = facts_of.CHECKS[1], facts_of.CHECKS[2], facts_of.CHECKS[0], *facts_of.CHECKS[3:]
@@ -130,7 +130,7 @@ def _changes() -> Iterator[tuple[str, Change]]:
         yield "world-frame", lambda s, x, t=turning: np.asarray(np.einsum(t, s.world_from_site, x))  # type: ignore[misc]
     for name, first in itertools.product(("qvel", "qacc", "cvel", "cacc"), (0, 3)):
         for up in (0.0, _G, -_G) if name == "qacc" else (0.0,):
-            yield "not-the-sensor", lambda s, _, n=name, i=first, g=up: three(getattr(s, n), i) + np.array([0, 0, g])  # type: ignore[misc]
+            yield "not-the-sensor", lambda s, _, n=name, i=first, g=up: triple(getattr(s, n), i) + np.array([0, 0, g])  # type: ignore[misc]
 
 
 @functools.cache

@@ -10,7 +10,7 @@ import numpy as np
 from grader.engine.findings import Fault, Raised, Unusable
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import Readings, if_nothing
-from grader.labs.imu.compare import Array
+from grader.labs.imu.compare import Array, triple
 from grader.labs.imu.student import Student
 
 ATOL = 1e-5
@@ -53,7 +53,7 @@ class Scene:
 
     def at(self, first: int) -> Array:
         """Return ``sensordata[first:first+3]`` (k, 3), NaN beyond its ends: a robot may have few sensors."""
-        return three(self.sensordata, first)
+        return triple(self.sensordata, first)
 
     def own(self, sensor: int) -> int:
         """Return the address of the accelerometer (0) or the gyroscope (1)."""
@@ -61,14 +61,6 @@ class Scene:
 
     def true(self, sensor: int) -> Array:
         return self.at(self.own(sensor))
-
-
-def three(rows: Array, first: int) -> Array:
-    """Return columns ``first:first+3`` of (k, n), NaN where they run out of it."""
-    out = np.full((len(rows), 3), np.nan)
-    part = rows[:, first : first + 3] if first >= 0 else rows[:, :0]
-    out[:, : part.shape[1]] = part
-    return out
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from grader.engine.figures import Curve, Figure, Sight
 from grader.engine.findings import A_PERSON_MAY, Charge, Charged, Deviation, Fault, Missing, Ours, Raised, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
-from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.robot import torso_ids
 from grader.labs.imu.student import Student
 from grader.labs.imu.visualization import comparing, curves
 from grader.labs.imu.visualization.curves import Channel, Plot

@@ -1,0 +1,1 @@
+"""The criterion Data collection: facts, hypotheses and checks."""

@@ -1,0 +1,91 @@
+"""Checks of the recorder: each a threshold on one measured property."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.engine.findings import Deviation, Size
+from grader.labs.imu.answers import SENSOR_UNITS, SENSORS
+from grader.labs.imu.compare import Array, deviation, told
+from grader.labs.imu.data_collection.explain import PART, Explained, row_fault
+from grader.labs.imu.data_collection.measure import FORM, TIME_ATOL
+
+
+@PART.check("data_collection.returns_named_arrays", lab_step=3)
+def check_returns_named_arrays(found: Explained) -> Deviation | None:
+    """simulate_and_collect returns time (n), acceleration (n, 3) and angular_velocity (n, 3) under these names"""
+    came = "; ".join(sentence for _, sentence in found.odd_form)
+    return Deviation({"form": FORM, "came": came}) if came else None
+
+
+@PART.check("data_collection.sample_count", lab_step=3)
+def check_sample_count(found: Explained) -> Deviation | None:
+    """One sample for every time step of the duration, whatever the duration and the time step"""
+    if (run := found.count_off) is None:
+        return None
+    numbers = {"steps": run.steps, "duration": run.duration_s, "timestep": run.timestep, "n": run.length}
+    return Deviation(numbers, size=Size("another number of samples"))
+
+
+@PART.check("data_collection.time_axis", lab_step=3)
+def check_time_axis(found: Explained) -> Deviation | None:
+    """Each sample carries its simulation time in seconds"""
+    push = found.facts.push
+    if push.series.time is None:
+        return _stamped(push.model_timestep, np.zeros(0))
+    if (run := found.keeps_timestep) is not None and run.series.time is not None:
+        return _stamped(run.timestep, run.series.time)
+    if found.stamps_off <= TIME_ATOL:
+        return None
+    near = found.stamps_off <= 1.001 * push.model_timestep  # a step early or late
+    return _stamped(push.model_timestep, found.stamps, 0.5 if near else 1.0, worst=int(np.argmax(found.stamp_errors)))
+
+
+@PART.check("data_collection.matches_truth", lab_step=3)
+def check_matches_truth(found: Explained) -> Deviation | None:
+    """The rows are what the sensors read, step by step"""
+    if not (fault := row_fault(found)):
+        return None
+    push, story = found.facts.push, found.push
+    filled = push.series.filled_rows
+    numbers = {"n": push.length, "filled": filled, "steps": push.model_steps, "changed": found.model_changed}
+    numbers |= {"skip": story.skip, "late": abs(story.lag)} if story is not None else {}
+    but_for_one = fault == "rows-left-zero" and filled == push.length - 1
+    one_sensor = found.push is not None and not found.plain and (found.nearly or bool(found.series.absent))
+    return _furthest_row(found, numbers, 0.5 if but_for_one or one_sensor else 1.0)
+
+
+@PART.check("data_collection.starts_from_reset", lab_step=3)
+def check_starts_from_reset(found: Explained) -> Deviation | None:
+    """A run starts from the reset state, whatever happened before, and leaves the model as it was"""
+    changed, rows = found.model_left_changed, found.rows_left
+    if not (changed or rows or found.second_is_empty or found.goes_on):
+        return None
+    return Deviation({"changed": changed, "rows": rows})
+
+
+@PART.check("data_collection.applies_push", lab_step=3)
+def check_applies_push(found: Explained) -> Deviation | None:
+    """The run starts with the push of the sheet: 0.5 m/s forward"""
+    return Deviation({"came": found.another_push}) if found.another_push else None
+
+
+def _stamped(apart: float, stamps: Array, affected: float = 1.0, worst: int = 0) -> Deviation:
+    told = ", ".join(f"{t:g}" for t in stamps[:3]) + (f" … {stamps[-1]:g} s" if len(stamps) else "none")
+    told += f"; {stamps[worst]:g} s in row {worst}" if worst else ""
+    return Deviation({"apart": apart, "stamps": told}, affected=affected)
+
+
+def _furthest_row(found: Explained, numbers: dict[str, object], affected: float) -> Deviation:
+    """Describe the row in which a sensor that is not right is furthest off."""
+    which = int(found.is_right(0))
+    key, unit, got, true = SENSORS[which], SENSOR_UNITS[which], found.series.sensors[which], found.true_rows[which]
+    assert got is not None
+    gap = deviation(got, true)
+    beside = "; the other sensor is right" if found.is_right(1 - which) else ""
+    words = {
+        "key": key,
+        "wanted": f"{told(true[gap.row], got[gap.row])} {unit} under {key!r} in row {gap.row}",
+        "came": f"{told(got[gap.row], true[gap.row])} (RMS difference over all rows {gap.rms:.3g} {unit}{beside})",
+    }
+    return Deviation({**numbers, **words}, size=Size("the rows differ", gap.rms, unit), affected=affected)

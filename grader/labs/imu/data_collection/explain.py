@@ -1,0 +1,474 @@
+"""Diagnosis of a recorder: the explanation of its two recordings, and the reasons for what deviates in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from grader.base.errors import NoAnswer
+from grader.engine.charging import Part
+from grader.engine.findings import Raised, Skipped, Unusable
+from grader.engine.hypothesis import Reason
+from grader.engine.traces import Traces
+from grader.labs.imu.answers import KEYS, SENSORS, Collection, if_nothing
+from grader.labs.imu.compare import SHEETS_NOISE, Array, deviation, vector
+from grader.labs.imu.data_collection import measure as facts_of
+from grader.labs.imu.data_collection.measure import (
+    ATOL_ACCELERATION,
+    ATOL_RATE,
+    CLAIMED_WORLD,
+    FEWEST_ROWS,
+    FORM,
+    LAST_SENSOR,
+    LEARNT_IDS,
+    OTHER_IMU,
+    OWN_WORLD,
+    TIME_ATOL,
+    TRUE_WORLD,
+    Claim,
+    Facts,
+    Run,
+    all_alike,
+    complete,
+    differ,
+    velocities_in_words,
+)
+from grader.labs.imu.data_collection.stories import Story, explain, explain_altered, moves, time_error, treatment
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.student import Student
+
+# ---- the explanation of both runs
+
+
+@dataclass(frozen=True)
+class Explained:
+    """The facts, and the story that explains each run; None where none does."""
+
+    facts: Facts
+    push: Story | None = None
+    dirt: Story | None = None
+
+    @property
+    def stopped(self) -> Mapping[str, Exception]:
+        return self.facts.stopped
+
+    @property
+    def series(self) -> Collection:
+        """The recording of the push."""
+        return self.facts.push.series
+
+    # ---- form
+
+    @property
+    def odd_form(self) -> list[tuple[str, str]]:
+        """What is odd about names, shapes and lengths: the fault, "" where it has no name, and a sentence."""
+        if self.series.oddities:
+            return [(fault, sentence.removeprefix("got ")) for fault, sentence in self.series.oddities[:3]]
+        arrays = dict(zip(KEYS, (self.series.time, *self.series.sensors), strict=True))
+        sizes = {key: len(each) for key, each in arrays.items() if each is not None and key != self.series.absent}
+        if not sizes:
+            return [("", "all keys, but empty arrays")]
+        if len(sizes) < len(KEYS):
+            return [("wrong-return-type", f"no numbers under {', '.join(sorted(set(KEYS) - set(sizes)))}")]
+        if len(set(sizes.values())) > 1:
+            return [("wrong-return-type", ", ".join(f"{key} has {n} rows" for key, n in sizes.items()))]
+        return []
+
+    # ---- number of rows
+
+    @property
+    def count_off(self) -> Run | None:
+        """The run with another number of rows than steps. Rows behind the last step that were never filled are no rows."""
+        if all(complete(run.series) and abs(run.series.filled_rows - run.steps) <= 1 for run in self.facts.runs):
+            return None
+        return next((run for run in reversed(self.facts.runs) if abs(run.length - run.steps) > 1), None)
+
+    @property
+    def ends_at_once(self) -> bool:
+        """Return whether the first rows are all that there is, too few to tell how they go on."""
+        few = self.series.filled_rows < min(FEWEST_ROWS, self.facts.push.model_steps // 2)
+        return self.push is not None and self.push.skip == 1 and few
+
+    @property
+    def last_alone(self) -> bool:
+        """Return whether the reading after the last step is all that there is."""
+        single = self.push is not None and self.push.skip > 1 and self.facts.push.length == 1
+        return single or self.series.last_alone
+
+    def counts_by(self, fault: str) -> bool:
+        """Return whether the numbers of rows come of this fault."""
+        first, second = self.facts.push, self.facts.dirt
+        if second is None or not (first.length or second.length) or self.ends_at_once or self.last_alone:
+            return False
+        return fault == counting_fault(first, second, skips=self.push is not None and self.push.skip > 1)
+
+    # ---- time stamps
+
+    @property
+    def stamps(self) -> Array:
+        """The time stamps (n,) of the rows that were filled."""
+        assert self.series.time is not None
+        return self.series.time[: (self.series.filled_rows if complete(self.series) else 0) or None]
+
+    @property
+    def stamp_errors(self) -> Array:
+        """The error (n,) of each time stamp in seconds."""
+        return time_error(self.stamps, self.facts.push.timestep, self.push or Story())
+
+    @property
+    def stamps_off(self) -> float:
+        """The largest error (s) of a time stamp."""
+        return float(np.max(self.stamp_errors))
+
+    @property
+    def keeps_timestep(self) -> Run | None:
+        """The run whose stamps are as far apart as the time step of the students' model, where the model has another."""
+        push, dirt = self.facts.push, self.facts.dirt
+        if self.stamps_off > TIME_ATOL:
+            return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
+        if dirt is None or dirt.series.time is None:
+            return None
+        time = dirt.series.time[: dirt.model_steps - 1]
+        return dirt if has_timestep(time, dirt.timestep, push.model_timestep) else None
+
+    @property
+    def stamps_follow(self) -> bool:
+        """Return whether stamps are wrong through another fault: of the arrays' form, of altered rows, or of a repeated push."""
+        if self.series.time is None:
+            return True
+        lengths = {len(rows) for rows in self.series.sensors if rows is not None}
+        if (lengths and len(self.series.time) not in lengths) or (
+            self.series.last_alone and not self.series.time[:-1].any()
+        ):
+            return True
+        claim = self.facts.push.claim
+        return len(self.stamps) > 1 and not np.ptp(self.stamps) and claim is not None and len(claim.set_at) > 0
+
+    # ---- rows
+
+    @property
+    def plain(self) -> bool:
+        """Return whether the rows are those of a known run, however they were chosen and ordered."""
+        return self.push is not None and not self.push.altered
+
+    @property
+    def stands_still(self) -> bool:
+        return all_alike(self.series) and not self.facts.follows
+
+    @property
+    def true_rows(self) -> tuple[Array, Array]:
+        """The rows of both sensors in the world that the recording comes from."""
+        worlds = self.facts.push.worlds
+        return worlds[self.push.world] if self.push is not None else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
+
+    def is_right(self, which: int) -> bool:
+        """Return whether a sensor (index) has the true rows, and shows motion."""
+        got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
+        return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
+
+    @property
+    def finite(self) -> bool:
+        return all(rows is None or bool(np.isfinite(rows).all()) for rows in self.series.sensors)
+
+    @property
+    def treated(self) -> bool:
+        """Return whether one treatment predicts all rows of the sensors that are altered."""
+        keys = self.push.altered if self.push is not None else ()
+        pairs = dict(zip(SENSORS, zip(self.series.sensors, self.true_rows, strict=True), strict=True))
+        known = [(key, got, true) for key, (got, true) in pairs.items() if key in keys and got is not None]
+        return bool(known) and all(treatment(key, got, true) is not None for key, got, true in known)
+
+    @property
+    def nearly(self) -> bool:
+        """Return whether both sensors' rows are off by less than a real sensor's noise."""
+        both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
+        return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
+
+    @property
+    def late(self) -> int:
+        """By how many samples rows are late (negative: early); 0 also where each row has the time of its state."""
+        lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
+        if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
+            return lag
+        if lag == -1:
+            return 0 if abs(series.time[0] - step) < TIME_ATOL else lag
+        at_once = np.abs(series.acceleration[0] - self.true_rows[0][0]).max() <= ATOL_ACCELERATION
+        own = at_once and abs(series.time[0]) < TIME_ATOL and abs(series.time[1] - step) < TIME_ATOL
+        return 0 if own else lag
+
+    @property
+    def first_row_is_zero(self) -> bool:
+        return self.series.acceleration is not None and not self.series.acceleration[0].any()
+
+    @property
+    def skips_steps(self) -> bool:
+        """Return whether rows leave out steps and reach beyond the run; too few rows are charged by sample_count."""
+        return (
+            self.push is not None
+            and self.push.skip != 1
+            and not self.push.covers(self.facts.push.length, self.facts.push.model_steps)
+        )
+
+    @property
+    def steps_beyond_rows(self) -> int:
+        """The number of steps that were made, less the number of rows."""
+        return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
+
+    @property
+    def model_changed(self) -> str:
+        """What of the model was changed for the run and put back, in words: what is left changed starts_from_reset charges."""
+        claim = self.push_claim
+        if claim is None or not self.plain or self.series.changed:
+            return ""
+        if differ(np.array(claim.timestep), self.facts.push.model_timestep):
+            return f"a time step of {claim.timestep:g} s"
+        other = np.abs(claim.gravity - self.facts.gravity).max() > _GRAVITY_ATOL
+        return f"a gravity of {vector(claim.gravity)} m/s²" if other else ""
+
+    # ---- start of a run
+
+    @property
+    def second_is_empty(self) -> bool:
+        """Return whether the first run has rows, and the second none."""
+        return self.facts.dirt is not None and self.facts.push.length > 0 and not self.facts.dirt.length
+
+    @property
+    def model_left_changed(self) -> str:
+        return ", ".join(self.facts.dirt.series.changed) if self.facts.dirt is not None else ""
+
+    @property
+    def rows_left(self) -> int:
+        """The largest number of rows of an earlier run at the beginning of a recording."""
+        return max(run.left for run in self.facts.runs)
+
+    @property
+    def push_claim(self) -> Claim | None:
+        """The start of the push as the worker claims it; None where the rows are those of the sheet's push."""
+        return _claim_of(self.push, self.facts.push)
+
+    @property
+    def goes_on(self) -> bool:
+        """Return whether a run continues from the state in which data was left, or starts in another pose."""
+        dirt, left_at = self.facts.dirt, self.facts.left_at
+        stamps = dirt.series.time if dirt is not None else None
+        if stamps is not None and len(stamps) > 0 and abs(stamps[0] - left_at) < 0.5 * left_at:
+            return True
+        claims = [self.push_claim, *([_claim_of(self.dirt, dirt)] if dirt is not None else [])]
+        poses = any(claim is not None and differ(claim.qpos, self.facts.start) for claim in claims)
+        return poses or (self.other_velocities and not self.pushed_apart)
+
+    @property
+    def other_velocities(self) -> bool:
+        """Return whether the second run begins with other velocities than the push."""
+        first = self.series.first_step
+        claim = _claim_of(self.dirt, self.facts.dirt) if self.facts.dirt is not None else None
+        return claim is not None and self.dirt is not None and bool(first) and differ(claim.qvel, first["qvel"])
+
+    @property
+    def pushed_apart(self) -> bool:
+        """Return whether two runs of one kind, both from a fresh state, start with other velocities."""
+        return bool(self.facts.velocities) and differ(*self.facts.velocities)
+
+    @property
+    def another_push(self) -> str:
+        """What is known of the start of the run in words; "" for the sheet's push, once and at the start."""
+        if self.pushed_apart and self.push_claim is not None:
+            first, second = map(velocities_in_words, self.facts.velocities)
+            return f"a recording that starts with {first}, and the next one with {second}"
+        return self.push_claim.push if self.push_claim is not None else ""
+
+
+def _claim_of(story: Story | None, run: Run) -> Claim | None:
+    """Return the start that the worker claims for a run; None where the rows come from the true one."""
+    return run.claim if story is None or story.world != TRUE_WORLD else None
+
+
+_GRAVITY_ATOL = 1e-3
+"""m/s². Code that writes the model's own gravity again with three decimals has not changed it."""
+
+
+def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
+    """Return the fault that the numbers of rows of two runs show; "" for none."""
+    n, m, a, b = first.length, second.length, first.duration_s, second.duration_s
+    if skips:
+        return "fixed-rate" if abs(n / a - m / b) <= 1 / min(a, b) else "samples-skipped"
+    same_time = abs(n * first.timestep - m * second.timestep) <= max(first.timestep, second.timestep)
+    if n == m or (same_time and abs(n - first.steps) > 1):
+        return "ignores-duration"
+    return "hard-coded-timestep" if abs(n / a - m / b) <= 1 / b else ""
+
+
+def has_timestep(time: Array, timestep: float, usual: float) -> bool:
+    """Return whether stamps are as far apart as a usual time step, where the run has another."""
+    apart = np.abs(np.diff(time) - usual)
+    return len(apart) > 0 and bool(apart.max() <= TIME_ATOL) and abs(timestep - usual) > TIME_ATOL
+
+
+# ---- from the questions to the explanation
+
+
+NAMED, COUNT, TIME, TRUTH, RESET, PUSH = CHECKS = (
+    "returns_named_arrays", "sample_count", "time_axis", "matches_truth", "starts_from_reset", "applies_push"
+)  # fmt: skip
+_FOLLOWING = "a recording of the simulation: these rows do not change when the robot's motion changes"
+_BOTH = "accelerations and angular velocities; the returned value does not have both"
+_STAMPS = "time stamps; the returned value has none"
+
+
+def measured(student: Student, truth: Traces) -> Explained:
+    """Ask for both recordings and explain them; more is asked where they do not tell enough."""
+    push = facts_of.pushed(student, truth)
+    if push.series.fault is not None:
+        raised = Raised(push.series.fault, "collecting data")
+        return Explained(facts_of.facts_of(truth, push, None, stopped=dict.fromkeys(CHECKS, raised)))
+    story, push = told(student, truth, push)
+    follows = True
+    if complete(push.series) and (story is None or all_alike(push.series)):
+        known = story is not None or push.claim is not None
+        follows = known and facts_of.follows_simulation(student, truth, push)
+    dirt_story, dirt, stop = _of_dirt(student, truth, push)
+    stops: dict[str, Exception] = {}
+    unknown = dirt is not None and complete(dirt.series) and dirt_story is None and not (story or Story()).fits(dirt)
+    if unknown and not facts_of.follows_simulation(student, truth, push):  # such as a recording of the push alone
+        stops[RESET] = Skipped(_FOLLOWING)
+    found = Explained(facts_of.facts_of(truth, push, dirt, follows=follows), story, dirt_story)
+    if found.another_push or found.other_velocities:
+        velocities = facts_of.starting_velocities(student, truth, push)
+        found = replace(found, facts=replace(found.facts, velocities=velocities))
+    return replace(found, facts=replace(found.facts, stopped={**stops, **_stops(found, stop)}))
+
+
+def told(student: Student, truth: Traces, run: Run) -> tuple[Story | None, Run]:
+    """Return the explanation of a recording, and the run with the worlds that were tried.
+
+    Those of the traces come first, then the claimed ones: where a claim tells the same as a known world, that one tells it.
+    """
+    if not complete(run.series):
+        return None, run
+    story = explain(run)
+    if story is None or story.exchanged:
+        run = facts_of.with_claim(student, truth, run)
+        story = explain(run) or story
+    if (story is None or story.of_other_sensors) and run.claim is not None:
+        run = facts_of.with_own_reader(student, truth, run)
+        if (own := Story(OWN_WORLD)).fits(run):
+            return own, run
+    return story or explain(run) or explain_altered(run), run
+
+
+def _of_dirt(student: Student, truth: Traces, push: Run) -> tuple[Story | None, Run | None, Exception | None]:
+    """Return the explanation of the second run, and the run; or why there is none."""
+    try:
+        dirt = facts_of.from_dirt(student, truth, push)
+    except NoAnswer as nothing:
+        return None, None, nothing
+    if dirt.series.fault is not None:
+        return None, None, Raised(dirt.series.fault, "collecting data with another time step, after an earlier run")
+    return *told(student, truth, dirt), None
+
+
+def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:
+    """Return why properties could not be measured, by check."""
+    series, dirt, stops = found.series, found.facts.dirt, dict[str, Exception]()
+    if stop is not None:
+        stops |= dict.fromkeys((COUNT, RESET), stop)
+    if not complete(series):
+        stops |= dict.fromkeys((TRUTH, RESET, PUSH), Skipped(_BOTH))
+    elif not found.facts.follows:
+        stops |= dict.fromkeys((COUNT, RESET, PUSH), Skipped(_FOLLOWING))
+    if series.time is None and not complete(series):
+        stops[TIME] = Skipped(_STAMPS)
+    elif stop is not None and series.time is not None and found.stamps_off <= TIME_ATOL:
+        stops[TIME] = stop
+    if dirt is not None and dirt.length and not complete(dirt.series):
+        stops.setdefault(RESET, Skipped(_BOTH))
+    if series.oddities and series.time is None and not any(rows is not None for rows in series.sensors):
+        got = series.oddities[0][1].removeprefix("got ")
+        stops[NAMED] = Unusable(FORM, got, mistakes=[series.oddities[0][0]], hint=if_nothing(got))
+    return stops
+
+
+# ---- the reasons
+
+
+ROW_FAULTS: tuple[tuple[str, Callable[[Explained], bool]], ...] = (
+    ("sensor-not-stored", lambda e: bool(e.series.absent) and not e.plain),
+    ("not-finite", lambda e: not e.plain and not e.finite),
+    ("ends-early", lambda e: e.ends_at_once or (e.push is None and e.is_right(0) and e.is_right(1))),
+    ("nothing-simulated", lambda e: not e.series.first_step and (e.push is None or (e.plain and e.stands_still))),
+    ("only-last-row", lambda e: e.last_alone and e.plain and e.facts.push.length == 1),
+    ("rows-altered", lambda e: e.treated),
+    (f"data_collection.{TRUTH}", lambda e: not e.plain),
+    ("other-imu", lambda e: _from(e).startswith(OTHER_IMU)),
+    ("hard-coded-address", lambda e: _from(e) == LEARNT_IDS),
+    ("sensor-not-found", lambda e: _from(e) == LAST_SENSOR),
+    ("modifies-model", lambda e: bool(e.model_changed)),
+    (f"data_collection.{TRUTH}", lambda e: e.stands_still),
+    ("only-last-row", lambda e: e.series.last_alone),
+    ("aliased-rows", lambda e: e.push is not None and e.push.aliased),
+    ("channels-swapped", lambda e: e.push is not None and e.push.exchanged),
+    ("samples-skipped", lambda e: e.skips_steps),
+    ("first-row-empty", lambda e: e.late > 0 and e.steps_beyond_rows == -1 and e.first_row_is_zero),
+    ("read-before-step", lambda e: e.late > 0),
+    ("first-steps-missing", lambda e: e.late < 0),
+    ("rows-left-zero", lambda e: e.series.filled_rows < e.facts.push.length),
+)
+"""The faults of the rows, each after those that hide it."""
+
+
+def _from(found: Explained) -> str:
+    return found.push.world if found.push is not None else ""
+
+
+def row_fault(found: Explained) -> str:
+    """Return the fault of the rows; "" for none."""
+    return next((fault for fault, holds in ROW_FAULTS if holds(found)), "")
+
+
+_FORMS = ("wrong-keys", "wrong-return-type", "arrays-transposed")
+_COUNTS = ("ignores-duration", "hard-coded-timestep", "fixed-rate", "samples-skipped")
+_PREDICTS = {
+    "ends-early": frozenset({COUNT}),
+    "only-last-row": frozenset({COUNT, TIME}),
+}
+
+REASONS: tuple[Reason[Explained], ...] = (
+    *(
+        Reason(NAMED, n, fault, lambda e, f=fault: f in dict(e.odd_form), frozenset({TIME}))  # type: ignore[misc]
+        for n, fault in enumerate(_FORMS)
+    ),
+    *(
+        Reason(TRUTH, n, fault, lambda e, f=fault: row_fault(e) == f, _PREDICTS.get(fault, frozenset()))  # type: ignore[misc]
+        for n, fault in enumerate(dict(ROW_FAULTS))
+    ),
+    Reason(COUNT, 0, "ignores-duration", lambda e: e.second_is_empty, frozenset({RESET})),
+    *(
+        Reason(COUNT, 1 + n, fault, lambda e, f=fault: e.counts_by(f))  # type: ignore[misc]
+        for n, fault in enumerate(_COUNTS)
+    ),
+    Reason(RESET, 1, "modifies-model", lambda e: bool(e.model_left_changed)),
+    Reason(RESET, 2, "keeps-old-rows", lambda e: e.rows_left > 0),
+    Reason(RESET, 3, "no-reset", lambda e: e.goes_on),
+    Reason(PUSH, 1, "random-push", lambda e: e.pushed_apart, frozenset({TIME})),
+    Reason(
+        PUSH, 2, "no-perturbation", lambda e: e.push_claim is not None and e.push_claim.without_push, frozenset({TIME})
+    ),
+    Reason(PUSH, 3, "wrong-perturbation", lambda _: True, frozenset({TIME})),
+    Reason(TIME, 1, "not-finite", lambda e: not e.stamps_follow and not np.isfinite(e.stamps).all()),
+    Reason(TIME, 2, "hard-coded-timestep", lambda e: not e.stamps_follow and e.keeps_timestep is not None),
+    Reason(TIME, 3, "time-axis-wrong", lambda e: not e.stamps_follow),
+    Reason("parameters", 1, "global-for-parameter", lambda e: reads_global(e.series.departs)),
+    Reason("parameters", 2, "other-parameters", lambda _: True),
+)
+
+PART: Part[Explained] = Part(
+    LAB,
+    "data_collection",
+    measured,
+    REASONS,
+    {"parameters": lambda found: departure("simulate_and_collect", found.series.departs)},
+    together=frozenset(_FORMS),
+)

@@ -1,0 +1,352 @@
+"""Facts about `simulate_and_collect`: its recordings, and the simulated runs that they may come from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from grader.base.errors import NoAnswer
+from grader.engine.traces import Scenario, Traces
+from grader.labs.imu.answers import SENSORS, Collection
+from grader.labs.imu.compare import Array, triple
+from grader.labs.imu.lab_copies import learnt_ids, learnt_timestep
+from grader.labs.imu.robot import torso_ids
+from grader.labs.imu.student import Student
+
+ATOL_ACCELERATION = 2e-3
+ATOL_RATE = 2e-4
+"""m/s², rad/s. The same steps on the same machine repeat to 1e-9; an extra mj_forward before the first step or the use of
+mj_step1/mj_step2 stays below 1e-6. A lag of one sample after the push moves the series by more than 0.01 m/s²."""
+TIME_ATOL = 1e-6
+"""s. Adding a time step 5,000 times errs by 1e-12 s, and single precision by 1e-7 s at 3 s."""
+FEWEST_ROWS = 20
+"""Rows that a hypothesis has to predict, unless fewer are all that there is."""
+FORM = "a dictionary with 'time' (n,), 'acceleration' (n, 3), 'angular_velocity' (n, 3)"
+SAME_STATE = 1e-9
+"""A claimed state is told in full precision: whatever differs by more was set to another number."""
+
+TRUE_WORLD = "truth"
+CLAIMED_WORLD = "claimed"
+OWN_WORLD = "as the own reader reads it"
+LAST_SENSOR = "the model's last sensor"
+OTHER_IMU = "another IMU"
+LEARNT_IDS = "the sensors whose ids are the torso's in the students' model"
+
+_LONGEST_REPLAY = 3000
+_LEANING_S = 0.5
+_LEAN = 1.2
+"""m/s² by which gravity leans, once, to see whether the rows follow: the robot sways and has no time to fall."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Start of a run as the worker reports it. It counts only if a simulation from there gives the same rows.
+
+    Attributes
+    ----------
+    qpos, qvel : the state before the first step; gravity : (3,); timestep : seconds
+    force : what was applied to the joints and bodies then
+    set_at : (m,) before which later steps the state was set from outside once more; set_qvel : (m, nv) to which velocities
+    """
+
+    qpos: Array
+    qvel: Array
+    gravity: Array
+    timestep: float
+    force: Array
+    set_at: Array
+    set_qvel: Array
+
+    @classmethod
+    def of(cls, course: Mapping[str, Array]) -> Claim:
+        names = ("qpos", "qvel", "gravity", "force", "set_at", "set_qvel")
+        return cls(timestep=float(course["timestep"][0]), **{name: course[name] for name in names})
+
+    @property
+    def without_push(self) -> bool:
+        return not (self.force.any() or len(self.set_at) or differ(self.qvel, 0.0))
+
+    @property
+    def push(self) -> str:
+        """Say how the start differs from the sheet's push, once and at the start; "" if it does not."""
+        pushed = np.flatnonzero(np.abs(self.qvel) > SAME_STATE)
+        later = f"before step {self.set_at[0] + 1:.0f}" if len(self.set_at) else ""
+        if self.force.any():
+            return f"a recording with a force of up to {np.abs(self.force).max():.3g} N or Nm"
+        if not len(pushed):
+            return f"a velocity that is set {later}, and not at the start" if later else "a recording without a push"
+        if list(pushed) != [0] or differ(self.qvel[0], 0.5):
+            return f"a recording that starts with {velocities_in_words(self.qvel)}"
+        times = "once" if len(self.set_at) == 1 else f"{len(self.set_at)} times"
+        return f"qpos, qvel or a force set {times} while the simulation runs, first {later}" if later else ""
+
+
+def differ(a: Array, b: Array | float) -> bool:
+    """Return whether two states were set to other numbers."""
+    return bool(np.abs(a - b).max(initial=0.0) > SAME_STATE)
+
+
+def velocities_in_words(qvel: Array) -> str:
+    pushed = np.flatnonzero(np.abs(qvel) > SAME_STATE)
+    told = ", ".join(f"qvel[{i}] = {qvel[i]:.3g}" for i in pushed[:3]) + (" …" if len(pushed) > 3 else "")
+    return told or "no velocity"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One recording, and the simulated runs (worlds) that it may come from.
+
+    Attributes
+    ----------
+    series : the recording without rows of earlier runs; recorded : with them; left : their number
+    worlds : sensor values in each world: name -> (acceleration, angular velocity), each (rows, 3)
+    duration_s, model_timestep : what the function was called with; model_steps : the number of steps that these ask for
+    claim : the start of the run on which all worlds but `TRUE_WORLD` rest
+    """
+
+    series: Collection
+    worlds: Mapping[str, tuple[Array, Array]]
+    duration_s: float
+    model_timestep: float
+    model_steps: int
+    recorded: Collection
+    left: int = 0
+    claim: Claim | None = None
+
+    @property
+    def timestep(self) -> float:
+        """The time step (s) of the run; another than the model's if the code changed that, which starts_from_reset charges."""
+        changed = "opt.timestep" in self.series.changed and "timestep" in self.series.first_step
+        return float(self.series.first_step["timestep"][0]) if changed else self.model_timestep
+
+    @property
+    def steps(self) -> int:
+        """The number of steps that the duration and the time step of the run ask for."""
+        changed = self.timestep != self.model_timestep and self.timestep > 0
+        return round(self.duration_s / self.timestep) if changed else self.model_steps
+
+    @property
+    def length(self) -> int:
+        arrays = (*self.series.sensors, self.series.time)
+        return next((len(each) for each in arrays if each is not None), 0)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The facts about one recorder.
+
+    Attributes
+    ----------
+    push : the run with the sheet's push
+    dirt : a run of another length and time step, with data as an earlier run left it; None if it was not recorded
+    start : (nq,) pose of the reset robot; gravity : (3,) of the model
+    learnt_timestep : time step (s) of the model that students have
+    left_at : time (s) that data held when it was handed over for `dirt`
+    follows : whether the rows change as the robot's motion does
+    velocities : (2, nv) at the start of two runs with the sheet's push; empty if they were not asked for
+    stopped : by check, what kept its property from being measured
+    """
+
+    push: Run
+    dirt: Run | None
+    start: Array
+    gravity: Array
+    learnt_timestep: float
+    left_at: float
+    follows: bool = True
+    velocities: tuple[Array, ...] = ()
+    stopped: Mapping[str, Exception] = field(default_factory=dict)
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """The runs that were recorded: of other lengths, and with other time steps."""
+        return (self.push,) if self.dirt is None else (self.push, self.dirt)
+
+
+def facts_of(truth: Traces, push: Run, dirt: Run | None, **more: Any) -> Facts:
+    """Return the facts about these runs, and more of them."""
+    lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
+    gravity = np.asarray(lab.scalars["gravity"], float)
+    return Facts(push, dirt, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
+
+
+# ---- questions
+
+
+def pushed(student: Student, truth: Traces) -> Run:
+    """Ask for the run with the sheet's push."""
+    scenario = truth["push"]
+    series = student.simulate(
+        duration_s=float(scenario.scalars["duration_s"]), ids=torso_ids(truth), called="push"
+    ).with_last_for_all()
+    return _run(series.with_gap(), scenario)
+
+
+def from_dirt(student: Student, truth: Traces, push: Run) -> Run:
+    """Ask for a run with data as an earlier run left it, and with another time step."""
+    scenario = truth["push_dirty"]
+    duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
+    dirty = (scenario["dirty_qpos"], scenario["dirty_qvel"], float(scenario["dirty_time"]))
+    series = student.simulate(duration_s=duration_s, ids=torso_ids(truth), timestep=timestep, dirty=dirty)
+    return _run(series.with_last_for_all().with_gap(), scenario, push.recorded)
+
+
+def _run(series: Collection, scenario: Scenario, before: Collection | None = None) -> Run:
+    left, scalars = rows_left(series, before), scenario.scalars
+    asked = float(scalars["duration_s"]), float(scalars["timestep"]), int(scalars["n_steps"])
+    true = scenario["acceleration"], scenario["angular_velocity"]
+    return Run(series.rows(left), {TRUE_WORLD: true}, *asked, series, left)
+
+
+def with_claim(student: Student, truth: Traces, run: Run) -> Run:
+    """Return the run with the worlds that go as the worker claims, simulated by another that has never seen the submission.
+
+    They hold the right sensors, the model's last one as ``id = -1`` reads it, those that have the ids of the students' model
+    where they are others, and those of the other IMUs.
+    """
+    start = run.series.first_step
+    if not start:
+        return run
+    rows = student.replay(start, min(int(start["steps"][0]) + 2, _LONGEST_REPLAY))
+    if rows is None:
+        return run
+    address, pairs = (np.asarray(truth["reading_lab"][key], int) for key in ("sensor_adr", "pairs"))
+    (accel, gyro), *others = address[pairs].tolist()
+    series = {CLAIMED_WORLD: (triple(rows, accel), triple(rows, gyro))}
+    for number, pair in enumerate(others):
+        series[f"{OTHER_IMU} {number}"] = triple(rows, pair[0]), triple(rows, pair[1])
+    if tuple(pairs[0]) != (learnt := learnt_ids(truth)):
+        series[LEARNT_IDS] = triple(rows, int(address[learnt[0]])), triple(rows, int(address[learnt[1]]))
+    if np.isfinite(last := triple(rows, int(address[-1]))).all():
+        series[LAST_SENSOR] = last, last
+    return replace(run, worlds={**run.worlds, **series}, claim=Claim.of(start))
+
+
+def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
+    """Return the run with the world that the submission's own reader reads in the run that was claimed."""
+    steps = len(run.worlds[CLAIMED_WORLD][0])
+    rows = student.read_along(run.series.first_step, steps, torso_ids(truth))
+    return run if rows is None else replace(run, worlds={**run.worlds, OWN_WORLD: (rows[:, :3], rows[:, 3:])})
+
+
+def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
+    """Return whether the rows change with a gravity that leans as those of a simulation of ours from the same states do.
+
+    Rows that are all alike only have to be others then.
+    """
+    try:
+        leaning = _leaning(student, truth)
+    except NoAnswer:
+        return False
+    if all_alike(run.series):
+        rows, others = run.series.acceleration, leaning.acceleration
+        return (
+            rows is not None
+            and others is not None
+            and len(others) > 0
+            and bool(np.abs(others[0] - rows[0]).max() > _LEAN / 10)
+        )
+    first, second = (_beside_ours(student, truth, each) for each in (run.series, leaning))
+    return first is not None and second is not None and follows(*first, *second)
+
+
+def _leaning(student: Student, truth: Traces) -> Collection:
+    """Ask for the push under a gravity that leans by what is drawn with the scenario: nobody has recorded this run."""
+    sideways = np.asarray(truth["push_dirty"]["dirty_qvel"][:2])
+    gravity = np.array([*(_LEAN * sideways / np.linalg.norm(sideways)), -9.81 - _LEAN])
+    return student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth), gravity=gravity).with_last_for_all()
+
+
+def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[Array, Array] | None:
+    """Return accelerations (n, 3) of their run, and of a run of ours from the state in which theirs is said to begin."""
+    if not series.first_step or series.acceleration is None or not len(series.acceleration):
+        return None
+    ours = student.replay(series.first_step, min(len(series.acceleration), _LONGEST_REPLAY))
+    address = int(np.asarray(truth["reading_lab"]["sensor_adr"])[torso_ids(truth)[0]])
+    return None if ours is None else (series.acceleration, ours[:, address : address + 3])
+
+
+def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
+    """Ask for a short run like `push`, and return the velocities (nv,) at the start of both; () if they are not known."""
+    again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
+    starts = [each.first_step for each in (push.series, again)]
+    return tuple(start["qvel"] for start in starts) if all(starts) else ()
+
+
+# ---- facts about rows
+
+
+def complete(series: Collection) -> bool:
+    return series.acceleration is not None and series.angular_velocity is not None
+
+
+def all_alike(series: Collection) -> bool:
+    """Return whether every row is the same: a robot that stands still moves a little, too."""
+    pairs = zip(SENSORS, series.sensors, strict=True)
+    there = [rows for key, rows in pairs if rows is not None and key != series.absent]
+    return bool(there) and all(len(rows) > 1 and not np.ptp(rows, axis=0).any() for rows in there)
+
+
+def rows_left(series: Collection, before: Collection | None = None) -> int:
+    """Return the number of first rows that are left from earlier runs because a list outlives the call.
+
+    Parameters
+    ----------
+    before
+        What the same process returned before. None for the first run that was asked for: what the submission has recorded
+        by itself begins with the same rows.
+    """
+    if series.time is None or series.acceleration is None or series.angular_velocity is None:
+        return 0
+    n = min(len(series.time), len(series.acceleration), len(series.angular_velocity))
+    if before is not None:
+        kept = len(before.time) if before.time is not None else 0
+        return kept if 0 < kept < n and _alike(series, before, slice(kept), slice(kept)) else 0
+    starts = np.flatnonzero(series.time[:n] == series.time[0])
+    second, last = (int(starts[1]), int(starts[-1])) if len(starts) > 1 else (0, 0)
+    shared = min(second, n - last)
+    return last if shared >= FEWEST_ROWS and _alike(series, series, slice(shared), slice(last, last + shared)) else 0
+
+
+def _alike(series: Collection, other: Collection, rows: slice, others: slice) -> bool:
+    """Return whether the same motion stands there; rows in which nothing moves are like any others, and tell nothing."""
+    pairs = ((series.acceleration, other.acceleration), (series.angular_velocity, other.angular_velocity))
+    same_rows = all(
+        a is not None and b is not None and np.array_equal(a[rows], b[others], equal_nan=True) for a, b in pairs
+    )
+    return same_rows and any(a is not None and bool(np.ptp(a[rows], axis=0).any()) for a, _ in pairs)
+
+
+def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> bool:
+    """Return whether rows (n, 3) go with a simulation when the simulation is changed, whatever is done to their numbers.
+
+    What is done to them, any linear map and offset, is read off one run; it has to foretell the other run to within half of
+    the change between the two. A recording does not change, and has nothing in common with the change. Numbers that are mixed up
+    over the rows are those of the other run still.
+    """
+    n, m = min(len(rows), len(true)), min(len(other_rows), len(other_true), len(rows), len(true))
+    if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):
+        return False
+    if _found_among(other_true[:m], other_rows[:m]) >= _NEARLY_ALL:
+        return True
+    first, second = (np.column_stack([one, np.ones(len(one))]) for one in (true[:n], other_true[:m]))
+    treatment = np.linalg.lstsq(first, rows[:n], rcond=None)[0]
+    change = (second - first[:m]) @ treatment
+    left = other_rows[:m] - second @ treatment
+    return bool(np.sum(left**2) < 0.25 * np.sum(change**2))
+
+
+_NEARLY_ALL = 0.9
+_SAME_NUMBER = 1e-7
+"""m/s²: of some thousand numbers within 20 m/s² a wrong one is so near to any once in ten thousand."""
+
+
+def _found_among(true: Array, rows: Array) -> float:
+    """Return the share of the true numbers that occurs anywhere in the rows."""
+    there = np.sort(rows, axis=None)
+    at = np.clip(np.searchsorted(there, true.ravel()), 1, len(there) - 1)
+    gaps = np.minimum(np.abs(there[at] - true.ravel()), np.abs(there[at - 1] - true.ravel()))
+    return float(np.mean(gaps <= _SAME_NUMBER))

@@ -1,0 +1,212 @@
+"""Hypotheses on how the rows of a recording came about: what the simulation did, and how its samples became rows.
+
+A recording is explained by a run (the *world*: the truth, or one that goes as the worker claims) and by what became of its samples
+(late by one, several steps a row, references to one array, channels exchanged, numbers altered).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.engine import hypothesis
+from grader.labs.imu.answers import SENSORS
+from grader.labs.imu.compare import Array, same
+from grader.labs.imu.data_collection.measure import (
+    ATOL_ACCELERATION,
+    ATOL_RATE,
+    CLAIMED_WORLD,
+    FEWEST_ROWS,
+    LAST_SENSOR,
+    LEARNT_IDS,
+    OTHER_IMU,
+    TRUE_WORLD,
+    Run,
+)
+
+Rows = slice | NDArray[np.intp]
+"""Of a series: equally far apart, or one by one."""
+
+
+@dataclass(frozen=True)
+class Story:
+    """Explanation of the rows: world, rows late by `lag` samples, `skip` steps a row, channels exchanged, rows aliased.
+
+    With several steps a row, `first` tells after which of them a row is stored, from 0 on; where the rows are not equally far
+    apart, `at` tells of which step each of them is. `altered` are the sensors whose numbers are others: of one, where the rows
+    of the other sensor tell the story alone; of both, where one treatment predicts all rows of each.
+    """
+
+    world: str = TRUE_WORLD
+    lag: int = 0
+    skip: int = 1
+    first: int = 0
+    exchanged: bool = False
+    aliased: bool = False
+    at: tuple[int, ...] = ()
+    altered: tuple[str, ...] = ()
+
+    @property
+    def of_other_sensors(self) -> bool:
+        """Return whether other sensors than the right ones were read, or in the other order: that may be the reader's doing."""
+        return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
+
+    def covers(self, rows: int, steps: int) -> bool:
+        """Return whether so many rows of such a story reach through the whole run."""
+        reached = self.at[-1] + 1 if self.at else rows * self.skip
+        return abs(reached - steps) <= self.skip
+
+    def fits(self, run: Run) -> bool:
+        """Return whether it predicts every filled row that the truth reaches."""
+        accel, gyro = run.series.sensors
+        if accel is None or gyro is None or self.world not in run.worlds:
+            return False
+        if self.exchanged:
+            accel, gyro = gyro, accel
+        true_accel, true_gyro = run.worlds[self.world]
+        filled, there = run.series.filled_rows, min(len(accel), len(gyro))
+        rows, wanted = _rows(self, there if self.altered else filled, len(true_accel))
+        every = filled if self.lag == 0 else FEWEST_ROWS  # a few rows do not tell late from early
+        if len(accel[rows]) < min(FEWEST_ROWS, max(1, run.model_steps // (2 * self.skip)), max(1, every)):
+            return False
+        if self.altered == SENSORS:
+            pairs = ((accel[rows], true_accel[wanted]), (gyro[rows], true_gyro[wanted]))
+            return all(treatment(key, *pair) is not None for key, pair in zip(SENSORS, pairs, strict=True))
+        if same(accel[rows], true_accel[wanted], ATOL_ACCELERATION) == (SENSORS[0] in self.altered):
+            return False
+        if same(gyro[rows], true_gyro[wanted], ATOL_RATE) == (SENSORS[1] in self.altered):
+            return False
+        if self.altered and not moves(
+            *((true_gyro, ATOL_RATE) if SENSORS[0] in self.altered else (true_accel, ATOL_ACCELERATION)), wanted
+        ):
+            return False
+        # Where nothing moves in these rows, they would come of any number of steps.
+        return self.skip == 1 or not same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION)
+
+    @property
+    def told(self) -> tuple[object, ...]:
+        return (self.world, self.lag != 0, self.skip != 1, self.exchanged, self.aliased, self.altered)
+
+    @property
+    def cost(self) -> int:
+        odd = (self.world != TRUE_WORLD, self.lag != 0, self.skip != 1, self.exchanged, self.aliased)
+        return sum(odd) + len(odd) * len(self.altered)
+
+
+def _rows(story: Story, n: int, available: int) -> tuple[Rows, Rows]:
+    """Return the indices of the student's rows and of the true rows to compare: slices if the rows are equally far apart."""
+    if not story.aliased and not story.at:  # row n is that of step n * skip + late; both bounds are rounded up
+        late, skip = story.first - story.lag, story.skip
+        begin = max(0, -(late // skip))
+        end = max(begin, min(n, -((late - available) // skip)))
+        return slice(begin, end), slice(begin * skip + late, end * skip + late, skip)
+    wanted = np.array(story.at[:n], np.intp) if story.at else np.full(n, n - 1)
+    known = (wanted >= 0) & (wanted < available)
+    return np.flatnonzero(known), wanted[known]
+
+
+def moves(true: Array, atol: float, rows: Rows) -> bool:
+    """Return whether a sensor shows motion in these rows: right numbers in one row, or at rest, do not tell which run it is."""
+    return bool(np.ptp(true[rows], axis=0).max() > atol) if len(true[rows]) else False
+
+
+def explain(run: Run) -> Story | None:
+    """The simplest story that predicts the rows, or None where none does or two equally simple ones do."""
+    return hypothesis.first_that_fits(_by_cost(run), run)
+
+
+def _by_cost(run: Run) -> Iterator[Iterable[Story]]:
+    """Alone costs nothing that the run went as it should: nearly all did."""
+    if TRUE_WORLD in run.worlds:
+        yield [Story()]
+    yield from hypothesis.by_cost(_stories(run))
+
+
+def explain_altered(run: Run) -> Story | None:
+    """The run whose rows were altered after they were read: of one sensor anyhow, or of both in a way that predicts all of them."""
+    known = [Story(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
+    changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
+    return hypothesis.explain((replace(story, altered=keys) for keys in changed for story in known), run)
+
+
+def _stories(run: Run) -> Iterator[Story]:
+    strides, at = sorted(_strides(run)), _steps_by_stamps(run)
+    apart = max(2, round((at[-1] - at[0]) / (len(at) - 1))) if at else 1
+    for world in run.worlds:
+        lags = {0, 1, -1, -_missing_at_first(run, world)}
+        for exchanged in (False, True):
+            yield from (Story(world, lag, exchanged=exchanged) for lag in lags)
+            for skip in strides:
+                yield from (Story(world, skip=skip, first=first, exchanged=exchanged) for first in {0, skip - 1})
+            if at and len(at) >= run.series.filled_rows:
+                yield Story(world, skip=apart, at=at, exchanged=exchanged)
+            yield Story(world, exchanged=exchanged, aliased=True)
+
+
+def _strides(run: Run) -> set[int]:
+    """Return the likely numbers of steps between two rows: by the stamps, by the number of rows, or round numbers."""
+    n, steps, time = run.series.filled_rows, run.model_steps, run.series.time
+    likely = {2, 3, 4, 5, 10, 20, 50, 100, *((round(steps / n), -(-steps // n)) if n else ())}
+    if time is not None and len(time) > 1:
+        apart = float(np.median(np.diff(time))) / run.model_timestep
+        likely.add(round(apart) if np.isfinite(apart) and apart < steps else 1)
+    return {stride for stride in likely if stride > 1}
+
+
+def _steps_by_stamps(run: Run) -> tuple[int, ...]:
+    """After which step each row was stored if its stamp is right; nothing where no step is left out."""
+    time = run.series.time
+    if time is None or len(time) < FEWEST_ROWS:
+        return ()
+    steps = np.round(time / run.model_timestep) - 1
+    apart = np.diff(steps)
+    thinned = steps[0] >= 0 and apart.min() >= 1 and steps[-1] < 1e6 and apart.max() > 1
+    return tuple(int(step) for step in steps) if thinned else ()
+
+
+def _missing_at_first(run: Run, world: str) -> int:
+    """Return the number of samples of a world before the first row: the index of the sample that is nearest to it."""
+    accel = run.series.acceleration
+    if accel is None or not len(accel):
+        return 0
+    return int(np.argmin(np.abs(run.worlds[world][0] - accel[0]).max(axis=1)))
+
+
+# ---- what was done to the numbers
+
+
+def treatment(key: str, got: Array, true: Array) -> str | None:
+    """Return what makes all these rows (n, 3) of the true ones: "rounded", or "treated" for any mixing, scaling and shifting."""
+    n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
+    got, true = got[:n], true[:n]
+    coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))
+    if any(same(got, each, atol) for each in coarse):
+        return "rounded"
+    if np.ptp(got, axis=0).max(initial=0.0) <= atol:  # an offset alone foretells what does not move
+        return None
+    fit = affine(got, true)
+    return "treated" if fit is not None and same(got, true @ fit[:3] + fit[3], atol) else None
+
+
+def affine(got: Array, true: Array) -> Array | None:
+    """(4, 3) weights of the three axes and an offset that come nearest to the rows; None for rows that do not move with them."""
+    if len(got) < FEWEST_ROWS or not np.isfinite(got).all() or not np.ptp(got, axis=0).any():
+        return None
+    return np.asarray(np.linalg.lstsq(np.column_stack([true, np.ones(len(true))]), got, rcond=None)[0], np.float64)
+
+
+def time_error(time: Array, timestep: float, story: Story) -> Array:
+    """Distance (n,) of time stamps from dt … T or from 0 … T - dt, whichever is nearer as a whole, in seconds.
+
+    With several steps a row, stamps that are as far apart and start within the first row's steps are as good; where the first
+    samples are missing, so are stamps that start behind them.
+    """
+    if story.at:
+        return np.abs(time - timestep * (np.array(story.at) + 1.0)[: len(time)])
+    stamps = timestep * story.skip * np.arange(len(time))
+    starts = {*range(story.skip + 1), *((-story.lag, 1 - story.lag) if story.lag < 0 else ())}
+    errors = [np.abs(time - stamps - timestep * first) for first in sorted(starts)]
+    return min(errors, key=lambda error: float(np.max(error, initial=0.0)))

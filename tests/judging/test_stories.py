@@ -1,0 +1,204 @@
+"""The stories of recorded rows, and the facts about a recorder, made by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from grader.labs.imu.answers import SENSORS, Array, Collection
+from grader.labs.imu.data_collection import measure, stories
+from grader.labs.imu.data_collection.explain import Explained, counting_fault, has_timestep
+from grader.labs.imu.data_collection.measure import CLAIMED_WORLD, TRUE_WORLD, Claim, Facts, Run
+from grader.labs.imu.data_collection.stories import Story
+
+pytestmark = pytest.mark.quick
+_STEPS, _DT = 200, 0.002
+
+
+def _motion(seed: int) -> tuple[Array, Array]:
+    rng = np.random.default_rng(seed)
+    return rng.normal((0, 0, 9.81), 2, (_STEPS, 3)), rng.normal(0, 0.7, (_STEPS, 3))
+
+
+_WORLDS = {TRUE_WORLD: _motion(1), CLAIMED_WORLD: _motion(2)}
+_STAMPS: Array = np.asarray(_DT * np.arange(1, _STEPS + 1), np.float64)
+
+
+def _run(accel: Array, gyro: Array, time: Array | None = None, **more: object) -> Run:
+    series = Collection(time, accel, gyro)
+    return replace(Run(series, _WORLDS, _STEPS * _DT, _DT, _STEPS, series), **more)  # type: ignore[arg-type]
+
+
+def _taken(rows: object, world: str = TRUE_WORLD, time: Array | None = None) -> Run:
+    accel, gyro = _WORLDS[world]
+    return _run(accel[rows], gyro[rows], time)  # type: ignore[index]
+
+
+@given(
+    world=st.sampled_from(list(_WORLDS)),
+    exchanged=st.booleans(),
+    how=st.sampled_from(
+        [
+            Story(),
+            Story(lag=1),
+            Story(lag=-1),
+            Story(lag=-7),
+            Story(skip=2),
+            Story(skip=5, first=4),
+            Story(aliased=True),
+        ]
+    ),
+)
+def test_rows_are_told_by_the_story_that_they_were_made_by(world: str, exchanged: bool, how: Story) -> None:
+    assume(not exchanged or how.lag > -7)  # where the first sample is looked for, sensors are not exchanged
+    made = replace(how, world=world, exchanged=exchanged)
+    rows = how.skip * np.arange(_STEPS // how.skip) + how.first - how.lag
+    rows = np.full(_STEPS, _STEPS - 1) if how.aliased else rows[rows < _STEPS]
+    run = _taken(np.maximum(rows, 0), world)
+    accel, gyro = run.series.sensors
+    if exchanged:
+        run = replace(run, series=Collection(None, gyro, accel))
+    assert stories.explain(run) == made
+
+
+def test_rows_at_uneven_steps_are_told_by_their_stamps() -> None:
+    at = np.flatnonzero(np.random.default_rng(3).random(_STEPS) < 0.4)
+    found = stories.explain(_taken(at, time=_STAMPS[at]))
+    assert found is not None
+    assert found.at == tuple(at)
+    assert found.covers(len(at), _STEPS)
+
+
+@pytest.mark.parametrize(("by", "told"), [(0.9, Story()), (1.1, None)])
+def test_rows_within_the_tolerance_are_right(by: float, told: Story | None) -> None:
+    accel, gyro = _WORLDS[TRUE_WORLD]
+    assert stories.explain(_run(accel + by * 2e-3, gyro)) == told
+    assert stories.explain(_run(accel, gyro - by * 2e-4)) == told
+
+
+def test_a_few_rows_do_not_tell_late_from_early() -> None:
+    late = np.maximum(np.arange(21) - 1, 0)
+    assert stories.explain(_taken(late)) == Story(lag=1)
+    assert stories.explain(_taken(late[:20])) is None
+    assert stories.explain(_taken(slice(1))) == Story()
+
+
+def _turned(rows: Array) -> Array:
+    return rows[:, [1, 0, 2]]
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        (lambda rows: rows.round(1), "rounded"),
+        (lambda rows: rows.astype(np.float16).astype(float), "rounded"),
+        (lambda rows: -2 * rows + 0.5, "treated"),
+        (_turned, "treated"),
+        (lambda rows: rows**2, None),
+        (lambda rows: 0 * rows, None),
+    ],
+)
+def test_altered_rows_of_one_sensor_are_told_beside_the_other(change, found: str | None) -> None:  # type: ignore[no-untyped-def]
+    accel, gyro = _WORLDS[TRUE_WORLD]
+    story = stories.explain_altered(_run(change(accel), gyro))
+    assert story == Story(altered=SENSORS[:1])
+    assert stories.treatment(SENSORS[0], change(accel), accel) == found
+
+
+@pytest.mark.parametrize(
+    ("stamps", "story", "worst"),
+    [
+        (_STAMPS, Story(), 0.0),
+        (_STAMPS - _DT, Story(), 0.0),
+        (_STAMPS + _DT, Story(), _DT),
+        (_STAMPS[:100] * 2, Story(skip=2), 0.0),
+        (_STAMPS[7:], Story(lag=-7), 0.0),
+        (_STAMPS[[1, 4]], Story(at=(1, 4)), 0.0),
+    ],
+)
+def test_stamps_are_right_from_the_first_step_or_from_zero_on(stamps: Array, story: Story, worst: float) -> None:
+    assert stories.time_error(stamps, _DT, story).max() == pytest.approx(worst, abs=1e-12)
+
+
+@pytest.mark.parametrize(("timestep", "usual", "kept"), [(0.004, _DT, True), (_DT, _DT, False), (0.004, 0.004, False)])
+def test_stamps_keep_a_usual_time_step_where_the_model_has_another(timestep: float, usual: float, kept: bool) -> None:
+    assert has_timestep(_STAMPS, timestep, usual) is kept
+    assert not has_timestep(_STAMPS[:1], timestep, usual)
+
+
+def _of_length(n: int, **more: object) -> Run:
+    series = Collection(None, np.ones((n, 3)), np.ones((n, 3)))
+    return replace(Run(series, _WORLDS, 1.2, _DT, 600, series), **more)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "skips", "fault"),
+    [
+        (600, 600, False, "ignores-duration"),
+        (602, 301, False, "ignores-duration"),
+        (600, 0, False, ""),
+        (300, 290, False, ""),
+        (601, 300, False, "hard-coded-timestep"),
+        (60, 30, True, "fixed-rate"),
+        (57, 30, True, "samples-skipped"),
+    ],
+)
+def test_the_numbers_of_rows_tell_what_they_were_made_of(first: int, second: int, skips: bool, fault: str) -> None:
+    other = _of_length(second, duration_s=0.6, model_timestep=0.004, model_steps=150)
+    assert counting_fault(_of_length(first), other, skips=skips) == fault
+
+
+_CLAIM = Claim(
+    np.zeros(3), np.array([0.5, 0, 0]), np.array([0, 0, -9.81]), _DT, np.zeros(3), np.zeros(0), np.zeros((0, 3))
+)
+
+
+@pytest.mark.parametrize(
+    ("claim", "words"),
+    [
+        (_CLAIM, ""),
+        (replace(_CLAIM, qvel=np.zeros(3)), "a recording without a push"),
+        (replace(_CLAIM, qvel=np.array([0, 0.5, 0])), "a recording that starts with qvel[1] = 0.5"),
+        (replace(_CLAIM, force=np.array([30.0, 0, 0])), "a recording with a force of up to 30 N or Nm"),
+        (
+            replace(_CLAIM, qvel=np.zeros(3), set_at=np.array([40])),
+            "a velocity that is set before step 41, and not at the start",
+        ),
+        (
+            replace(_CLAIM, set_at=np.array([40, 80])),
+            "qpos, qvel or a force set 2 times while the simulation runs, first before step 41",
+        ),
+    ],
+)
+def test_a_claimed_start_is_the_sheets_push_or_told_in_words(claim: Claim, words: str) -> None:
+    assert claim.push == words
+    assert claim.without_push is (words == "a recording without a push")
+
+
+def test_a_list_that_outlives_the_call_leaves_the_rows_of_the_earlier_run() -> None:
+    accel, gyro = _WORLDS[TRUE_WORLD]
+    once = Collection(_STAMPS, accel, gyro)
+    twice = Collection(np.tile(_STAMPS, 2), np.tile(accel, (2, 1)), np.tile(gyro, (2, 1)))
+    assert measure.rows_left(once) == 0
+    assert measure.rows_left(twice) == _STEPS
+    assert measure.rows_left(twice, once) == _STEPS
+    assert measure.rows_left(once.rows(0, 20), once) == 0
+
+
+def test_rows_follow_a_simulation_whatever_is_done_to_their_numbers() -> None:
+    true, leaning = _WORLDS[TRUE_WORLD][0], _WORLDS[CLAIMED_WORLD][0]
+    assert measure.follows(2 * true + 1, true, 2 * leaning + 1, leaning)
+    assert measure.follows(true[::-1], true, leaning[::-1], leaning)
+    assert not measure.follows(true, true, true, leaning)
+    assert not measure.follows(true[:19], true, leaning[:19], leaning)
+
+
+@pytest.mark.parametrize(("left_at", "goes_on"), [(_DT, True), (3 * _DT, False)])
+def test_a_run_goes_on_where_its_first_stamp_is_near_to_where_time_was_left(left_at: float, goes_on: bool) -> None:
+    run = _taken(slice(None), time=_STAMPS)
+    facts = Facts(run, run, np.zeros(3), np.zeros(3), _DT, left_at)
+    assert Explained(facts, Story(), Story()).goes_on is goes_on
