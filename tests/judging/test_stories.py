@@ -35,7 +35,7 @@ def _run(accel: Array, gyro: Array, time: Array | None = None, **more: object) -
 
 def _taken(rows: object, world: str = TRUE_WORLD, time: Array | None = None) -> Run:
     accel, gyro = _WORLDS[world]
-    return _run(accel[rows], gyro[rows], time)  # type: ignore[index]
+    return _run(accel[rows], gyro[rows], time)  # type: ignore[call-overload]
 
 
 @given(

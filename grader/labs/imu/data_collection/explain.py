@@ -160,9 +160,10 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """The rows of both sensors in the world that the recording comes from."""
+        """The rows of the right sensors in the run that the recording comes from."""
         worlds = self.facts.push.worlds
-        return worlds[self.push.world] if self.push is not None else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
+        from_truth = self.push is not None and self.push.world == TRUE_WORLD
+        return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
         """Return whether a sensor (index) has the true rows, and shows motion."""
@@ -257,8 +258,12 @@ class Explained:
         if stamps is not None and len(stamps) > 0 and abs(stamps[0] - left_at) < 0.5 * left_at:
             return True
         claims = [self.push_claim, *([_claim_of(self.dirt, dirt)] if dirt is not None else [])]
-        poses = any(claim is not None and differ(claim.qpos, self.facts.start) for claim in claims)
-        return poses or (self.other_velocities and not self.pushed_apart)
+        poses = [self.facts.start if claim is None else claim.qpos for claim in claims]
+        if self.without_push and not differ(poses[0], poses[-1]):
+            return False  # moved in the place of a push
+        return any(differ(pose, self.facts.start) for pose in poses) or (
+            self.other_velocities and not self.pushed_apart
+        )
 
     @property
     def other_velocities(self) -> bool:
@@ -271,6 +276,10 @@ class Explained:
     def pushed_apart(self) -> bool:
         """Return whether two runs of one kind, both from a fresh state, start with other velocities."""
         return bool(self.facts.velocities) and differ(*self.facts.velocities)
+
+    @property
+    def without_push(self) -> bool:
+        return self.push_claim is not None and self.push_claim.without_push
 
     @property
     def another_push(self) -> str:
@@ -453,9 +462,7 @@ REASONS: tuple[Reason[Explained], ...] = (
     Reason(RESET, 2, "keeps-old-rows", lambda e: e.rows_left > 0),
     Reason(RESET, 3, "no-reset", lambda e: e.goes_on),
     Reason(PUSH, 1, "random-push", lambda e: e.pushed_apart, frozenset({TIME})),
-    Reason(
-        PUSH, 2, "no-perturbation", lambda e: e.push_claim is not None and e.push_claim.without_push, frozenset({TIME})
-    ),
+    Reason(PUSH, 2, "no-perturbation", lambda e: e.without_push, frozenset({TIME})),
     Reason(PUSH, 3, "wrong-perturbation", lambda _: True, frozenset({TIME})),
     Reason(TIME, 1, "not-finite", lambda e: not e.stamps_follow and not np.isfinite(e.stamps).all()),
     Reason(TIME, 2, "hard-coded-timestep", lambda e: not e.stamps_follow and e.keeps_timestep is not None),
