@@ -181,7 +181,7 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         {RECURSION: 3.0}, ("global-for-parameter",),
     ),
         "rows that are stored behind the loop": (
-        READER, {f"        {line}": f"    {line}" for line in _STORED}, {"data_collection.matches_truth": 6.0}, ("rows-left-zero",),
+        READER, {f"        {line}": f"    {line}" for line in _STORED}, {"data_collection.matches_truth": 6.0}, ("only-last-row",),
     ),
     }  # fmt: skip
 

@@ -64,19 +64,21 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: 
     """Return what the submission's own `simulate_and_collect` records in a sandbox; print what could not be obtained."""
     from grader.base.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
-    from grader.engine.findings import Missing, Raised  # noqa: PLC0415
+    from grader.engine.findings import Missing, Raised, raised  # noqa: PLC0415
     from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
-    from grader.labs.imu import recordings  # noqa: PLC0415
+    from grader.labs.imu.data_collection import measure  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     submission, limits = read_submission(path, LAB.files), asdict(rubrics.load(LAB, rubric).limits)
     own = {}
     with open_sandbox_for(LAB, submission.files, isolation_level) as sandbox:
         student = LAB.student(sandbox, LAB, submission.files, truth=traces, above=submission.above, **limits)
-        for scenario, ask in {"push": recordings.after_push, "push_dirty": recordings.after_dirt}.items():
+        for scenario in ("push", "push_dirty"):
             try:
-                own[scenario] = ask(student, traces)  # type: ignore[arg-type] # this lab's own
+                series = measure.asked(student, traces, scenario)  # type: ignore[arg-type] # this lab's own
+                raised(series.fault, "collecting data")
+                own[scenario] = series
             except (Missing, NoAnswer, Raised) as why:
                 say(f"{scenario}: {why}")
         student.close()

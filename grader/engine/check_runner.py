@@ -15,11 +15,11 @@ import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ from grader.base.text import printable
 from grader.engine import hidden_feedback
 from grader.engine.check_catalog import Check, check_files, title_of
 from grader.engine.faults import rows
-from grader.engine.feedback import Feedback, charged_with, story, told
+from grader.engine.feedback import Feedback, story, told
 from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
 from grader.engine.lab import Lab
 from grader.engine.public_look import PublicLook
@@ -42,8 +42,7 @@ from grader.engine.traces import Traces
 class Judgement:
     """Outcome of one check; `told` is its feedback, or None if the grader failed to judge.
 
-    `ours` is True if the sandbox or the request failed, which no answer can cause. `belongs_to` lists the checks that may already
-    charge the same fault.
+    `ours` is True if the sandbox or the request failed, which no answer can cause.
     """
 
     check: Check
@@ -51,38 +50,20 @@ class Judgement:
     trouble: str
     duration_s: float
     ours: bool = False
-    belongs_to: tuple[str, ...] = ()
 
     @property
-    def lost(self) -> bool:
-        return self.told is not None and self.told.keeps < 1.0
+    def keeps(self) -> float:
+        """The share of points that the check keeps; -1 if it was not judged."""
+        return -1.0 if self.told is None else self.told.keeps
 
 
-Need = Callable[[Any, Any], None]
-"""Precondition of a check, called with the student and the truth; it raises `Skipped` with the reason if it does not hold."""
-
-
-def check(
-    check_id: str, *, lab_step: int | None = None, needs: Need | None = None
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Turn a function into the check `check_id`; students read its docstring.
-
-    Parameters
-    ----------
-    needs : precondition; a check of form needs the thing whose form it judges, because form alone earns no points
-    """
+def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Turn a function into the check `check_id`; students read its docstring."""
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
         assert function.__doc__, f"{check_id} has no sentence"
-
-        @functools.wraps(function)
-        def asked(student: Any, truth: Any) -> None:
-            if needs is not None:
-                needs(student, truth)
-            function(student, truth)
-
-        asked.check = Check(check_id, title_of(function.__doc__), lab_step)  # type: ignore[attr-defined]
-        return asked
+        function.check = Check(check_id, title_of(function.__doc__), lab_step)  # type: ignore[attr-defined]
+        return function
 
     return mark
 
@@ -135,8 +116,7 @@ class Examination:
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
         ours = isinstance(ended, GraderError | RequestError)
-        belongs_to = ended.belongs_to if isinstance(ended, CheckFailed) else ()
-        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, belongs_to)
+        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours)
 
     def _without_secrets(self, finding: BaseException) -> BaseException:
         """Replace a missing-name finding of a process with hidden data by that of a process with public data."""
@@ -152,14 +132,6 @@ class Examination:
         ):
             return hidden_feedback.told(finding, self._mistakes)
         return told(finding, earlier, self._mistakes)
-
-    def settle(self) -> None:
-        """Charge each fault once: a check that lost points by the fault of another such check keeps them and says so."""
-        self.judgements |= {
-            id_: replace(each, told=charged_with(charging.check.title))
-            for id_, each in self.judgements.items()
-            if (charging := _charging(each, self.judgements)) is not None
-        }
 
     def lost_beside_standins(self, criterion: str) -> bool:
         """Return whether a part lost points while stand-ins were in use.
@@ -182,26 +154,13 @@ class Examination:
                 yield
             finally:
                 self._alone = False
-        gains = [_kept(self.judgements[id_], self.judgements) - _kept(each, beside) for id_, each in beside.items()]
+        gains = [self.judgements[id_].keeps - each.keeps for id_, each in beside.items()]
         if min(gains) >= 0 < max(gains):
             self.student.remember(answers)
         else:
             self.judgements |= beside
             self._stories = stories
             self._lost.add(criterion)
-
-
-def _charging(judgement: Judgement, among: Mapping[str, Judgement]) -> Judgement | None:
-    """Return the check in `among` that charges the fault by which this check lost points; None if there is none."""
-    others = (among[other] for other in judgement.belongs_to if judgement.lost and other in among)
-    return next((other for other in others if other.lost), None)
-
-
-def _kept(judgement: Judgement, among: Mapping[str, Judgement]) -> float:
-    """Return the share of points that a check keeps once each fault is charged once; -1 if it was not judged."""
-    if judgement.told is None:
-        return -1.0
-    return judgement.told.keeps if _charging(judgement, among) is None else 1.0
 
 
 def _turn(lab: Lab, criterion: str) -> int:
@@ -245,7 +204,6 @@ class Session:
             if examination.lost_beside_standins(criterion):
                 with examination.alone(criterion):
                     _run(own)
-        examination.settle()
 
     @property
     def _now(self) -> Examination:

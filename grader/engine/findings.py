@@ -159,7 +159,6 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
     keeps : share of the points that is still earned, 0 to 1
     hint : hint to show instead of those of the mistakes; for a hidden scenario it is shown only if it is `Ours`
     off : size of the error, shown in place of the data for a hidden scenario
-    belongs_to : id or ids of checks that may charge the same fault: if one of them lost points, this check keeps its own
     fault : the exception that caused it; gives the place
     """
 
@@ -172,12 +171,10 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
         keeps: float = 0.0,
         hint: str = "",
         off: Size | None = None,
-        belongs_to: str | tuple[str, ...] = "",
         fault: Fault | None = None,
     ) -> None:
         super().__init__(f"expected {expected}; got {got}")
         self.expected, self.got, self.off = expected, got, off
-        self.belongs_to = (belongs_to,) if isinstance(belongs_to, str) else belongs_to
         self.mistakes, self.keeps, self.hint = tuple(mistakes), keeps, hint
         self.where = fault.at if fault else None
 

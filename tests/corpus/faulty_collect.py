@@ -133,6 +133,7 @@ for seconds in (0.8, 0.4):
     fault("last-tenth-never-filled", "rows-left-zero", tidied(("for i in range(n_steps):", "for i in range(n_steps - n_steps // 10):"), ("np.empty(n_steps)", "np.zeros(n_steps)"),
                                                               ("acceleration = np.empty((n_steps, 3))", "acceleration = np.zeros((n_steps, 3))"), ("angular_velocity = np.empty((n_steps, 3))", "angular_velocity = np.zeros((n_steps, 3))"))),
     fault("first-row-never-filled", "first-row-empty", sheet(("for i in range(n_steps):", "for i in range(1, n_steps):")), also=("rows-left-zero",), reason="the same numbers as reading before the step, after one step less"),
+    fault("stored-behind-the-loop", "only-last-row", sheet(("        accelerations[i] = accel\n" + SHEET_STORE, "    accelerations[i] = accel\n    angular_velocities[i] = gyro\n"))),
     fault("arrays-twice-too-long", "rows-left-zero", sheet(("times = np.zeros(n_steps)", "times = np.zeros(2 * n_steps)"), ("accelerations = np.zeros((n_steps, 3))", "accelerations = np.zeros((2 * n_steps, 3))"),
                                                            ("angular_velocities = np.zeros((n_steps, 3))", "angular_velocities = np.zeros((2 * n_steps, 3))"))),
     fault("own-timestep", "modifies-model", tidied((RESET, "    model.opt.timestep = 0.001\n" + RESET), ("    n_steps = int(round(duration_seconds / model.opt.timestep))", "    n_steps = int(round(duration_seconds / 0.001))"))),

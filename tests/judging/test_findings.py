@@ -59,14 +59,11 @@ def test_a_loss_says_what_was_expected_and_what_came() -> None:
     lost = CheckFailed("1 m/s²", "2 m/s²")
     assert str(lost) == "expected 1 m/s²; got 2 m/s²"
     assert (lost.expected, lost.got, lost.off, lost.hint, lost.where) == ("1 m/s²", "2 m/s²", None, "", None)
-    assert (lost.mistakes, lost.keeps, lost.belongs_to) == ((), 0.0, ("",))
+    assert (lost.mistakes, lost.keeps) == ((), 0.0)
     size = Size("it is off", 1.0)
-    more = CheckFailed(
-        "a", "b", mistakes=["no-bias"], keeps=0.5, hint="Look.", off=size, belongs_to=("c.d", "e.f"), fault=_FAULT
-    )
+    more = CheckFailed("a", "b", mistakes=["no-bias"], keeps=0.5, hint="Look.", off=size, fault=_FAULT)
     assert (more.mistakes, more.keeps, more.hint, more.off) == (("no-bias",), 0.5, "Look.", size)
-    assert (more.belongs_to, more.where) == (("c.d", "e.f"), Where("imu_reader.py", 12))
-    assert CheckFailed("a", "b", belongs_to="c.d").belongs_to == ("c.d",)
+    assert more.where == Where("imu_reader.py", 12)
 
 
 def test_an_exception_stops_a_check_and_says_what_was_done() -> None:

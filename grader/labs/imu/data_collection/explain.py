@@ -329,7 +329,7 @@ _STAMPS = "time stamps; the returned value has none"
 
 def measured(student: Student, truth: Traces) -> Explained:
     """Ask for both recordings and explain them; more is asked where they do not tell enough."""
-    push = facts_of.pushed(student, truth)
+    push = facts_of.run(student, truth, "push")
     if push.series.fault is not None:
         raised = Raised(push.series.fault, "collecting data")
         return Explained(facts_of.facts_of(truth, push, None, stopped=dict.fromkeys(CHECKS, raised)))
@@ -371,7 +371,7 @@ def told(student: Student, truth: Traces, run: Run) -> tuple[Story | None, Run]:
 def _of_dirt(student: Student, truth: Traces, push: Run) -> tuple[Story | None, Run | None, Exception | None]:
     """Return the explanation of the second run, and the run; or why there is none."""
     try:
-        dirt = facts_of.from_dirt(student, truth, push)
+        dirt = facts_of.run(student, truth, "push_dirty", push)
     except NoAnswer as nothing:
         return None, None, nothing
     if dirt.series.fault is not None:

@@ -176,22 +176,21 @@ def facts_of(truth: Traces, push: Run, dirt: Run | None, **more: Any) -> Facts:
 # ---- questions
 
 
-def pushed(student: Student, truth: Traces) -> Run:
-    """Ask for the run with the sheet's push."""
-    scenario = truth["push"]
-    series = student.simulate(
-        duration_s=float(scenario.scalars["duration_s"]), ids=torso_ids(truth), called="push"
-    ).with_last_for_all()
-    return _run(series.with_gap(), scenario)
-
-
-def from_dirt(student: Student, truth: Traces, push: Run) -> Run:
-    """Ask for a run with data as an earlier run left it, and with another time step."""
-    scenario = truth["push_dirty"]
+def asked(student: Student, truth: Traces, name: str) -> Collection:
+    """Ask for the recording of a scenario: the sheet's push, or one with another time step and data as an earlier run left it."""
+    scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
-    dirty = (scenario["dirty_qpos"], scenario["dirty_qvel"], float(scenario["dirty_time"]))
-    series = student.simulate(duration_s=duration_s, ids=torso_ids(truth), timestep=timestep, dirty=dirty)
-    return _run(series.with_last_for_all().with_gap(), scenario, push.recorded)
+    if name == "push":
+        series = student.simulate(duration_s=duration_s, ids=torso_ids(truth), called="push")
+    else:
+        dirty = (scenario["dirty_qpos"], scenario["dirty_qvel"], float(scenario["dirty_time"]))
+        series = student.simulate(duration_s=duration_s, ids=torso_ids(truth), timestep=timestep, dirty=dirty)
+    return series.with_last_for_all().with_gap()
+
+
+def run(student: Student, truth: Traces, name: str, before: Run | None = None) -> Run:
+    """Ask for the recording of a scenario, and separate the rows that are left of the run `before`."""
+    return _run(asked(student, truth, name), truth[name], before.recorded if before else None)
 
 
 def _run(series: Collection, scenario: Scenario, before: Collection | None = None) -> Run:
