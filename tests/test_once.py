@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.check_runner import Check, Examination, Judgement
-from grader.engine.feedback import Feedback
 from grader.engine.results import CriterionResult
 from grader.intake import Submission
 from tests.corpus.faults import Faulty
@@ -144,28 +142,3 @@ def test_a_filter_that_is_negated_is_charged_for_its_recursion_and_the_report_sa
     assert constant.message.startswith(
         "No further deduction: the same fault was deducted under “The filter computes y[n]"
     )
-
-
-def _settled(*judged: tuple[str, float, str]) -> dict[str, float]:
-    examination = Examination.__new__(Examination)
-    examination.judgements = {
-        id_: Judgement(
-            Check(id_, id_, None),
-            Feedback("passed" if keeps == 1 else "failed", keeps, ""),
-            "",
-            0.0,
-            belongs_to=tuple(other.split()),
-        )
-        for id_, keeps, other in judged
-    }
-    examination.settle()
-    return {id_: each.told.keeps for id_, each in examination.judgements.items() if each.told is not None}
-
-
-@pytest.mark.quick
-def test_a_check_keeps_its_points_only_where_the_one_that_it_belongs_to_is_lost() -> None:
-    assert _settled(("a", 0.0, ""), ("b", 0.5, "a")) == {"a": 0.0, "b": 1.0}
-    assert _settled(("a", 1.0, ""), ("b", 0.5, "a")) == {"a": 1.0, "b": 0.5}
-    assert _settled(("b", 0.5, "never-asked")) == {"b": 0.5}
-    assert _settled(("a", 1.0, ""), ("c", 0.0, ""), ("b", 0.5, "a c")) == {"a": 1.0, "c": 0.0, "b": 1.0}
-    assert _settled(("a", 0.0, "b"), ("b", 0.5, "")) == {"a": 1.0, "b": 0.5}
