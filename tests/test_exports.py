@@ -171,6 +171,11 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     assert unmatched(filled) == ["Doe, Jane", "Doe, Jane"]
 
 
+def test_canvas_s_own_test_student_is_nobody_whom_anyone_misses() -> None:
+    filled = canvas.fill(canvas_file('"Student, Test",9,,f00,A,,,', "Roe,102,,,A,,,"), "t.csv", "4711", {})
+    assert unmatched(filled) == ["Roe"]
+
+
 # ---- Moodle ----
 
 
