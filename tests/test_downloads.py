@@ -214,6 +214,11 @@ def test_a_name_with_numbers_in_it_is_who_the_roster_knows_or_nobody(
     assert found.leftovers == (() if who else (f"{path}/{name}: {READ_IN_TWO_WAYS}",))
 
 
+def test_of_a_file_that_begins_with_numbers_another_of_the_same_student_leaves_no_doubt(tmp_path: Path) -> None:
+    found = canvas(tmp_path, "doejane_101_9001_04_01_notes.py", "doejane_101_9002_filters.py")
+    assert [set(entry.read().files) for entry in found.entries] == [{"04_01_notes.py", "filters.py"}]
+
+
 # ---- several attempts ----
 
 

@@ -171,6 +171,12 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     assert unmatched(filled) == ["Doe, Jane", "Doe, Jane"]
 
 
+def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
+    text = "LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;100,0\nDoe;Jane;7;x;A;"
+    filled = canvas.fill(text.encode(), "t.csv", None, class_of(final_grade("a", Person("Jane Doe"))))
+    assert filled.data.decode() == text + "87,5"
+
+
 def test_canvas_s_own_test_student_is_nobody_whom_anyone_misses() -> None:
     filled = canvas.fill(canvas_file('"Student, Test",9,,f00,A,,,', "Roe,102,,,A,,,"), "t.csv", "4711", {})
     assert unmatched(filled) == ["Roe"]
