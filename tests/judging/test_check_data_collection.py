@@ -119,6 +119,21 @@ class ResetInTheLoop(Recorder):
         super().step(model, data, n)
 
 
+class UntilTime(Recorder):
+    """No reset, and steps until data.time is the duration: what an earlier run left shortens the next one."""
+
+    def begin(self, model: Any, data: Any) -> None:
+        pass
+
+    def __call__(self, model: Any, data: Any, duration_seconds: float, accel_id: int, gyro_id: int) -> Any:
+        self.push(data)
+        rows = []
+        while data.time < duration_seconds - 1e-9:
+            mujoco.mj_step(model, data)
+            rows.append(self.row(model, data, accel_id, gyro_id))
+        return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
+
+
 class Keeping(Recorder):
     """Lists that outlive the call."""
 
@@ -466,6 +481,7 @@ CASES = [
             ("twenty too few, with noise", both(telling(_noisy), SHORT), (0.0, [])),
             ("a first row that is empty", telling(_first_row_empty), None),
             ("exchanged", SWAPPED, None),
+            ("until the time, without a reset, which the reset is charged for", UntilTime, None),
         ],
         TIME: [
             ("sound", SOUND, None),
@@ -751,6 +767,7 @@ CHARGED = [
     (Skipping, [COUNT]),
     (FiftyHertz, [COUNT]),
     (NO_RESET, [RESET]),
+    (UntilTime, [RESET]),
     (of(begin=_heavier), [RESET]),
     (of(begin=_in_pose(2, 0.05)), [RESET]),
     (NO_PUSH, [PUSH]),

@@ -84,7 +84,12 @@ class Explained:
         """The run with another number of rows than steps. Rows behind the last step that were never filled are no rows."""
         if all(complete(run.series) and abs(run.series.filled_rows - run.steps) <= 1 for run in self.facts.runs):
             return None
-        return next((run for run in reversed(self.facts.runs) if abs(run.length - run.steps) > 1), None)
+        off = [run for run in self.facts.runs if abs(run.length - run.steps) > 1]
+        missing = off[-1].steps - off[-1].length if off else 0
+        if len(off) == 1 and off[0] is self.facts.dirt and self.goes_on:
+            # a loop until data.time is the duration makes fewer steps where nothing was reset
+            return None if abs(missing - self.facts.left_at / off[0].timestep) <= 1 else off[0]
+        return off[-1] if off else None
 
     @property
     def ends_at_once(self) -> bool:
