@@ -1,6 +1,6 @@
-"""Generated parts that do nothing earn no more than the points for their form: filters without memory, readers and noise models without a sensor.
+"""A sweep over generated parts that do nothing: filters without memory, readers and noise models without a sensor, and others.
 
-A fixed sample of all combinations is graded.
+None earns more than the points for its form. `pytest -m sweep` runs every combination; a fixed sample runs with the other tests.
 """
 
 from __future__ import annotations
@@ -47,6 +47,14 @@ _VECTORS = (
     "np.full(3, float(accel_sensor_id))", "np.full(3, data.time)", "np.full(3, np.nan)", "np.full(3, float(model.nsensor))",
     "np.array([next(_count), 0.0, -9.81])",
 )  # fmt: skip
+_ROWS = (
+    "np.zeros((n, 3))", "np.ones((n, 3))", "np.tile([0.0, 0.0, -9.81], (n, 1))", "np.random.normal(0, 1, (n, 3))",
+    "np.cumsum(np.random.normal(0, 1, (n, 3)), axis=0)", "np.sin(np.arange(3 * n).reshape(n, 3))", "np.arange(3.0 * n).reshape(n, 3)",
+    "np.full((n, 3), np.pi)",
+)  # fmt: skip
+_LENGTHS = ("1", "2", "10", "int(duration_seconds / model.opt.timestep)", "1500")
+_STAMPS = ("np.zeros(n)", "(np.arange(n) + 1) * model.opt.timestep", "np.arange(float(n))")
+_SIMULATED = "mujoco.mj_resetData(model, data); data.qvel[0] = 0.5; [mujoco.mj_step(model, data) for _ in range(n)]"  # and nothing read
 
 
 def readers() -> list[Nothing]:
@@ -57,7 +65,50 @@ def readers() -> list[Nothing]:
     ]
 
 
-SAMPLE = [part for every in (filters(), readers()) for part in random.Random(42).sample(every, 6)]
+def recorders() -> list[Nothing]:
+    def written(n: str, stamps: str, rows: str, before: str) -> str:
+        return (
+            f"def simulate_and_collect(model, data, duration_seconds=5.0):\n    n = {n}\n    {before}\n"
+            f"    return {{'time': {stamps}, 'acceleration': {rows}, 'angular_velocity': {rows}}}\n"
+        )
+
+    parts = [
+        *itertools.product(_LENGTHS, _STAMPS, _ROWS, ("pass",)),
+        *itertools.product(_LENGTHS, _STAMPS[1:2], _ROWS, (_SIMULATED,)),
+    ]
+    return [
+        Nothing(
+            f"{'steps and ' * (before == _SIMULATED)}{n} of {rows} at {stamps}",
+            "data_collection",
+            "imu_reader.py",
+            written(n, stamps, rows, before),
+            6,
+        )
+        for n, stamps, rows, before in parts
+    ]
+
+
+_CURVES = (
+    "np.zeros(300)", "np.arange(300.0)", "np.random.normal(0, 1, 300)", "np.sin(np.arange(300) / 9)", "np.full(300, -9.81)",
+    "imu_data['time'] * 0", "imu_data['time']", "imu_data['time'] ** 2", "np.ones(2)", "np.cumsum(np.random.normal(0, 1, 300))",
+    "np.random.normal(0, 1, len(imu_data['time']))", "np.sin(9 * imu_data['time'])",
+)  # fmt: skip
+_AGAINST = ("", "np.linspace(0, 1, 300), ")
+
+
+def plots() -> list[Nothing]:
+    ways = [*itertools.product(_CURVES, (1, 3, 6), _AGAINST[:1]), *itertools.product(_CURVES[1:4], (3,), _AGAINST[1:])]
+    return [
+        nothing._plot(
+            f"{x}{y}, {k} times",
+            f"[a.plot({x}{y}, label='XYZ'[i % 3]) for a in axes for i in range({k})]; [a.legend() for a in axes]",
+        )
+        for y, k, x in ways
+    ]
+
+
+EVERY = [*filters(), *readers(), *recorders(), *plots()]
+SAMPLE = [part for every in (filters(), readers(), recorders(), plots()) for part in random.Random(42).sample(every, 6)]
 
 
 def name_of(part: Nothing) -> str:
@@ -72,6 +123,13 @@ def earned(marker: Marker, part: Nothing) -> tuple[float, dict[str, float]]:
 
 @pytest.mark.parametrize("part", SAMPLE, ids=name_of)
 def test_a_sampled_part_that_does_nothing_earns_its_form_at_most(part: Nothing, marker: Marker) -> None:
+    points, kept = earned(marker, part)
+    assert points <= part.most, kept
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("part", EVERY, ids=name_of)
+def test_no_part_that_does_nothing_earns_more_than_its_form(part: Nothing, marker: Marker) -> None:
     points, kept = earned(marker, part)
     assert points <= part.most, kept
 
@@ -176,6 +234,14 @@ def test_noise_and_bias_beside_the_reading_of_a_standing_robot_lose_what_they_ar
 
 @pytest.mark.parametrize("kind", random.Random(42).sample(NOISE_MODELS, 8))
 def test_a_sampled_noise_model_without_a_sensor_earns_its_form_at_most(kind: type) -> None:
+    points = kept(kind)
+    assert points["noise_model.leaves_simulation_alone"] == 2.0, "it did not run"
+    assert sum(points.values()) <= _FORM, points
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("kind", NOISE_MODELS)
+def test_no_noise_model_without_a_sensor_earns_more_than_its_form(kind: type) -> None:
     points = kept(kind)
     assert points["noise_model.leaves_simulation_alone"] == 2.0, "it did not run"
     assert sum(points.values()) <= _FORM, points

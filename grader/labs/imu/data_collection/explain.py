@@ -103,10 +103,15 @@ class Explained:
         single = self.push is not None and self.push.skip > 1 and self.facts.push.length == 1
         return single or self.series.last_alone
 
+    @property
+    def few_rows_follow(self) -> bool:
+        """Return whether rows are too few through a fault of the rows."""
+        return self.ends_at_once or self.last_alone
+
     def counts_by(self, fault: str) -> bool:
         """Return whether the numbers of rows come of this fault."""
         first, second = self.facts.push, self.facts.dirt
-        if second is None or not (first.length or second.length) or self.ends_at_once or self.last_alone:
+        if second is None or not (first.length or second.length) or self.few_rows_follow:
             return False
         return fault == counting_fault(first, second, skips=self.push is not None and self.push.skip > 1)
 
@@ -445,8 +450,8 @@ def row_fault(found: Explained) -> str:
 _FORMS = ("wrong-keys", "wrong-return-type", "arrays-transposed")
 _COUNTS = ("ignores-duration", "hard-coded-timestep", "fixed-rate", "samples-skipped")
 _PREDICTS = {
-    "ends-early": frozenset({COUNT}),
-    "only-last-row": frozenset({COUNT, TIME}),
+    "ends-early": frozenset({COUNT, RESET}),
+    "only-last-row": frozenset({COUNT, TIME, RESET}),
 }
 
 REASONS: tuple[Reason[Explained], ...] = (
@@ -458,7 +463,7 @@ REASONS: tuple[Reason[Explained], ...] = (
         Reason(TRUTH, n, fault, lambda e, f=fault: row_fault(e) == f, _PREDICTS.get(fault, frozenset()))  # type: ignore[misc]
         for n, fault in enumerate(dict(ROW_FAULTS))
     ),
-    Reason(COUNT, 0, "ignores-duration", lambda e: e.second_is_empty, frozenset({RESET})),
+    Reason(COUNT, 0, "ignores-duration", lambda e: e.second_is_empty and not e.few_rows_follow, frozenset({RESET})),
     *(
         Reason(COUNT, 1 + n, fault, lambda e, f=fault: e.counts_by(f))  # type: ignore[misc]
         for n, fault in enumerate(_COUNTS)
