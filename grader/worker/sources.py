@@ -5,12 +5,14 @@ Libraries keep the real clocks and identifiers where a wait or a lock depends on
 
 from __future__ import annotations
 
+import builtins
 import datetime
 import hashlib
 import operator
 import os
 import random
 import sys
+import threading
 import time
 import types
 import uuid
@@ -130,6 +132,7 @@ def _let_time_pass_with_the_work() -> None:
     if "timeit" in sys.modules:
         vars(sys.modules["timeit"])["default_timer"] = time.perf_counter
     vars(os)["times"] = lambda: os.times_result((time.process_time(), 0.0, 0.0, 0.0, time.perf_counter()))
+    vars(os)["getloadavg"] = lambda: (0.0, 0.0, 0.0)
 
 
 def _give_repeatable_dates() -> None:
@@ -172,12 +175,28 @@ def _give_repeatable_dates() -> None:
 
 
 def _give_repeatable_identity() -> None:
-    """Give the process the number that it has in a namespace of its own."""
+    """Number objects, threads and the process in the order in which student code asks for them."""
+
+    def numbered(really: Callable[..., int], start: int, step: int) -> Callable[..., int]:
+        known: dict[int, int] = {}
+
+        def ask(*args: Any) -> int:
+            number = really(*args)
+            return number if _LIBRARY.calls() else known.setdefault(number, start + step * len(known))
+
+        return ask
 
     def own(really: Callable[[], int], number: int) -> Callable[[], int]:
         return lambda: really() if _LIBRARY.calls() else number
 
+    vars(builtins)["id"] = numbered(id, 4096, 16)
+    vars(threading)["get_ident"] = numbered(threading.get_ident, 1, 1)
+    vars(threading)["get_native_id"] = numbered(threading.get_native_id, PID, 1)
     vars(os).update(getpid=own(os.getpid, PID), getppid=own(os.getppid, 0))
+    resource: Any = sys.modules.get("resource")
+    if resource is not None:
+        used = lambda who: resource.struct_rusage((time.process_time(), 0.0, 100_000, *[0] * 13))  # noqa: E731
+        vars(resource)["getrusage"] = used
 
 
 def _draw_from_the_stream() -> None:
