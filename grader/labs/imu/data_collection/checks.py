@@ -1,4 +1,4 @@
-"""Checks of the recorder: each a threshold on one measured property."""
+"""Checks of `simulate_and_collect`: each a threshold on one measured property."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _stamped(apart: float, stamps: Array, affected: float = 1.0, worst: int = 0)
 
 
 def _furthest_row(found: Explained, numbers: dict[str, object], affected: float) -> Deviation:
-    """Describe the row in which a sensor that is not right is furthest off."""
+    """Return a deviation that describes the row in which a wrong sensor differs most from the truth."""
     which = int(found.is_right(0))
     key, unit, got, true = SENSORS[which], SENSOR_UNITS[which], found.series.sensors[which], found.true_rows[which]
     assert got is not None

@@ -1,4 +1,4 @@
-"""Diagnosis of a recorder: the explanation of its two recordings, and the reasons for what deviates in them."""
+"""Diagnosis of `simulate_and_collect`: the simulated run that explains each recording, and the fault that explains a deviation."""
 
 from __future__ import annotations
 
@@ -45,7 +45,10 @@ from grader.labs.imu.student import Student
 
 @dataclass(frozen=True)
 class Explained:
-    """The facts, and the story that explains each run; None where none does."""
+    """The facts about a recorder with the explanation of both runs; None for a run without an explanation.
+
+    `push` explains the run with the sheet's push. `dirt` explains the run that starts with data of an earlier run.
+    """
 
     facts: Facts
     push: Story | None = None
@@ -57,14 +60,14 @@ class Explained:
 
     @property
     def series(self) -> Collection:
-        """The recording of the push."""
+        """The recording of the run with the sheet's push."""
         return self.facts.push.series
 
     # ---- form
 
     @property
     def odd_form(self) -> list[tuple[str, str]]:
-        """What is odd about names, shapes and lengths: the fault, "" where it has no name, and a sentence."""
+        """Deviations of names, shapes and lengths from the sheet: pairs of a fault's id ("" if it has none) and a sentence."""
         if self.series.oddities:
             return [(fault, sentence.removeprefix("got ")) for fault, sentence in self.series.oddities[:3]]
         arrays = dict(zip(KEYS, (self.series.time, *self.series.sensors), strict=True))
@@ -81,7 +84,7 @@ class Explained:
 
     @property
     def count_off(self) -> Run | None:
-        """The run with another number of rows than steps. Rows behind the last step that were never filled are no rows."""
+        """The run whose number of rows is not its number of steps, or None. Unfilled rows after the last step do not count."""
         if all(complete(run.series) and abs(run.series.filled_rows - run.steps) <= 1 for run in self.facts.runs):
             return None
         off = [run for run in self.facts.runs if abs(run.length - run.steps) > 1]
@@ -93,23 +96,23 @@ class Explained:
 
     @property
     def ends_at_once(self) -> bool:
-        """Return whether the first rows are all that there is, too few to tell how they go on."""
+        """Return whether only the first few rows exist, too few to identify a run by later ones."""
         few = self.series.filled_rows < min(FEWEST_ROWS, self.facts.push.model_steps // 2)
         return self.push is not None and self.push.skip == 1 and few
 
     @property
     def last_alone(self) -> bool:
-        """Return whether the reading after the last step is all that there is."""
+        """Return whether the only row is the reading after the last step."""
         single = self.push is not None and self.push.skip > 1 and self.facts.push.length == 1
         return single or self.series.last_alone
 
     @property
     def few_rows_follow(self) -> bool:
-        """Return whether rows are too few through a fault of the rows."""
+        """Return whether a fault that matches_truth reports explains why rows are missing."""
         return self.ends_at_once or self.last_alone
 
     def counts_by(self, fault: str) -> bool:
-        """Return whether the numbers of rows come of this fault."""
+        """Return whether this fault explains the numbers of rows of both runs."""
         first, second = self.facts.push, self.facts.dirt
         if second is None or not (first.length or second.length) or self.few_rows_follow:
             return False
@@ -119,7 +122,7 @@ class Explained:
 
     @property
     def stamps(self) -> Array:
-        """The time stamps (n,) of the rows that were filled."""
+        """Time stamps (n,) in seconds of the filled rows."""
         assert self.series.time is not None
         return self.series.time[: (self.series.filled_rows if complete(self.series) else 0) or None]
 
@@ -135,7 +138,7 @@ class Explained:
 
     @property
     def keeps_timestep(self) -> Run | None:
-        """The run whose stamps are as far apart as the time step of the students' model, where the model has another."""
+        """The run whose stamps have the time step of another model, as code with a hard-coded one gives; None if there is none."""
         push, dirt = self.facts.push, self.facts.dirt
         if self.stamps_off > TIME_ATOL:
             return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
@@ -146,7 +149,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether stamps are wrong through another fault: of the arrays' form, of altered rows, or of a repeated push."""
+        """Return whether another fault explains wrong stamps: missing or unequal arrays, one filled row, or a repeated push."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -161,7 +164,7 @@ class Explained:
 
     @property
     def plain(self) -> bool:
-        """Return whether the rows are those of a known run, however they were chosen and ordered."""
+        """Return whether a simulated run explains the rows with unaltered numbers; rows may be missing or reordered."""
         return self.push is not None and not self.push.altered
 
     @property
@@ -170,13 +173,13 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """The rows of the right sensors in the run that the recording comes from."""
+        """Acceleration and angular velocity, each (rows, 3), that right code records in the run of this recording."""
         worlds = self.facts.push.worlds
         from_truth = self.push is not None and self.push.world == TRUE_WORLD
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
-        """Return whether a sensor (index) has the true rows, and shows motion."""
+        """Return whether the sensor with this index (0 accelerometer, 1 gyroscope) has the true rows and shows motion."""
         got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
         return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
 
@@ -186,7 +189,7 @@ class Explained:
 
     @property
     def treated(self) -> bool:
-        """Return whether one treatment predicts all rows of the sensors that are altered."""
+        """Return whether rounding, or a linear map with an offset, predicts all rows of each altered sensor from the true ones."""
         keys = self.push.altered if self.push is not None else ()
         pairs = dict(zip(SENSORS, zip(self.series.sensors, self.true_rows, strict=True), strict=True))
         known = [(key, got, true) for key, (got, true) in pairs.items() if key in keys and got is not None]
@@ -200,7 +203,7 @@ class Explained:
 
     @property
     def late(self) -> int:
-        """By how many samples rows are late (negative: early); 0 also where each row has the time of its state."""
+        """Number of samples by which rows are late (negative: early); 0 also if each row has the time stamp of its own state."""
         lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
         if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
             return lag
@@ -216,7 +219,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and reach beyond the run; too few rows are charged by sample_count."""
+        """Return whether rows leave out steps and do not end with the run; if they do, sample_count charges the missing rows."""
         return (
             self.push is not None
             and self.push.skip != 1
@@ -225,12 +228,15 @@ class Explained:
 
     @property
     def steps_beyond_rows(self) -> int:
-        """The number of steps that were made, less the number of rows."""
+        """Number of simulation steps minus number of rows."""
         return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
 
     @property
     def model_changed(self) -> str:
-        """What of the model was changed for the run and put back, in words: what is left changed starts_from_reset charges."""
+        """The time step or gravity that the code set for the run and restored, in words; "" if none.
+
+        If the code does not restore it, the check starts_from_reset charges that.
+        """
         claim = self.push_claim
         if claim is None or not self.plain or self.series.changed:
             return ""
@@ -252,17 +258,17 @@ class Explained:
 
     @property
     def rows_left(self) -> int:
-        """The largest number of rows of an earlier run at the beginning of a recording."""
+        """Largest number of rows of an earlier run that a recording begins with."""
         return max(run.left for run in self.facts.runs)
 
     @property
     def push_claim(self) -> Claim | None:
-        """The start of the push as the worker claims it; None where the rows are those of the sheet's push."""
+        """The start of the first run as the worker reports it; None if the rows are those of the sheet's push."""
         return _claim_of(self.push, self.facts.push)
 
     @property
     def goes_on(self) -> bool:
-        """Return whether a run continues from the state in which data was left, or starts in another pose."""
+        """Return whether a run continues from the state of an earlier run, or starts in a pose that is not the reset pose."""
         dirt, left_at = self.facts.dirt, self.facts.left_at
         stamps = dirt.series.time if dirt is not None else None
         if stamps is not None and len(stamps) > 0 and abs(stamps[0] - left_at) < 0.5 * left_at:
@@ -277,14 +283,14 @@ class Explained:
 
     @property
     def other_velocities(self) -> bool:
-        """Return whether the second run begins with other velocities than the push."""
+        """Return whether the run after an earlier one begins with other velocities than the first run."""
         first = self.series.first_step
         claim = _claim_of(self.dirt, self.facts.dirt) if self.facts.dirt is not None else None
         return claim is not None and self.dirt is not None and bool(first) and differ(claim.qvel, first["qvel"])
 
     @property
     def pushed_apart(self) -> bool:
-        """Return whether two runs of one kind, both from a fresh state, start with other velocities."""
+        """Return whether two runs from a fresh state start with different velocities: the push is random."""
         return bool(self.facts.velocities) and differ(*self.facts.velocities)
 
     @property
@@ -293,7 +299,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """What is known of the start of the run in words; "" for the sheet's push, once and at the start."""
+        """How the run starts, in words; "" if it starts with the sheet's push and the state is set only then."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"
@@ -301,7 +307,7 @@ class Explained:
 
 
 def _claim_of(story: Story | None, run: Run) -> Claim | None:
-    """Return the start that the worker claims for a run; None where the rows come from the true one."""
+    """Return the start of a run as the worker reports it; None if the rows come from the true run."""
     return run.claim if story is None or story.world != TRUE_WORLD else None
 
 
@@ -310,7 +316,7 @@ _GRAVITY_ATOL = 1e-3
 
 
 def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
-    """Return the fault that the numbers of rows of two runs show; "" for none."""
+    """Return the fault that the numbers of rows of two runs show; "" for none. `skips`: rows leave out steps."""
     n, m, a, b = first.length, second.length, first.duration_s, second.duration_s
     if skips:
         return "fixed-rate" if abs(n / a - m / b) <= 1 / min(a, b) else "samples-skipped"
@@ -321,7 +327,7 @@ def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
 
 
 def has_timestep(time: Array, timestep: float, usual: float) -> bool:
-    """Return whether stamps are as far apart as a usual time step, where the run has another."""
+    """Return whether stamps are `usual` seconds apart although the run's time step is another."""
     apart = np.abs(np.diff(time) - usual)
     return len(apart) > 0 and bool(apart.max() <= TIME_ATOL) and abs(timestep - usual) > TIME_ATOL
 
@@ -338,7 +344,7 @@ _STAMPS = "time stamps; the returned value has none"
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Ask for both recordings and explain them; more is asked where they do not tell enough."""
+    """Ask for both recordings and explain them; ask for further ones only if these leave the cause open."""
     push = facts_of.run(student, truth, "push")
     if push.series.fault is not None:
         raised = Raised(push.series.fault, "collecting data")
@@ -361,9 +367,10 @@ def measured(student: Student, truth: Traces) -> Explained:
 
 
 def told(student: Student, truth: Traces, run: Run) -> tuple[Story | None, Run]:
-    """Return the explanation of a recording, and the run with the worlds that were tried.
+    """Return the explanation of a recording, and the run with the simulated runs (worlds) that were tried.
 
-    Those of the traces come first, then the claimed ones: where a claim tells the same as a known world, that one tells it.
+    The true run is tried first, then those simulated from the start that the worker reports: if both explain the rows, the true
+    run counts.
     """
     if not complete(run.series):
         return None, run
@@ -379,7 +386,7 @@ def told(student: Student, truth: Traces, run: Run) -> tuple[Story | None, Run]:
 
 
 def _of_dirt(student: Student, truth: Traces, push: Run) -> tuple[Story | None, Run | None, Exception | None]:
-    """Return the explanation of the second run, and the run; or why there is none."""
+    """Return the explanation of the run that starts with data of an earlier run, that run, and the error if there is none."""
     try:
         dirt = facts_of.run(student, truth, "push_dirty", push)
     except NoAnswer as nothing:
@@ -390,7 +397,7 @@ def _of_dirt(student: Student, truth: Traces, push: Run) -> tuple[Story | None, 
 
 
 def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:
-    """Return why properties could not be measured, by check."""
+    """Return, by check, the exception because of which its property could not be measured."""
     series, dirt, stops = found.series, found.facts.dirt, dict[str, Exception]()
     if stop is not None:
         stops |= dict.fromkeys((COUNT, RESET), stop)
@@ -435,7 +442,7 @@ ROW_FAULTS: tuple[tuple[str, Callable[[Explained], bool]], ...] = (
     ("first-steps-missing", lambda e: e.late < 0),
     ("rows-left-zero", lambda e: e.series.filled_rows < e.facts.push.length),
 )
-"""The faults of the rows, each after those that hide it."""
+"""Faults of the rows and their tests. The first that holds counts: a fault stands after those that hide it."""
 
 
 def _from(found: Explained) -> str:

@@ -48,8 +48,8 @@ class Claim:
     Attributes
     ----------
     qpos, qvel : the state before the first step; gravity : (3,); timestep : seconds
-    force : what was applied to the joints and bodies then
-    set_at : (m,) before which later steps the state was set from outside once more; set_qvel : (m, nv) to which velocities
+    force : forces that the code applied to joints and bodies at the start
+    set_at : (m,) later steps before which the code set the state again; set_qvel : (m, nv) the velocities that it set then
     """
 
     qpos: Array
@@ -71,7 +71,7 @@ class Claim:
 
     @property
     def push(self) -> str:
-        """Say how the start differs from the sheet's push, once and at the start; "" if it does not."""
+        """How the start differs from the sheet's push, in words; "" if the code sets that push once, at the start."""
         pushed = np.flatnonzero(np.abs(self.qvel) > SAME_STATE)
         later = f"before step {self.set_at[0] + 1:.0f}" if len(self.set_at) else ""
         if self.force.any():
@@ -85,7 +85,7 @@ class Claim:
 
 
 def differ(a: Array, b: Array | float) -> bool:
-    """Return whether two states were set to other numbers."""
+    """Return whether two states differ by more than rounding."""
     return bool(np.abs(a - b).max(initial=0.0) > SAME_STATE)
 
 
@@ -101,10 +101,11 @@ class Run:
 
     Attributes
     ----------
-    series : the recording without rows of earlier runs; recorded : with them; left : their number
+    series : the recording without rows of earlier runs; recorded : the recording with them; left : their number
     worlds : sensor values in each world: name -> (acceleration, angular velocity), each (rows, 3)
-    duration_s, model_timestep : what the function was called with; model_steps : the number of steps that these ask for
-    claim : the start of the run on which all worlds but `TRUE_WORLD` rest
+    duration_s, model_timestep : duration and time step (s) that the function was called with
+    model_steps : the number of steps in this duration
+    claim : the start from which all worlds but `TRUE_WORLD` were simulated
     """
 
     series: Collection
@@ -118,13 +119,13 @@ class Run:
 
     @property
     def timestep(self) -> float:
-        """The time step (s) of the run; another than the model's if the code changed that, which starts_from_reset charges."""
+        """Time step (s) of the run: the model's, or that to which the code changed it (starts_from_reset charges the change)."""
         changed = "opt.timestep" in self.series.changed and "timestep" in self.series.first_step
         return float(self.series.first_step["timestep"][0]) if changed else self.model_timestep
 
     @property
     def steps(self) -> int:
-        """The number of steps that the duration and the time step of the run ask for."""
+        """Number of time steps in the duration of the run."""
         changed = self.timestep != self.model_timestep and self.timestep > 0
         return round(self.duration_s / self.timestep) if changed else self.model_steps
 
@@ -144,7 +145,7 @@ class Facts:
     dirt : a run of another length and time step, with data as an earlier run left it; None if it was not recorded
     start : (nq,) pose of the reset robot; gravity : (3,) of the model
     learnt_timestep : time step (s) of the model that students have
-    left_at : time (s) that data held when it was handed over for `dirt`
+    left_at : time (s) of the simulation data at the call that recorded `dirt`
     follows : whether the rows change as the robot's motion does
     velocities : (2, nv) at the start of two runs with the sheet's push; empty if they were not asked for
     stopped : by check, what kept its property from being measured
@@ -162,12 +163,12 @@ class Facts:
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """The runs that were recorded: of other lengths, and with other time steps."""
+        """The recorded runs; each has its own duration and time step."""
         return (self.push,) if self.dirt is None else (self.push, self.dirt)
 
 
 def facts_of(truth: Traces, push: Run, dirt: Run | None, **more: Any) -> Facts:
-    """Return the facts about these runs, and more of them."""
+    """Return the facts about these runs, those of the model from the traces, and the fields in `more`."""
     lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
     gravity = np.asarray(lab.scalars["gravity"], float)
     return Facts(push, dirt, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
@@ -177,7 +178,7 @@ def facts_of(truth: Traces, push: Run, dirt: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Ask for the recording of a scenario: the sheet's push, or one with another time step and data as an earlier run left it."""
+    """Return the recording of a scenario: "push", or "push_dirty" with another time step and data of an earlier run."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":
@@ -189,7 +190,7 @@ def asked(student: Student, truth: Traces, name: str) -> Collection:
 
 
 def run(student: Student, truth: Traces, name: str, before: Run | None = None) -> Run:
-    """Ask for the recording of a scenario, and separate the rows that are left of the run `before`."""
+    """Ask for the recording of a scenario, and separate rows that are left from the run `before`."""
     return _run(asked(student, truth, name), truth[name], before.recorded if before else None)
 
 
@@ -201,10 +202,10 @@ def _run(series: Collection, scenario: Scenario, before: Collection | None = Non
 
 
 def with_claim(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with the worlds that go as the worker claims, simulated by another that has never seen the submission.
+    """Return the run with worlds that a second worker, without the submission, simulates from the reported start.
 
-    They hold the right sensors, the model's last one as ``id = -1`` reads it, those that have the ids of the students' model
-    where they are others, and those of the other IMUs.
+    Each world has the readings of a pair of sensors: the right ones, those of each other IMU, the model's last sensor (which
+    ``id = -1`` reads), and those with the ids of the students' model if this robot has other ids.
     """
     start = run.series.first_step
     if not start:
@@ -225,16 +226,16 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with the world that the submission's own reader reads in the run that was claimed."""
+    """Return the run with a further world: the readings of the submission's own reader in a simulation from the reported start."""
     steps = len(run.worlds[CLAIMED_WORLD][0])
     rows = student.read_along(run.series.first_step, steps, torso_ids(truth))
     return run if rows is None else replace(run, worlds={**run.worlds, OWN_WORLD: (rows[:, :3], rows[:, 3:])})
 
 
 def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
-    """Return whether the rows change with a gravity that leans as those of a simulation of ours from the same states do.
+    """Return whether the rows change with tilted gravity as the grader's own simulation from the same start does.
 
-    Rows that are all alike only have to be others then.
+    If all rows of the recording are equal, it suffices that the first one differs with tilted gravity.
     """
     try:
         leaning = _leaning(student, truth)
@@ -253,14 +254,14 @@ def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
 
 
 def _leaning(student: Student, truth: Traces) -> Collection:
-    """Ask for the push under a gravity that leans by what is drawn with the scenario: nobody has recorded this run."""
+    """Return the recording of a short run with gravity tilted in a drawn direction: no submission can have stored this run."""
     sideways = np.asarray(truth["push_dirty"]["dirty_qvel"][:2])
     gravity = np.array([*(_LEAN * sideways / np.linalg.norm(sideways)), -9.81 - _LEAN])
     return student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth), gravity=gravity).with_last_for_all()
 
 
 def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[Array, Array] | None:
-    """Return accelerations (n, 3) of their run, and of a run of ours from the state in which theirs is said to begin."""
+    """Return the accelerations (n, 3) of a recording and of our simulation from its reported start; None if either is missing."""
     if not series.first_step or series.acceleration is None or not len(series.acceleration):
         return None
     ours = student.replay(series.first_step, min(len(series.acceleration), _LONGEST_REPLAY))
@@ -269,7 +270,7 @@ def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[A
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Ask for a short run like `push`, and return the velocities (nv,) at the start of both; () if they are not known."""
+    """Record another run with the sheet's push; return the velocities (nv,) at the start of both, () if one is unknown."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()
@@ -283,20 +284,20 @@ def complete(series: Collection) -> bool:
 
 
 def all_alike(series: Collection) -> bool:
-    """Return whether every row is the same: a robot that stands still moves a little, too."""
+    """Return whether all rows are equal. Rows of a simulation never are: even a standing robot moves a little."""
     pairs = zip(SENSORS, series.sensors, strict=True)
     there = [rows for key, rows in pairs if rows is not None and key != series.absent]
     return bool(there) and all(len(rows) > 1 and not np.ptp(rows, axis=0).any() for rows in there)
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
-    """Return the number of first rows that are left from earlier runs because a list outlives the call.
+    """Return the number of rows at the beginning that are left from earlier runs because a list outlives the call.
 
     Parameters
     ----------
     before
-        What the same process returned before. None for the first run that was asked for: what the submission has recorded
-        by itself begins with the same rows.
+        The earlier recording in the same process. None for the first one: then the recording itself is searched for a second
+        start with the same rows, as a run on import leaves them.
     """
     if series.time is None or series.acceleration is None or series.angular_velocity is None:
         return 0
@@ -311,7 +312,7 @@ def rows_left(series: Collection, before: Collection | None = None) -> int:
 
 
 def _alike(series: Collection, other: Collection, rows: slice, others: slice) -> bool:
-    """Return whether the same motion stands there; rows in which nothing moves are like any others, and tell nothing."""
+    """Return whether `rows` of one recording equal `others` of another and show motion; rows at rest prove nothing."""
     pairs = ((series.acceleration, other.acceleration), (series.angular_velocity, other.angular_velocity))
     same_rows = all(
         a is not None and b is not None and np.array_equal(a[rows], b[others], equal_nan=True) for a, b in pairs
@@ -320,11 +321,11 @@ def _alike(series: Collection, other: Collection, rows: slice, others: slice) ->
 
 
 def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> bool:
-    """Return whether rows (n, 3) go with a simulation when the simulation is changed, whatever is done to their numbers.
+    """Return whether rows (n, 3) change with the simulation, whatever linear map and offset the code applies to them.
 
-    What is done to them, any linear map and offset, is read off one run; it has to foretell the other run to within half of
-    the change between the two. A recording does not change, and has nothing in common with the change. Numbers that are mixed up
-    over the rows are those of the other run still.
+    A least-squares fit to the first run gives this map. It has to predict the rows of the other run with an error below half of
+    the change between the runs. Stored rows do not change, so they fail. Rows in any order pass if nearly all numbers of
+    the other simulation occur in them.
     """
     n, m = min(len(rows), len(true)), min(len(other_rows), len(other_true), len(rows), len(true))
     if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):
@@ -339,8 +340,10 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
 
 
 _NEARLY_ALL = 0.9
+"""Share of the true numbers that have to occur in the rows."""
 _SAME_NUMBER = 1e-7
-"""m/s²: of some thousand numbers within 20 m/s² a wrong one is so near to any once in ten thousand."""
+"""m/s². Largest difference of equal numbers. Among some thousand values within 20 m/s², a wrong number is that close to one of
+them once in ten thousand."""
 
 
 def _found_among(true: Array, rows: Array) -> float:

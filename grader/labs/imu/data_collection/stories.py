@@ -1,7 +1,7 @@
 """Hypotheses on how the rows of a recording came about: what the simulation did, and how its samples became rows.
 
-A recording is explained by a run (the *world*: the truth, or one that goes as the worker claims) and by what became of its samples
-(late by one, several steps a row, references to one array, channels exchanged, numbers altered).
+A simulated run (the *world*: the true one, or one from the start that the worker reports) explains a recording together with what
+became of its samples: late by one, several steps a row, references to one array, channels exchanged, numbers altered.
 """
 
 from __future__ import annotations
@@ -28,16 +28,23 @@ from grader.labs.imu.data_collection.measure import (
 )
 
 Rows = slice | NDArray[np.intp]
-"""Of a series: equally far apart, or one by one."""
+"""Indices of rows: a slice if they are equally far apart, otherwise an array."""
 
 
 @dataclass(frozen=True)
 class Story:
-    """Explanation of the rows: world, rows late by `lag` samples, `skip` steps a row, channels exchanged, rows aliased.
+    """Explanation of the rows of a recording.
 
-    With several steps a row, `first` tells after which of them a row is stored, from 0 on; where the rows are not equally far
-    apart, `at` tells of which step each of them is. `altered` are the sensors whose numbers are others: of one, where the rows
-    of the other sensor tell the story alone; of both, where one treatment predicts all rows of each.
+    Attributes
+    ----------
+    world : name of the simulated run that the rows come from
+    lag : number of samples by which rows are late; negative if the first samples are missing
+    skip : steps per row; first : index of the step, among these, after which the row is stored
+    exchanged : whether acceleration and angular velocity are in each other's place
+    aliased : whether all rows are references to one array, so that each shows the last reading
+    at : index of each row's step, if rows are not equally far apart
+    altered : sensors whose numbers the code changed. If it is one sensor, the other identifies the run. If it is both, one
+        treatment (`treatment`) has to predict all rows of each.
     """
 
     world: str = TRUE_WORLD
@@ -51,16 +58,16 @@ class Story:
 
     @property
     def of_other_sensors(self) -> bool:
-        """Return whether other sensors than the right ones were read, or in the other order: that may be the reader's doing."""
+        """Return whether wrong sensors were read, or the right ones in the wrong order; a fault of the reader may cause that."""
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:
-        """Return whether so many rows of such a story reach through the whole run."""
+        """Return whether this number of rows, with the steps that they leave out, reaches the last of `steps` steps."""
         reached = self.at[-1] + 1 if self.at else rows * self.skip
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether it predicts every filled row that the truth reaches."""
+        """Return whether the explanation predicts every filled row for which its world has a sample."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -69,7 +76,7 @@ class Story:
         true_accel, true_gyro = run.worlds[self.world]
         filled, there = run.series.filled_rows, min(len(accel), len(gyro))
         rows, wanted = _rows(self, there if self.altered else filled, len(true_accel))
-        every = filled if self.lag == 0 else FEWEST_ROWS  # a few rows do not tell late from early
+        every = filled if self.lag == 0 else FEWEST_ROWS  # a few rows cannot distinguish late from early
         if len(accel[rows]) < min(FEWEST_ROWS, max(1, run.model_steps // (2 * self.skip)), max(1, every)):
             return False
         if self.altered == SENSORS:
@@ -83,7 +90,7 @@ class Story:
             *((true_gyro, ATOL_RATE) if SENSORS[0] in self.altered else (true_accel, ATOL_ACCELERATION)), wanted
         ):
             return False
-        # Where nothing moves in these rows, they would come of any number of steps.
+        # If the robot does not move in these rows, any number of steps per row would predict them.
         return self.skip == 1 or not same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION)
 
     @property
@@ -109,24 +116,24 @@ def _rows(story: Story, n: int, available: int) -> tuple[Rows, Rows]:
 
 
 def moves(true: Array, atol: float, rows: Rows) -> bool:
-    """Return whether a sensor shows motion in these rows: right numbers in one row, or at rest, do not tell which run it is."""
+    """Return whether a sensor shows motion in these rows: without motion, right numbers do not identify the run."""
     return bool(np.ptp(true[rows], axis=0).max() > atol) if len(true[rows]) else False
 
 
 def explain(run: Run) -> Story | None:
-    """The simplest story that predicts the rows, or None where none does or two equally simple ones do."""
+    """Return the simplest explanation that predicts the rows; None if none does, or if two equally simple ones disagree."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 
 def _by_cost(run: Run) -> Iterator[Iterable[Story]]:
-    """Alone costs nothing that the run went as it should: nearly all did."""
+    """Yield the explanations in groups of equal cost. The first, the true run unaltered, costs nothing and fits most recordings."""
     if TRUE_WORLD in run.worlds:
         yield [Story()]
     yield from hypothesis.by_cost(_stories(run))
 
 
 def explain_altered(run: Run) -> Story | None:
-    """The run whose rows were altered after they were read: of one sensor anyhow, or of both in a way that predicts all of them."""
+    """Return the explanation by a run whose numbers were altered: of one sensor in any way, or of both by one treatment each."""
     known = [Story(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
     changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
     return hypothesis.explain((replace(story, altered=keys) for keys in changed for story in known), run)
@@ -147,7 +154,7 @@ def _stories(run: Run) -> Iterator[Story]:
 
 
 def _strides(run: Run) -> set[int]:
-    """Return the likely numbers of steps between two rows: by the stamps, by the number of rows, or round numbers."""
+    """Return likely numbers of steps per row: from the stamps, from the number of rows, and round numbers."""
     n, steps, time = run.series.filled_rows, run.model_steps, run.series.time
     likely = {2, 3, 4, 5, 10, 20, 50, 100, *((round(steps / n), -(-steps // n)) if n else ())}
     if time is not None and len(time) > 1:
@@ -157,7 +164,7 @@ def _strides(run: Run) -> set[int]:
 
 
 def _steps_by_stamps(run: Run) -> tuple[int, ...]:
-    """After which step each row was stored if its stamp is right; nothing where no step is left out."""
+    """Return the index of the step after which each row was stored, by its stamp; () if no step is left out."""
     time = run.series.time
     if time is None or len(time) < FEWEST_ROWS:
         return ()
@@ -168,7 +175,7 @@ def _steps_by_stamps(run: Run) -> tuple[int, ...]:
 
 
 def _missing_at_first(run: Run, world: str) -> int:
-    """Return the number of samples of a world before the first row: the index of the sample that is nearest to it."""
+    """Return the number of samples of a world that are missing before the first row: the index of its nearest sample."""
     accel = run.series.acceleration
     if accel is None or not len(accel):
         return 0
@@ -179,30 +186,30 @@ def _missing_at_first(run: Run, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """Return what makes all these rows (n, 3) of the true ones: "rounded", or "treated" for any mixing, scaling and shifting."""
+    """Return what turns all true rows (n, 3) into these: "rounded", "treated" (a linear map and an offset), or None."""
     n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
     got, true = got[:n], true[:n]
     coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))
     if any(same(got, each, atol) for each in coarse):
         return "rounded"
-    if np.ptp(got, axis=0).max(initial=0.0) <= atol:  # an offset alone foretells what does not move
+    if np.ptp(got, axis=0).max(initial=0.0) <= atol:  # constant rows are predicted by any offset
         return None
     fit = affine(got, true)
     return "treated" if fit is not None and same(got, true @ fit[:3] + fit[3], atol) else None
 
 
 def affine(got: Array, true: Array) -> Array | None:
-    """(4, 3) weights of the three axes and an offset that come nearest to the rows; None for rows that do not move with them."""
+    """Return the least-squares map (4, 3) from true to recorded rows, offset last; None if rows are few, constant or not finite."""
     if len(got) < FEWEST_ROWS or not np.isfinite(got).all() or not np.ptp(got, axis=0).any():
         return None
     return np.asarray(np.linalg.lstsq(np.column_stack([true, np.ones(len(true))]), got, rcond=None)[0], np.float64)
 
 
 def time_error(time: Array, timestep: float, story: Story) -> Array:
-    """Distance (n,) of time stamps from dt … T or from 0 … T - dt, whichever is nearer as a whole, in seconds.
+    """Return the distance (n,) of time stamps from dt … T or from 0 … T - dt, whichever is nearer as a whole, in seconds.
 
-    With several steps a row, stamps that are as far apart and start within the first row's steps are as good; where the first
-    samples are missing, so are stamps that start behind them.
+    With several steps per row, stamps may also start at any step of the first row. If the first samples are missing, stamps may
+    start after these.
     """
     if story.at:
         return np.abs(time - timestep * (np.array(story.at) + 1.0)[: len(time)])

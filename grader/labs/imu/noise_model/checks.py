@@ -1,4 +1,4 @@
-"""Checks of the noise model: each a threshold on one measured property."""
+"""Checks of `NoisyIMU`: each a threshold on one measured property."""
 
 from __future__ import annotations
 
@@ -96,13 +96,13 @@ def check_leaves_simulation_alone(facts: Facts) -> Deviation | None:
 def _of(
     which: int, affected: float, numbers: dict[str, object], share: float = 1.0, size: Size | None = None
 ) -> Deviation:
-    """A deviation that is told by this sensor."""
+    """Return a deviation with the name and unit of this sensor (0 accelerometer, 1 gyroscope)."""
     named = {"sensor": NAMES[which], "unit": SENSOR_UNITS[which], **numbers}
     return Deviation(named, share, size, affected=affected)
 
 
 def _spread(reads: Reads, unit: str) -> str:
-    """The spread of all axes in words; of each axis where they differ."""
+    """Return the standard deviation of all axes in words; that of each axis if they differ."""
     axes = np.sqrt(np.mean(reads.centred**2, axis=(0, 1)))
     if reads.still:
         return "the same number at every read"

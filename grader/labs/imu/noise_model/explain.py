@@ -1,7 +1,7 @@
 """Hypotheses on the faults of a noise model: the size of the noise, its law, and the biases.
 
-A fault of the size or of a bias is a number that it predicts for a sensor, beside the other sensor: the spread of its reads, or the
-mean. It explains the readings if it predicts every sensor that is wrong.
+A fault of the size predicts the standard deviation of a sensor's reads, and a fault of a bias predicts their mean. Both may depend
+on the other sensor. A fault explains the readings if its prediction holds for every wrong sensor.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ BOTH = (0, 1)
 NO_CHANGE = 1e-12
 """Largest change of the simulation's data by a read, in its own units. Nothing has to change at all."""
 _ROUGHLY = 0.3
-"""Share by which noise beside a drift may be off: 117 differences of two instances tell its size to a tenth."""
+"""Largest relative error of the noise beside a drifting bias. It is estimated from 117 differences, to a tenth."""
 _NEAR = 0.07
-"""Of a predicted spread: how far one may be off that is told from the next prediction, a tenth away."""
+"""Largest relative difference from a predicted spread. The nearest other prediction is a tenth away."""
 _THE_SAME = 0.99
 """Least correlation of two channels that have one noise. A tenth of other noise leaves 0.995 of it, half leaves 0.8."""
 
@@ -39,12 +39,12 @@ Holds = Callable[[Facts], bool]
 
 
 def which(facts: Facts, holds: Callable[[Sensor], bool]) -> list[int]:
-    """Return the numbers of the sensors for which something holds."""
+    """Return the indices of the sensors (0 accelerometer, 1 gyroscope) for which `holds` is true."""
     return [i for i in BOTH if holds(facts.sensors[i])]
 
 
 def _is(find: Callable[[Facts], str], told: str) -> Holds:
-    """Return a test whether this fault is what explains the facts."""
+    """Return a test that is true if `find` returns this fault's id."""
     return lambda facts: find(facts) == told
 
 
@@ -52,12 +52,12 @@ def _is(find: Callable[[Facts], str], told: str) -> Holds:
 
 
 def sizes_off(facts: Facts) -> list[int]:
-    """Return the sensors whose noise has another size than the one that was asked for, whatever its law is."""
+    """Return the sensors whose noise does not have the standard deviation that was asked for, whatever its law is."""
     return which(facts, lambda sensor: not _has_size(sensor))
 
 
 def _has_size(sensor: Sensor) -> bool:
-    """Return whether the noise has the size, also beside a drift; or goes with it and only has another law."""
+    """Return whether the noise has the size that was asked for, also beside a drift, or scales with it and has another law."""
     noise, twins = sensor.noise, sensor.twins
     if noise.size_is_right:
         return True
@@ -67,7 +67,7 @@ def _has_size(sensor: Sensor) -> bool:
 
 
 def no_draw(facts: Facts) -> bool:
-    """Return whether all reads are equal and hold no draw: more noise changes nothing, or a multiple of what was asked is added."""
+    """Return whether reads hold no random draw: all are equal, and the std has no effect or a fixed multiple of it is added."""
     beside = np.array([(s.reads.offset - s.reads.bias) / s.reads.std for s in facts.sensors])
     same_for_all = np.ptp(beside) <= TRUTH_ATOL / min(s.reads.std for s in facts.sensors)
     unmoved = all(s.twins.seeded and same(s.twins.scaled, s.twins.base, TRUTH_ATOL) for s in facts.sensors)
@@ -75,7 +75,7 @@ def no_draw(facts: Facts) -> bool:
 
 
 def _repeated(facts: Facts) -> str:
-    """Return which fault repeats one draw: the same in all instances, or each instance's own; "" where none is repeated."""
+    """Return the fault that repeats one draw: "reseeded" (the same in all instances) or "frozen-noise"; "" for none."""
     if not (facts.follows and facts.still) or no_draw(facts):
         return ""
     firsts = [(s.reads.residual[0, 0] + s.reads.truth[0], s.twins.base[0]) for s in facts.sensors]
@@ -87,11 +87,11 @@ _SPREADS: Mapping[str, Callable[[Reads, Reads, float], Sequence[float]]] = {
     "variance-as-std": lambda reads, _, dt: [reads.std**2, reads.std**0.5],
     "noise-density": lambda reads, _, dt: [reads.std * dt**0.5, reads.std / dt**0.5],
 }
-"""The spreads that a fault predicts for a sensor, beside the other one, at this time step in seconds."""
+"""Standard deviations that a fault predicts, from a sensor's reads, the other sensor's reads and the time step in seconds."""
 
 
 def _spread_is(told: str) -> Holds:
-    """Return a test whether a fault predicts the spread of each sensor whose noise has another size."""
+    """Return a test that is true if this fault predicts the spread of each sensor whose noise has a wrong size."""
 
     def fits(facts: Facts) -> bool:
         pairs = [(facts.sensors[i].noise, facts.sensors[1 - i].noise) for i in sizes_off(facts)]
@@ -106,11 +106,13 @@ def _spread_is(told: str) -> Holds:
 
 @dataclass(frozen=True)
 class Offset:
-    """A fault of the bias: means of a sensor's readings less the truth that it predicts, beside the other sensor.
+    """Fault of the bias, as the mean error (reading minus truth) that it predicts for a sensor.
 
     Attributes
     ----------
-    together : whether it is a fault of both sensors at once
+    told : the id of the fault
+    predict : returns the mean errors that the fault may cause, from a sensor's reads and the other sensor's
+    together : whether the fault always affects both sensors
     """
 
     cost: int
@@ -119,13 +121,13 @@ class Offset:
     together: bool = False
 
     def fits(self, seen: Sequence[tuple[Reads, Reads]], /) -> bool:
-        """Return whether it predicts each sensor of these pairs of one that is off and the other one."""
+        """Return whether the fault predicts the mean error of the first of each pair: a wrong sensor, and the other sensor."""
         enough = len(seen) == len(BOTH) or not self.together
         return enough and all(any(map(reads.offset_is, self.predict(reads, other))) for reads, other in seen)
 
 
 def _middle(values: Array) -> Array:
-    """Return the middle between the least and the most of each column."""
+    """Return the mean of the smallest and the largest value of each column."""
     return np.asarray((values.min(axis=0) + values.max(axis=0)) / 2)
 
 
@@ -144,7 +146,7 @@ _UNUSED = ("no-bias", "bias-argument-ignored")
 
 
 def offset_fault(facts: Facts) -> str:
-    """Return the cheapest fault that predicts the mean of each sensor whose mean is not the given bias; "" if none does."""
+    """Return the cheapest fault that predicts the mean error of each sensor whose mean error is not the given bias; "" for none."""
     reads = [sensor.reads for sensor in facts.sensors]
     wrong = [(reads[i], reads[1 - i]) for i in BOTH if not reads[i].bias_is_right]
     used = any(s.twins.seeded and not s.twins.ignores_bias() for s in facts.sensors)
@@ -158,24 +160,24 @@ def _off(facts: Facts) -> list[int]:
 
 
 def _is_added(sensor: Sensor) -> bool:
-    """Return whether another bias changes the readings by just that, whatever else is in them."""
+    """Return whether a change of the given bias changes the readings by the same amount, whatever else they contain."""
     twins = sensor.twins
     return twins.begins_with_bias() if sensor.drifts else twins.adds_bias(sensor.reads.grain)
 
 
 def missing_bias(facts: Facts) -> list[int]:
-    """Return the sensors whose readings do not have the bias that was given."""
+    """Return the sensors to whose readings the given bias was not added."""
     exchanged = offset_fault(facts) == "swapped-sensors"
     return [i for i in _off(facts) if exchanged or not _is_added(facts.sensors[i])]
 
 
 def bias_beside(facts: Facts) -> list[int]:
-    """Return the sensors with another bias beside the given one, or in the place of one of zero."""
+    """Return the sensors that add a bias of their own if the given one is zero."""
     return which(facts, _has_another)
 
 
 def _has_another(sensor: Sensor) -> bool:
-    """Return whether an instance that is asked for no noise and no bias has an offset, and another one than the noisy instance."""
+    """Return whether an instance without noise and bias has an offset that the noisy one does not have beside its bias."""
     reads, silent = sensor.reads, sensor.silent
     apart = np.abs(silent.offset - (reads.offset - reads.bias)).max() > 2 * reads.mean_bound
     return bool(silent.still and np.abs(silent.offset).max() > TRUTH_ATOL + reads.grain / 2 and apart)
@@ -185,7 +187,7 @@ def _has_another(sensor: Sensor) -> bool:
 
 
 def _shows_default(facts: Facts) -> bool:
-    """Return whether reads without noise are equal, or differ by the bias alone, so that they tell a default bias."""
+    """Return whether reads without noise show the default bias: they are equal, or only the bias changes between them."""
     return facts.redrawn or all(s.obeys_zero for s in facts.sensors)
 
 
@@ -219,11 +221,11 @@ def one_for_both_sensors(facts: Facts) -> list[int]:
 
 
 DEFAULTS = (drifts, moves, none_drawn, one_for_all_instances, one_for_all_axes, one_for_both_sensors)
-"""Faults of default biases, each as a function that returns the sensors that have it; later ones may follow from earlier ones."""
+"""Functions that return the sensors with a fault of the default bias. Earlier faults may cause later ones; the first counts."""
 
 
 def _moving(holds: Callable[[Array], bool]) -> Holds:
-    """Return a test of the default bias (instances, reads, 3) of the first sensor whose bias moves."""
+    """Return a test that applies `holds` to the default biases (instances, reads, 3) of the first sensor whose bias moves."""
     return lambda facts: bool(moves(facts)) and holds(facts.sensors[moves(facts)[0]].default)
 
 
@@ -231,7 +233,7 @@ _gone_after_one_read = _moving(lambda bias: bool(np.abs(bias[:, 1:]).max() <= TR
 
 
 def _one_for_every_bias(facts: Facts) -> bool:
-    """Return whether none, or a constant, replaces each bias, given or drawn: one fault, which given_bias charges."""
+    """Return whether zero or one constant replaces both given and drawn biases: one fault, which given_bias charges."""
     constant = {*one_for_all_instances(facts), *none_drawn(facts)}
     known = [(s.reads, s.means[1]) for s in (facts.sensors[i] for i in constant & {*missing_bias(facts)})]
     given_too = [np.abs(reads.offset - mean).max() <= 2 * reads.mean_bound for reads, mean in known]
@@ -239,7 +241,7 @@ def _one_for_every_bias(facts: Facts) -> bool:
 
 
 def _never_random(facts: Facts) -> bool:
-    """Return whether instances have one bias, or none, by a fault that is not charged as one of the noise or of given biases."""
+    """Return whether all instances have the same bias, or none, and no fault of the noise or of given biases explains that."""
     constant = none_drawn(facts) or (one_for_all_instances(facts) and not _repeated(facts))
     return bool(constant) and not _one_for_every_bias(facts)
 
@@ -252,14 +254,14 @@ def _is_shared(facts: Facts) -> bool:
 
 
 def odd_laws(facts: Facts) -> list[int]:
-    """Return the sensors whose noise is not white and normal with zero mean; both where there is no noise, or it is rounded."""
+    """Return the sensors whose noise is not white and normal with zero mean; both if there is no noise or reads are rounded."""
     odd = which(facts, lambda s: s.law_is_off) or off_centre(facts)
     coarse = any(sensor.reads.grain for sensor in facts.sensors)
     return odd or ([*BOTH] if coarse or facts.still else [])
 
 
 def off_centre(facts: Facts) -> list[int]:
-    """Return the sensors whose readings are off on average by something else than the bias, which is added."""
+    """Return the sensors whose mean is wrong although the given bias is added, such as by noise with a mean that is not zero."""
     off = [facts.sensors[i] for i in _off(facts)]
     if not off or drifts(facts) or not all(map(_is_added, off)):
         return []
@@ -271,13 +273,16 @@ def _any(holds: Callable[[Reads], bool]) -> Holds:
 
 
 def columns(facts: Facts) -> Array:
-    """(reads, 6) what is new in each read, in units of its own spread; what is slow looks alike by chance."""
+    """Return the standardised noise (reads, 6) of all channels.
+
+    If it is slow, differences of neighbouring reads replace it: slow channels correlate by chance.
+    """
     slow = any(s.drifts or s.accumulates or s.noise.memory for s in facts.sensors)
     return np.concatenate([(s.reads.paired if slow else s.reads).standardised for s in facts.sensors], axis=1)
 
 
 def most_correlated(values: Array) -> tuple[float, int, int]:
-    """Return the largest correlation of two of six channels, to the two digits that are told, and which two they are."""
+    """Return the largest correlation between two of six channels, and their indices; equal to two digits, the first pair counts."""
     matrix = st.correlations(values)
     pairs = [(abs(float(matrix[i, j])), i, j) for i, j in itertools.combinations(range(6), 2)]
     return max(pairs, key=lambda pair: round(pair[0], 2))
@@ -290,7 +295,7 @@ def _one_for_axes(facts: Facts) -> bool:
 
 
 def changed(facts: Facts) -> Array:
-    """Return a mask of time, qpos, qvel and sensordata: which of them a read changes."""
+    """Return a mask (4,) of what a read changes, among time, qpos, qvel and sensordata."""
     return np.asarray(~(facts.disturbance <= NO_CHANGE))
 
 
@@ -330,7 +335,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(LAW, 5, "noise-clipped", _any(lambda reads: reads.clipped)),
     Reason(
         LAW, 8, "not-gaussian", _any(lambda reads: not reads.is_normal), frozenset({APART})
-    ),  # far values look alike
+    ),  # channels with rare large values correlate by chance
     *(Reason(LAW, 9, told, _is(offset_fault, told)) for told in ("noise-not-zero-mean", "stale-clean-reading")),
     Reason(LAW, 99, f"noise_model.{LAW}", lambda _: True),
     Reason(APART, 0, "one-sensor-twice", lambda f: f.one_twice),

@@ -1,4 +1,4 @@
-"""Facts about a `NoisyIMU`: reads with and without noise, in two states and of many instances, sensor by sensor."""
+"""Facts about a `NoisyIMU`, for each sensor: reads with and without noise, in two states, and of many instances."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ _SILENT, _ALMOST_SILENT = (0.0, 0.0), (1e-12, 1e-12)
 _TWINS, _LARGER = 40, 1.5
 """Reads of each twin, and how much larger the noise of the last one is."""
 _BY_CHANCE = 10.0
-"""Smallest change of a reading with the state, in units of what a twin in the same state differs by. Counters reach 2; the sheet's
-noise at 20 times its size reaches 50."""
+"""Smallest change of a reading with the state, in units of the difference between two instances with the same seed and state.
+Code that adds a counter reaches 2; the sheet's noise at 20 times its size reaches 50."""
 _CREEPS = 0.3
-"""Of the spread between instances: a bias drawn anew on every read moves by 1.4 of it from one read to the next."""
+"""Largest change of a drifting bias per read, as a share of its spread between instances. A bias drawn on every read has 1.4."""
 
 _UNKNOWN = np.full((_INSTANCES, 3, 3), np.nan)
 Pair = tuple[Array, Array]
-"""What belongs to the accelerometer, and to the gyroscope."""
+"""One array for the accelerometer, and one for the gyroscope."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ class Sensor:
     Attributes
     ----------
     reads : many reads in two states, with noise and a bias that is given
-    silent : fewer reads, with neither
-    default : (instances, reads, 3) offsets without noise where no bias is given; NaN where it could not be run, or has no default
-        bias without noise
+    silent : fewer reads, without noise and bias
+    default : (instances, reads, 3) reading minus truth, without noise and without a given bias; NaN if they are unknown, or if the
+        model draws a default bias only together with noise
     drifts : whether the bias moves from read to read
-    twins : differences of instances from one seed; unseeded where there was nothing to tell apart
+    twins : reads of instances with the same seed; `UNSEEDED` if nothing is wrong, as they were not asked for then
     """
 
     reads: Reads
@@ -61,7 +61,7 @@ class Sensor:
 
     @cached_property
     def noise(self) -> Reads:
-        """The reads as if no bias drifted and no noise added up."""
+        """The reads, or differences of neighbouring ones if the bias drifts or the noise accumulates."""
         return self.reads.paired if self.drifts or self.reads.accumulates else self.reads
 
     @cached_property
@@ -74,12 +74,12 @@ class Sensor:
 
     @cached_property
     def obeys_zero(self) -> bool:
-        """Return whether no noise comes where none is asked for."""
+        """Return whether reads have no noise if none is asked for; a drift of the bias is no noise."""
         return self.silent.still or self.drifts
 
     @cached_property
     def means(self) -> Array:
-        """(instances, 3) the default bias of each instance."""
+        """Mean default bias (instances, 3) of each instance."""
         return np.asarray(self.default.mean(axis=1))
 
     @cached_property
@@ -94,10 +94,12 @@ class Facts:
     Attributes
     ----------
     sensors : the accelerometer and the gyroscope
-    follows : whether the readings follow the state; exchanged : each is the other's; one_twice : both are the same numbers
+    follows : whether the readings change with the state
+    exchanged : whether the two sensors are in each other's place; one_twice : whether both vectors are one sensor's
     disturbance : (4,) largest change of time, qpos, qvel and sensordata in a read
     timestep : of the robot's model, in seconds
-    odd : in words, the form that both vectors were made out of; departs : parameters that it could not be called with
+    odd : the form in which the vectors were returned, in words, if it is not the sheet's
+    departs : the sheet's parameters that the code does not accept
     stopped : by check, what kept its property from being measured
     """
 
@@ -113,15 +115,15 @@ class Facts:
 
     @cached_property
     def still(self) -> bool:
-        """Return whether neither sensor's reads differ."""
+        """Return whether all reads of both sensors are equal."""
         return all(sensor.noise.still for sensor in self.sensors)
 
     @cached_property
     def redrawn(self) -> bool:
-        """Return whether reads without noise vary, and the noisy ones clearly more: a bias drawn on every read, with noise on top.
+        """Return whether the code draws a new bias on every read: reads without noise vary, and noisy ones vary clearly more.
 
-        Noise of a fixed size, whatever was asked for, varies as much in both. The spread of 600 values errs by 3 %. Reads of which
-        a few are off have jumps, and their bias stays.
+        Noise of a fixed size, whatever was asked for, varies as much in both. The spread of 600 values has an error of 3 %. If only
+        few reads differ from the one before, the bias jumps and is not drawn on every read.
         """
         more = [s.reads.pooled_spread > 1.12 * s.silent.pooled_spread for s in self.sensors if s.silent.restless]
         return any(more) and not any(sensor.drifts for sensor in self.sensors)
@@ -131,7 +133,7 @@ class Facts:
 
 
 class _Questions:
-    """The questions about one noise model."""
+    """Questions to the worker about one noise model, with their arguments from the noise scenario."""
 
     def __init__(self, student: Student, truth: Traces) -> None:
         scenario = truth["noise"]
@@ -142,24 +144,24 @@ class _Questions:
         self.biases: Pair = scenario["accel_bias"], scenario["gyro_bias"]
         self.other_biases = np.array(self.biases)[:, [2, 0, 1]] * np.array([1.5, -2.0, 3.0])
         self.exchanged = False
-        """Whether each vector that comes is the other sensor's."""
+        """Whether the submission returns the two sensors in each other's place."""
 
     def noisy(self, *, given: bool) -> NoiseRun:
-        """Ask for many reads of one instance in each state; a report draws those with given biases."""
+        """Ask for many reads of one instance in each state; the report draws a chart of them if biases are given."""
         biases, called = (self.biases, "noise") if given else (None, "")
         return self._student.noise(**self._place, reads=st.READS, stds=self.stds, biases=biases, called=called)
 
     def silent(self, *, given: bool) -> NoiseRun:
-        """Ask for reads with no noise and biases of zero."""
+        """Ask for reads without noise, with biases of zero if `given`."""
         biases = (np.zeros(3), np.zeros(3)) if given else None
         return _without_noise(lambda stds: self._student.noise(**self._place, reads=_MANY, stds=stds, biases=biases))
 
     def default_bias(self, stds: tuple[float, float], reads: int) -> NoiseRun:
-        """Ask for reads of many instances that are given no bias."""
+        """Ask for reads of many instances without a given bias."""
         return self._student.default_bias(**self._place, instances=_INSTANCES, reads=reads, stds=stds)
 
     def twins(self) -> NoiseRun:
-        """Ask for the same arguments twice, then in another state, with another bias, and with larger noise, from one seed."""
+        """Ask for five series with the same seed: the same arguments twice, another state, another bias, and larger noise."""
         biases = self.biases
         return self._student.noise_twins(
             **self._place,
@@ -170,7 +172,7 @@ class _Questions:
         )
 
     def clean(self) -> Pair | None:
-        """Ask the submission's own reader for both sensors in both states; None where it does not answer with numbers."""
+        """Return the readings (states, 3) of each sensor by the submission's own reader; None if they are missing or not finite."""
         place = {key: self._place[key] for key in ("qpos", "qvel")}
         try:
             pairs = np.array([self._place["ids"]])
@@ -184,7 +186,7 @@ class _Questions:
         return (run.gyro, run.accel) if self.exchanged else (run.accel, run.gyro)
 
     def reads(self, run: NoiseRun, clean: Pair, biases: Pair | None) -> tuple[Reads, Reads]:
-        """Return the reads of both sensors, about these biases, or about their mean where they are not known."""
+        """Return the reads of both sensors with these biases, or with their mean as the bias if none are given."""
         residuals = [r - c[:, None, :] for r, c in zip(self.in_order(run), clean, strict=True)]
         about = biases or [r.mean(axis=(0, 1)) for r in residuals]
         accel, gyro = (Reads(*each) for each in zip(residuals, clean, self.stds, about, strict=True))
@@ -196,7 +198,7 @@ def _without_noise(ask: Callable[[tuple[float, float]], NoiseRun]) -> NoiseRun:
 
 
 def _with_biases(ask: Callable[..., NoiseRun]) -> tuple[NoiseRun, Fault | None]:
-    """Return a run with given biases; where the model fails only with those, one without and what it raised."""
+    """Return a run with given biases and None; if the model fails only with these, a run without them and the fault."""
     run = ask(given=True)
     if run.fault is not None and (own := ask(given=False)).fault is None:
         return own, run.fault
@@ -212,7 +214,7 @@ def _is_sound(run: NoiseRun) -> bool:
 
 
 def _usable(run: NoiseRun) -> None:
-    """Stop where the model raised, or did not return whole vectors."""
+    """Raise if the model raised an exception or returned numbers that are not finite."""
     raised(run.fault, "reading the noisy IMU")
     if not _is_whole(run):
         mistake = "wrong-return-type" if run.odd else "not-finite"
@@ -223,7 +225,7 @@ def _usable(run: NoiseRun) -> None:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Ask for reads with and without noise, and for what tells two causes apart only where something is off."""
+    """Measure a noise model: ask for reads with and without noise, and for reads from one seed only if something is wrong."""
     ask = _Questions(student, truth)
     failing: tuple[str, ...] = (*ALL, "leaves_simulation_alone")
     disturbance = np.zeros(4)
@@ -269,22 +271,22 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def _are_exchanged(ask: _Questions, run: NoiseRun) -> bool:
-    """Return whether each vector is the other sensor's, with that sensor's bias: given_bias charges that."""
+    """Return whether the two sensors are in each other's place, each with its own bias; given_bias charges that."""
     straight = ask.reads(run, ask.truth, ask.biases)
     exchanged = ask.reads(replace(run, accel=run.gyro, gyro=run.accel), ask.truth, ask.biases)
     return all(each.bias_is_right for each in exchanged) and not any(each.bias_is_right for each in straight)
 
 
 def _is_one_twice(run: NoiseRun) -> bool:
-    """Return whether one sensor comes in both places, with its noise: what is the same without any is no sensor."""
+    """Return whether both vectors are the same noisy sensor; equal vectors without noise, such as zeros, are no sensor."""
     return np.array_equal(run.accel, run.gyro) and bool(np.ptp(run.accel, axis=1).all())
 
 
 def _clean_readings(ask: _Questions, run: NoiseRun) -> Pair:
-    """(states, 3) what each sensor reads without noise: the truth, or what the submission's own reader returns.
+    """Return the readings (states, 3) of each sensor without noise: the truth, or those of the submission's own reader.
 
-    The reader's own value counts for a sensor where the noisy readings go with it and not with the truth, so that a fault of the
-    reader costs nothing here.
+    The reader's values count for a sensor if the noisy readings follow them and not the truth, so that a fault of the reader
+    loses no points here.
     """
     beside_truth = ask.reads(run, ask.truth, None)
     if all(reads.keeps_its_offset for reads in beside_truth) or (own := ask.clean()) is None:
@@ -295,23 +297,23 @@ def _clean_readings(ask: _Questions, run: NoiseRun) -> Pair:
 
 
 def _default_biases(ask: _Questions, run: NoiseRun, clean: Pair) -> Pair:
-    """(instances, reads, 3) offsets of each sensor."""
+    """Return reading minus truth (instances, reads, 3) for each sensor; raise if the run is not usable."""
     _usable(run)
     accel, gyro = ask.in_order(run)
     return accel - clean[0][0], gyro - clean[1][0]
 
 
 def _creeps(biases: Array) -> bool:
-    """Return whether biases (instances, reads, 3) move from read to read by little against how they differ between instances."""
+    """Return whether biases (instances, reads, 3) drift: they change between reads, by far less than between instances."""
     moves = float(np.sqrt(np.mean(np.diff(biases, axis=1) ** 2)))
     between = float(np.sqrt(np.mean(np.var(biases[:, 0], axis=0))))
     return EXACT * max(1.0, float(np.abs(biases).max())) < moves < _CREEPS * between
 
 
 def _unless_drawn_with_noise(ask: _Questions, defaults: Pair, clean: Pair) -> Pair:
-    """Return the default biases; unknown for a sensor whose default bias comes with noise alone.
+    """Return the default biases, NaN for a sensor whose model draws a default bias only together with noise.
 
-    The means of many reads then vary between instances by more than noise of that standard deviation explains.
+    The means of many noisy reads show that: they vary between instances by more than the noise explains.
     """
     means = [bias.mean(axis=1) for bias in _default_biases(ask, ask.default_bias(ask.stds, _MANY), clean)]
     spreads = [float(np.sqrt(np.mean(np.var(mean, axis=0)))) for mean in means]
@@ -321,7 +323,7 @@ def _unless_drawn_with_noise(ask: _Questions, defaults: Pair, clean: Pair) -> Pa
 
 
 def _twins(ask: _Questions) -> Sequence[Twins]:
-    """Return instances from one seed, each with one parameter changed; unseeded if a reading is not whole."""
+    """Return, for each sensor, reads by instances with the same seed and one parameter changed; `UNSEEDED` if the run failed."""
     if not _is_sound(run := ask.twins()):
         return UNSEEDED, UNSEEDED
     pairs = zip(ask.in_order(run), ask.other_biases - np.array(ask.biases), strict=True)
@@ -329,9 +331,9 @@ def _twins(ask: _Questions) -> Sequence[Twins]:
 
 
 def _follow(ask: _Questions, sensors: tuple[Reads, Reads], truth: Traces) -> bool:
-    """Return whether the readings follow the state: a new instance in another state reads something else, by more than chance.
+    """Return whether readings change with the state: those in another state differ by more than chance.
 
-    It may be any sensor, in any order, sign, unit or scale. True where nothing can be told.
+    They may be of any sensor, in any order, sign, unit or scale. Also True if that cannot be measured.
     """
     if not any(np.ptp(each, axis=0).max() > 2 * TRUTH_ATOL for each in ask.truth):
         return True  # an instructor's robot may read the same in both states
@@ -349,9 +351,9 @@ def _follow(ask: _Questions, sensors: tuple[Reads, Reads], truth: Traces) -> boo
 
 
 def _are_about_a_start(ask: _Questions, sensors: tuple[Reads, Reads], truth: Traces) -> bool:
-    """Return whether the noise and the bias that are asked for stand beside what both sensors read as a simulation starts.
+    """Return whether both sensors have right noise and bias, added to the reading at the start of a simulation.
 
-    A `read` that forgets to call the reader uses what an earlier line of the file has read.
+    A `read` that does not call the reader uses the reading that an earlier line of the file took at such a start.
     """
     if not all(twins.scales() and twins.adds_bias() for twins in _twins(ask)):
         return False

@@ -1,7 +1,7 @@
-"""Facts about one sensor's reads: mean and spread, the law of the noise, what a read keeps of those before it, and twins.
+"""Facts about one sensor's reads: mean and spread, the law of the noise, and dependence on earlier reads.
 
-Each sound sample passes each statistical test but for a probability of `statistics.ALPHA`. Twins are instances from one seed, with
-one parameter changed: everything else cancels in their difference.
+A correct noise model fails a statistical test with probability `statistics.ALPHA`. `Twins` are reads of instances with the same
+seed and one parameter changed: in their difference everything else cancels.
 """
 
 from __future__ import annotations
@@ -18,22 +18,23 @@ SIZE_TOLERANCE = 0.0
 """Share of the standard deviation by which noise may be too small or too large beyond what chance explains (`statistics.ALPHA`).
 At 0 a standard deviation that is wrong by 10 % is found with a probability above 0.999."""
 EXACT = 1e-9
-"""Of one: noise-free arithmetic repeats to rounding; a random draw never comes this close twice."""
+"""Largest difference of equal numbers near one. Arithmetic without noise repeats to rounding; two random draws never do."""
 TRUTH_ATOL = 1e-5
 """m/s², rad/s. How far the truth itself may be off: bundles recorded with another MuJoCo differ by 1.3e-7."""
 _FINEST = 0.99e-4
-"""Smallest step of a rounding that counts as one: finer ones are as good as the truth."""
+"""m/s², rad/s. Smallest step of rounded readings that counts as lost precision."""
 _SMOOTH = 0.5
-"""Of von Neumann's ratio, which is 1 for white noise (± 0.04 for 600 values) and below 0.2 for a walk of 100 reads."""
+"""Largest von Neumann ratio of a drift. White noise has 1 (± 0.04 for 600 values), a random walk of 100 reads less than 0.2."""
 _UNLIKE_UNIFORM = 0.9
-"""Standard deviations. A normal law that is drawn anew beyond a narrower bound is a uniform one, as far as moments tell."""
+"""Standard deviations. Smallest bound that counts as clipping: between narrower ones, a truncated normal law has the moments of a
+uniform law."""
 _CUT = 2.9
-"""Standard deviations. 7,500 sound values stay within with a probability of (1 - 0.0037)^7500 = 7e-13."""
+"""Standard deviations. All of 7,500 sound values stay within with a probability of (1 - 0.0037)^7500 = 7e-13."""
 
 
 @dataclass(frozen=True)
 class Reads:
-    """One sensor's reads.
+    """Many reads of one sensor in each of several states, with what was asked for.
 
     Attributes
     ----------
@@ -50,17 +51,17 @@ class Reads:
 
     @cached_property
     def offset(self) -> Array:
-        """(states, 3) mean of the reading minus the truth."""
+        """Mean (states, 3) of reading minus truth."""
         return np.asarray(self.residual.mean(axis=1))
 
     @cached_property
     def centred(self) -> Array:
-        """(states, reads, 3) residuals without their mean in each state."""
+        """Residuals (states, reads, 3) minus their mean in each state."""
         return np.asarray(self.residual - self.residual.mean(axis=1, keepdims=True))
 
     @cached_property
     def spread(self) -> Array:
-        """(states, 3) standard deviation."""
+        """Standard deviation (states, 3) of the reads."""
         return np.asarray(self.residual.std(axis=1))
 
     @cached_property
@@ -69,18 +70,18 @@ class Reads:
 
     @cached_property
     def standardised(self) -> Array:
-        """(states × reads, 3) residuals in units of their own spread; zero where there is none."""
+        """Residuals (states × reads, 3) in units of their own standard deviation; zero for an axis without noise."""
         spread = np.where(self.spread > EXACT * self.std, self.spread, np.inf)
         return np.asarray((self.centred / spread[:, None, :]).reshape(-1, 3))
 
     @cached_property
     def increments(self) -> Array:
-        """(states, reads - 1, 3) differences of successive reads."""
+        """Differences (states, reads - 1, 3) of successive reads."""
         return np.diff(self.residual, axis=1)
 
     @cached_property
     def still(self) -> bool:
-        """Return whether reads in one state do not differ."""
+        """Return whether all reads in one state are equal."""
         return bool(np.all(self.spread <= EXACT * self.std))
 
     @cached_property
@@ -90,30 +91,30 @@ class Reads:
 
     @cached_property
     def mean_bound(self) -> float:
-        """Largest credible distance of a mean in one state from what it is the mean of."""
+        """Largest distance that chance explains between the mean of the reads in one state and the expected value."""
         return st.mean_bound(self.residual.shape[1], max(self.std, self.pooled_spread)) + TRUTH_ATOL
 
     def offset_is(self, wanted: Array) -> bool:
-        """Return whether the mean in each state is the wanted one, as far as chance lets it be seen."""
+        """Return whether the mean error in each state is the wanted one, within chance."""
         return bool(np.abs(self.offset - wanted).max() <= self.mean_bound)
 
     @cached_property
     def keeps_its_offset(self) -> bool:
-        """Return whether the readings follow the truth: what is beside it is the same in all states."""
+        """Return whether the readings follow the truth: the mean error is the same in all states, within chance."""
         return bool(np.ptp(self.offset, axis=0).max() <= 2 * self.mean_bound)
 
     @cached_property
     def bias_is_right(self) -> bool:
-        """Return whether truth plus bias is the mean over all states, as far as chance and a rounding let it be seen."""
+        """Return whether the mean error over all states is the given bias, within chance and the rounding of the readings."""
         states, reads, _ = self.residual.shape
         bound = st.mean_bound(states * reads, max(self.std, self.pooled_spread)) + TRUTH_ATOL + self.grain / 2
         return bool(np.abs(self.offset.mean(axis=0) - self.bias).max() <= bound)
 
     @cached_property
     def size_is_right(self) -> bool:
-        """Return whether the pooled spread and that of each axis agree with the standard deviation asked for.
+        """Return whether the pooled spread and that of each axis agree with the standard deviation that was asked for.
 
-        Rounding adds to each value half a grain at most, and so to a spread: the triangle inequality.
+        Rounding changes each value by at most half a step (`grain`), and so the spread, by the triangle inequality.
         """
         states, reads, axes = self.residual.shape
         off = SIZE_TOLERANCE + self.grain / 2 / self.std
@@ -128,7 +129,7 @@ class Reads:
 
     @cached_property
     def grain(self) -> float:
-        """The step that noisy readings are multiples of, or that of half precision; 0 where they are neither."""
+        """Step to which noisy readings are rounded, or the spacing of half precision if they have that; otherwise 0."""
         readings = self.residual + self.truth[:, None, :]
         if self.still:
             return 0.0
@@ -142,13 +143,13 @@ class Reads:
 
     @cached_property
     def proportional(self) -> bool:
-        """Return whether the spread goes with the size of the reading, over axes and states."""
+        """Return whether the spread is proportional to the size of the reading, over axes and states."""
         ratio = self.spread / np.abs(self.truth)
         return bool(ratio.std() < 0.1 * ratio.mean() and self.spread.std() > 0.2 * self.spread.mean())
 
     @cached_property
     def one_signed(self) -> bool:
-        """Return whether, on every axis, the reads begin at truth plus bias and go to one side of it, as absolute values do."""
+        """Return whether the noise has one sign: on every axis, truth plus bias is the smallest or the largest read."""
         if self.still:
             return False
         beside, edge = self.residual - self.bias, 0.05 * self.pooled_spread
@@ -157,9 +158,9 @@ class Reads:
 
     @cached_property
     def clipped(self) -> bool:
-        """Return whether the reads are what a normal law of the size asked for leaves within some bound.
+        """Return whether the noise is a normal law, of the size that was asked for, that is cut off at some bound.
 
-        A bound shows where nothing goes beyond `_CUT`, or where the largest deviation comes again, to the last digit.
+        There is a bound if no read exceeds `_CUT`, or if the largest deviations occur again to the last digit.
         """
         cut = float(np.abs(self.centred).max()) / self.std
         if self.still or not (_UNLIKE_UNIFORM < cut < _CUT or self._repeats_extremes()):
@@ -169,9 +170,10 @@ class Reads:
         return any(abs(spread / s - 1) < 0.04 and abs(mean / spread - m / s) < 0.012 for s, m in laws)
 
     def _repeats_extremes(self) -> bool:
-        """Return whether four at least of the largest and least values, one an axis and state, come twice, to the last digit.
+        """Return whether at least four of the extreme values (largest and smallest of each axis and state) occur twice.
 
-        Double precision repeats one with a probability of 1e-12, single precision with 2e-4, and four of twelve with 1e-12.
+        By chance, one repeats with a probability of 1e-12 in double precision and 2e-4 in single precision; there, four of twelve
+        repeat with 1e-12.
         """
         ranked = np.sort(self.residual, axis=1)
         again = np.stack([ranked[:, -1] == ranked[:, -2], ranked[:, 1] == ranked[:, 0]])
@@ -179,7 +181,7 @@ class Reads:
 
     @cached_property
     def geary(self) -> float:
-        """Geary's ratio of mean deviation and standard deviation over the axes that have any noise; 0 where none has."""
+        """Geary's ratio (mean absolute deviation over standard deviation) of the axes that have noise; 0 if none has."""
         return st.geary(self._living) if self._living.size else 0.0
 
     @cached_property
@@ -188,7 +190,7 @@ class Reads:
 
     @cached_property
     def is_normal(self) -> bool:
-        """Return whether Geary's ratio is that of a normal law; still axes aside."""
+        """Return whether Geary's ratio of the axes with noise is that of a normal law, within chance."""
         if not self._living.size:
             return True
         low, high = st.geary_bounds(self._living.size)
@@ -198,54 +200,55 @@ class Reads:
 
     @cached_property
     def accumulates(self) -> bool:
-        """Return whether each read carries the noise of the reads before: successive ones hardly differ from each other."""
+        """Return whether each read adds its noise to that of earlier reads: successive reads are strongly correlated."""
         return not self.still and bool(min(st.autocorrelation(state, 1).min() for state in self.centred) > 0.9)
 
     @cached_property
     def memory(self) -> float:
-        """The largest correlation of a read with one of the three before it, without its sign; 0 where it may be chance."""
+        """Largest absolute correlation of a read with one of the three before it; 0 if chance explains it."""
         by_lag = [np.abs(st.autocorrelation(state, lag)).max() for state in self.centred for lag in (1, 2, 3)]
         chance = self.still or max(by_lag) <= st.correlation_bound(self.residual.shape[1])
         return 0.0 if chance else float(max(by_lag))
 
     @cached_property
     def law_is_off(self) -> bool:
-        """Return whether the noise is not normal with zero mean, or a read depends on those before."""
+        """Return whether the noise is not normal with zero mean, or a read depends on earlier ones."""
         return self.memory > 0 or self.one_signed or self.clipped or not self.is_normal
 
     @cached_property
     def drifts(self) -> bool:
-        """Return whether reads that were asked for no noise move, and each by little against what they move by in the end."""
+        """Return whether reads without noise drift: each step is small compared with the spread of all reads."""
         if self.still:
             return False
         return float(np.mean(self.increments**2) / (2 * np.mean(self.centred**2))) < _SMOOTH
 
     @cached_property
     def pairs(self) -> Array:
-        """(states, reads // 2, 3) differences of two neighbouring reads, of the size of one read's noise."""
+        """Differences (states, reads // 2, 3) of neighbouring reads, scaled by 1/√2 to the size of one read's noise."""
         even = self.residual.shape[1] // 2 * 2
         return np.asarray((self.residual[:, 1:even:2] - self.residual[:, 0:even:2]) / np.sqrt(2.0))
 
     @cached_property
     def paired(self) -> Reads:
-        """Those differences in place of the reads: noise of the same size and law, and no drift."""
+        """The reads with `pairs` as their noise, which has the same size and law and no drift."""
         return replace(self, residual=self.bias + self.pairs)
 
 
 def _closest(values: Array) -> float:
-    """Return the smallest distance between two different values; 1 if all are equal."""
+    """Return the smallest difference between two unequal values; 1 if all are equal."""
     apart = np.diff(np.unique(values))
     return round(float(apart[apart > EXACT].min(initial=np.inf)), 15) if (apart > EXACT).any() else 1.0
 
 
 @dataclass(frozen=True)
 class Twins:
-    """Reads (reads, 3) of one sensor, each series from the same seed.
+    """Reads (reads, 3) of one sensor by instances with the same seed.
 
     Attributes
     ----------
-    base, again : twice with the same arguments; other : with a bias that is larger by `change` (3,); scaled : with a standard
-        deviation that is `factor` times as large
+    base, again : two series with the same arguments
+    other : with `change` (3,) added to the bias
+    scaled : with `factor` times the standard deviation
     """
 
     base: Array
@@ -257,29 +260,29 @@ class Twins:
 
     @cached_property
     def seeded(self) -> bool:
-        """Return whether the same seed gives the same reads; where it does not, differences tell nothing."""
+        """Return whether the same seed gives the same reads; if not, differences between the series mean nothing."""
         return same(self.base, self.again, EXACT)
 
     @cached_property
     def response(self) -> Array:
-        """(reads, 3) what the change of the bias did."""
+        """Change (reads, 3) of the reads by the change of the bias."""
         return np.asarray(self.other - self.base)
 
     def adds_bias(self, grain: float = 0.0) -> bool:
-        """Return whether every read is larger by just what the bias is larger by, to the precision that the reads have."""
+        """Return whether every read changes by the change of the bias, within the rounding step `grain` of the reads."""
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL + grain)
 
     def begins_with_bias(self) -> bool:
-        """Return whether the first read is, to a twentieth: all that can be asked of a bias that does not stay."""
+        """Return whether the first read changes by the change of the bias, to 5 %: a drifting bias stays only that long."""
         return self.seeded and same(self.response[0], self.change, 0.05 * float(np.abs(self.change).max()))
 
     def ignores_bias(self) -> bool:
         return self.seeded and not np.abs(self.response).max() > TRUTH_ATOL
 
     def noise_size(self) -> float:
-        """The standard deviation that was asked for first, told by what a larger one adds from read to read; 0 where it is not.
+        """Return the standard deviation of the noise of `base`, estimated from what larger noise adds; 0 if reads are not seeded.
 
-        Whatever else moves is the same in both. 117 differences tell it to a tenth.
+        All else that moves is equal in both series and cancels. With 117 differences the estimate has an error of 10 %.
         """
         if not self.seeded:
             return 0.0
@@ -287,7 +290,7 @@ class Twins:
         return float(np.sqrt(np.mean(added**2) / 2))
 
     def scales(self) -> bool:
-        """Return whether most of what reads differ by from one to the next is `factor` times as large."""
+        """Return whether most differences of successive reads are `factor` times as large in `scaled` as in `base`."""
         if not self.seeded:
             return False
         wanted, came = self.factor * np.diff(self.base, axis=0), np.diff(self.scaled, axis=0)
@@ -297,4 +300,4 @@ class Twins:
 
 _NOTHING = np.full((1, 3), np.nan)
 UNSEEDED = Twins(_NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING[0], 1.0)
-"""Twins of which nothing is known."""
+"""Twins without reads, for a sensor that needs none: `seeded` is False."""
