@@ -98,7 +98,7 @@ class ComplementaryFilter:
 
 
 def tilt_of(accel: ArrayLike) -> tuple[float, float]:
-    """Roll and pitch (rad) of which gravity alone would give this specific force (3,), axes forward-right-down.
+    """Return roll and pitch (rad) at which a resting sensor reads this specific force (3,), axes forward-right-down.
 
     At rest the sensor reads g (sin θ, −sin φ cos θ, −cos φ cos θ) with roll φ and pitch θ.
     """

@@ -125,7 +125,7 @@ _DRAWS = 50
 
 
 def _retold(recording: Recording) -> Recording:
-    """Adapt a description to a robot that is not the lab's."""
+    """Return the recording; if it is of the main robot, its description says "instructor's model" and not "lab model"."""
     if recording.model != "lab":
         return recording
     said = recording.description

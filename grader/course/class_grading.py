@@ -43,12 +43,12 @@ def recipe(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) ->
 
 @contextmanager
 def grading(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> Iterator[Grading]:
-    """Open a marker of `recipe` in this process.
+    """Open a sandboxed marker in this process, with the rubric and traces that graded the class in OUT.
 
     Raises
     ------
     RequestError
-        As `recipe` does, and if nothing isolates students' code here.
+        If the class was graded on hidden scenarios and there is no secret, or if nothing isolates students' code here.
     """
     made = recipe(lab, out, secret, trusted=trusted)
     with made.open_marker() as marker:

@@ -131,7 +131,7 @@ def plan(order: Export) -> Plan:
             "give the `imugrade grade` command again: it writes them again"
         )
     absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
-    if order.unreadable != "blank":
+    if order.unreadable != "blank":  # a reviewed submission has a grade, an empty or unreadable one is blank until then
         final_grades = {id_: replace(each, reviewed=True) for id_, each in final_grades.items()}
     others = () if settings is None else class_settings.others(settings, final_grades)
     return Plan(order, make(final_grades, absent), final_grades, tuple(printable(id_, 80) for id_ in others))

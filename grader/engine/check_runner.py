@@ -78,9 +78,10 @@ class Examination:
         self._lab, self._mistakes, self._look = lab, rows(lab), look
         self._secret = truth.name != "public"
         self._attempted = {bonus.id for bonus in lab.bonuses if bonus.attempted_in(student.files)}
+        # Title of the check that reported a cause first, by the cause's key; later checks refer to that check.
         self._stories: dict[str, str] = {}
-        self._lost: set[str] = set()
-        self._alone = False
+        self._lost: set[str] = set()  # criteria in which a check lost points
+        self._alone = False  # True while a part is examined without stand-ins
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:

@@ -72,7 +72,7 @@ def open_download(path: Path) -> list[Download]:
 
 
 def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> FileBudget:
-    """The files of one submission out of a download."""
+    """Return the files of one submission in a download: `sources` lists their places there and their paths in the submission."""
     if os.path.isdir(path):
         return gather_places(path, sources, required)
     contents = _contents(path)

@@ -80,10 +80,12 @@ def exchange(line: socket.socket, nonce: bytes, question: bytes, deadline: Deadl
 
     Raises
     ------
-    LineClosedError, DeadlineError
-        See there.
+    LineClosedError
+        If the other end is gone.
+    DeadlineError
+        If time is up.
     WireError
-        If anything came before the question was asked in full, or what came is no answer to it.
+        If anything came before the question was sent in full, or what came is no answer to it.
     """
     with selectors.DefaultSelector() as selector:
         selector.register(line, selectors.EVENT_READ | selectors.EVENT_WRITE)

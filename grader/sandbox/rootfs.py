@@ -116,7 +116,7 @@ def _link(target: str, here: str) -> None:
 
 
 def _cover(place: str) -> None:
-    """An empty folder over a folder, nothing over a file."""
+    """Hide a path: mount an empty tmpfs over a folder, or /dev/null over a file."""
     if os.path.isdir(place):
         linux.mount("tmpfs", place, "tmpfs", options="size=4k,mode=755")
     else:

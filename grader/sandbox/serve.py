@@ -340,7 +340,7 @@ class _Zygote:
 
 
 def _work(line_fd: int, printed_fd: int, walls: confine.Walls, scratch: str, answer: Any) -> None:
-    """Run a worker from its start to its end."""
+    """Run a worker in a forked child: attach its socket and output, confine it, answer questions, and exit. Never returns."""
     from . import worker  # noqa: PLC0415 - see _warm_up
 
     os.dup2(printed_fd, 1)
@@ -352,7 +352,7 @@ def _work(line_fd: int, printed_fd: int, walls: confine.Walls, scratch: str, ans
     except Exception as error:
         worker.give_up(line, _words(error))
         os._exit(1)
-    os.environ.pop("PWD", None)  # of bubblewrap
+    os.environ.pop("PWD", None)  # bubblewrap sets it
     os.environ.update(HOME=scratch, TMPDIR=scratch)
     sys.argv[:] = [""]
     worker.take_streams()

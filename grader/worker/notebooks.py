@@ -84,7 +84,7 @@ def _goes_on(line: str) -> bool:
 
 
 def _made_plain(lines: list[str], at: int) -> bool:
-    """Put plain Python in the place of a magic and of the lines that continue it; False where the line is none."""
+    """Replace a magic and its continuation lines by plain Python, in place; return False if the line at `at` is no magic."""
     plain = _plain_line(lines[at])
     if plain == lines[at]:
         return False

@@ -214,7 +214,7 @@ class Collection:
         return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
 
     def with_gap(self) -> Collection:
-        """The same with rows of NaN for a sensor whose rows are none, where the other's are there: those tell the run alone."""
+        """Return the recording with rows of NaN for a missing sensor if the other one has rows: those identify the run."""
         accel, gyro = self.acceleration, self.angular_velocity
         if accel is None and gyro is not None:
             return replace(self, acceleration=np.full_like(gyro, np.nan), absent=KEYS[1])
@@ -223,7 +223,10 @@ class Collection:
         return self
 
     def with_last_for_all(self) -> Collection:
-        """The same with the last row in the place of all of them, where it alone was filled: it tells the run as those would."""
+        """Return the recording with every row equal to the last one if only that row was filled; otherwise unchanged.
+
+        The diagnosis then recognises the run by this row, and `last_alone` records that it was the only one.
+        """
         if any(rows is None or len(rows) < _FEWEST or rows[:-1].any() or not rows[-1].any() for rows in self.sensors):
             return self
         accel, gyro = (np.repeat(rows[-1:], len(rows), axis=0) for rows in self.sensors if rows is not None)

@@ -87,7 +87,10 @@ def _correlation(y: Array, truth: Array) -> Array:
 
 
 def _by_order(y: Array, channels: Array) -> bool:
-    """Drawn over anything else: every s-th reading, one after the other; what was filled in before the first does not count."""
+    """Return whether y (n,) ends in every s-th reading of a channel in order, for some s, whatever its x values are.
+
+    Points before the channel's first reading do not count: the code filled them in.
+    """
     if len(y) < _FEWEST or np.ptp(y[-_FEWEST:]) <= 10 * _EXACT:
         return False  # a flat line is like any channel that rests
     return any(_in_order(y, column) for column in channels.T)

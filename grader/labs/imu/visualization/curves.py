@@ -181,7 +181,10 @@ class Plot:
 
     @property
     def is_cropped(self) -> bool:
-        """True if no panel shows a channel to its last point, or might not with other data: matplotlib's limits leave none out."""
+        """Return whether some channel has points outside the limits in every panel that draws it.
+
+        Also True if the code sets the limits of y itself: other data may lie outside them.
+        """
         if any(panel.axes.own_height for panel in self.panels):
             return True
         drawn = [(panel, shown) for panel in self.panels for shown in panel.shown]
