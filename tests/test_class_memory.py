@@ -349,3 +349,14 @@ def test_those_who_are_not_in_the_download_stay_as_they_are_and_that_is_told(
     )
     assert run("grade", "class", "-o", "out")[0] == 0
     assert run("export", "out", "-f", "csv", "-o", "marks.csv")[2] == "imugrade: graded: 3\n"
+
+
+def test_diff_says_a_changed_weight_once(run: Run, before: dict[str, float]) -> None:
+    rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
+    hand_in(Path("class"), alice=0)
+    assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")[0] == 0
+    lines = run("diff", "out")[1].splitlines()
+    assert lines.count(f"{CHECK}  worth 7.82 → 9.23 points") == 1
+    assert [line for line in lines if line.startswith(f"  {CHECK}")] == [
+        f"  {CHECK}  passed 7.82 / 7.82 → failed 0 / 9.23"
+    ]

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -454,3 +455,47 @@ def test_a_written_bundle_is_the_one_in_use_and_private(run: Run, tmp_path: Path
     assert (code, out) == (0, f"{tmp_path}/new/public.npz\n")
     assert traces.load(tmp_path / "new" / "public.npz").sha256 == bundles.obtain(None).sha256
     assert {path.stat().st_mode & 0o077 for path in (tmp_path / "new").iterdir()} == {0}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students: Path, tmp_path: Path) -> None:
+    (tmp_path / "marker").mkdir()
+    script = tmp_path / "run.py"
+    script.write_text(
+        "import sys\n"
+        "from functools import partial\n"
+        "from pathlib import Path\n"
+        "from grader import cli\n"
+        "from grader.course import classroom\n"
+        "from tests.made_up import fake_marker\n"
+        "if __name__ == '__main__':\n"
+        "    classroom.opener = lambda order: partial(fake_marker, Path(sys.argv[1]))\n"
+        "    sys.exit(cli.main(sys.argv[2:]))\n"
+    )
+    (students / "bob").rename(students / "wait")
+    command = [
+        sys.executable,
+        str(script),
+        str(tmp_path / "marker"),
+        "grade",
+        str(students),
+        "-o",
+        str(tmp_path / "out"),
+        "-j1",
+    ]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        assert process.stdout is not None
+        lines = [process.stdout.readline() for _ in range(2)]
+        process.send_signal(signal.SIGINT)
+        rest, err = process.communicate(timeout=180)
+    assert lines == ["1/3 alice 20\n", "2/3 carol 20\n"]
+    assert (process.returncode, rest, err.splitlines()[-1]) == (
+        130,
+        "",
+        "imugrade: stopped; run the same command again to go on",
+    )
+    assert err == "imugrade: stopped; run the same command again to go on\n"
+    assert (tmp_path / "out" / "gradebook.csv").read_text().count("\n") == 3

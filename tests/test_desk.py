@@ -8,6 +8,7 @@ import sqlite3
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import urlencode
 
 import pytest
 
@@ -540,3 +541,45 @@ def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.Captur
     assert "no two submissions have this in common" in adjust(
         "--having", "nothing", "--criterion", ADDRESS, "--points", "1"
     )
+
+
+def test_an_override_that_is_refused_keeps_what_was_typed(desk: Desk) -> None:
+    page = give(desk, "bob", ADDRESS, "7", "kept <b>", do="give").text
+    form = page.partition(f'id="override-{ADDRESS.replace(".", "-")}"')[2].partition("</form>")[0]
+    assert "<details open>" in form
+    assert 'value="7" aria-invalid="true" aria-describedby="error-points"' in form
+    assert '<span class="error" id="error-points">Enter points from 0 to 6, not 7.</span>' in form
+    assert "kept &lt;b&gt;</textarea>" in form
+    assert page.count('class="error"') == 1
+
+
+def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:
+    late = HandIn(submitted="2026-11-21T12:00:00+00:00")
+    out = make_class(tmp_path / "out", (Student("ada", hand_in=late), Student("bob")))
+    with desk_over(out) as desk:
+        given = {"late:due": "2026-11-20T23:00+00:00", "late:per_day": "10%"}
+        page = desk.get(f"/what-if?{urlencode(given)}").text
+        assert "1 of 2 final grades change" in words(page)
+        assert desk.post("/what-if", {**given, "do": "mark"}).status == 303
+        desk.book.settled()
+        assert row(out, "ada")["final"] == "90"
+        page = desk.get("/what-if").text
+        assert 'name="late:due" size="24" value="2026-11-20' in page
+        assert desk.post("/what-if", {"late:due": "", "late:per_day": "", "do": "mark"}).status == 303
+        desk.book.settled()
+        assert row(out, "ada")["total"] == "100"
+        assert "final" not in row(out, "ada")
+        page = words(desk.get("/what-if?late:due=tomorrow").text)
+        assert "due must be a date and time" in page
+        assert "what was entered" not in page
+
+
+def test_a_table_of_appeals_is_read_whole_or_not_at_all(desk: Desk) -> None:
+    table = "name;check;appeal\nBob Bird;;Please look\nnobody;;x\nada;no.such;x\n"
+    answer = desk.post("/regrade-requests", {"text": table})
+    assert answer.status == 400
+    assert "line 3: no student nobody" in words(answer.text)
+    assert "line 4: there is no check no.such" in words(answer.text)
+    assert desk.book.on_thread(desk.book.requests) == []
+    desk.post("/regrade-requests", {"text": "name;check;appeal\nBob Bird;;Please look\nada;;\n"})
+    assert [(each.id, each.text) for each in desk.book.on_thread(desk.book.requests)] == [("bob", "Please look")]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -305,3 +306,14 @@ def test_every_format_of_a_job_tells_a_repair(run: Run) -> None:
     (suite,) = ElementTree.fromstring(text).findall("testsuite[@name='repairs']")
     facts = {each.get("name"): each.get("value") for each in suite.iter("property")}
     assert facts == {"score": "-1", "repair.1": REPAIRED}
+
+
+def test_diff_tells_what_was_repaired_and_what_no_longer_is(run: Run) -> None:
+    before = total()
+    shutil.copytree("out", "before")
+    repaired(run)
+    told = run("diff", "before", "out")[1]
+    assert f"alice  {before:g} → 99\n" in told
+    assert f"  {REPAIRED}\n" in told
+    assert "bob" not in told
+    assert f"  no longer: {REPAIRED}\n" in run("diff", "out", "before")[1]
