@@ -49,7 +49,7 @@ def test_a_reading_between_the_halves_of_a_step_is_told_what_is_true_of_it(playe
     result = marked(player, changed(VERBATIM, READER, {STEP + READ: between}))
     assert set(lost_by(result)) == {"data_collection.matches_truth"}
     (told,) = [check for part in result.criteria for check in part.checks if check.outcome != "passed"]
-    assert told.got.endswith("; the other sensor is right")
+    assert told.got.endswith("; the other sensor is right)")
     assert told.hint.endswith("A reading between mj_step1 and mj_step2 holds old values (Step 3).")
 
 

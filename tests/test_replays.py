@@ -92,7 +92,7 @@ LEARNT = {
     "hard-coded-address": ({IDS.format("accelerometer"): "2", IDS.format("gyroscope"): "4"}, {"matches_truth"}),
     "hard-coded-timestep": (
         {"dt = model.opt.timestep": "dt = 0.002", "times[i] = data.time": "times[i] = (i + 1) * dt"},
-        {"sample_count", "time_axis"},
+        {"sample_count"},  # one number in one line costs once
     ),
 }
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 
-from grader.labs.imu import recordings
+from grader.labs.imu.data_collection import measure
 from tests.mutants import judging
 from tests.mutants.operators import Mutant
 from tests.recordings.marker import recorded_corpus, verdict
 
-FILE = "grader/labs/imu/recordings.py"
+FILE = "grader/labs/imu/data_collection/measure.py"
 SOURCE = (judging.ROOT / FILE).read_text("utf-8")
 
 
@@ -20,14 +20,14 @@ def _at(line: str) -> Mutant:
 
 
 def test_a_function_becomes_the_mutant_where_it_stands_for_whoever_has_it() -> None:
-    line = "return bool(np.abs(leaning"
-    mutant = Mutant(FILE, "", "", _at(line).line, "", SOURCE.replace(line, "return None and bool(np.abs(leaning"))
-    function = recordings.one_row_follows
+    line = "return series.acceleration is not None"
+    mutant = Mutant(FILE, "", "", _at(line).line, "", SOURCE.replace(line, "return series.acceleration is None"))
+    function = measure.complete
     child = os.fork()
     if not child:
         before = function.__code__
         there = judging.put_in_place(mutant)
-        os._exit(0 if there and function.__code__ != before and recordings.one_row_follows is function else 1)
+        os._exit(0 if there and function.__code__ != before and measure.complete is function else 1)
     assert os.waitpid(child, 0)[1] == 0
 
 
