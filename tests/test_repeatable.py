@@ -48,7 +48,7 @@ ODD = {
     "times": "def draw():\n    return np.array([sum(os.times()) * 1e6 % 1, time.perf_counter_ns() % 97 / 97, time.time() * 1e6 % 1])\n",
     "load": "def draw():\n    return np.array([*os.getloadavg()])\n",
     "threads": "def draw():\n    return np.array([threading.get_ident() % 1009, threading.get_native_id() % 1009, os.getpid()]) / 1009\n",
-    "addresses": "def draw():\n    return np.array([id(object()) % 1009, id([]) % 1009, id(draw) % 1009]) / 1009\n",
+    "addresses": "KEPT = [object(), []]\n\ndef draw():\n    return np.array([id(KEPT[0]) % 1009, id(KEPT[1]) % 1009, id(draw) % 1009]) / 1009\n",
     "clocks of the system": "def draw():\n    return np.array([time.clock_gettime(0) * 1e6 % 1, time.clock_gettime_ns(1) % 1009, time.clock_gettime(2) * 1e6 % 1])\n",
     "random bytes of OpenSSL": "def draw():\n    import ssl\n    return np.frombuffer(ssl.RAND_bytes(3), np.uint8) / 255.0\n",
     "an address in words": "def draw():\n    raise ValueError(f'{id(draw)} {draw!r} {uuid.uuid4()}')\n",
