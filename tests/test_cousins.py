@@ -61,6 +61,18 @@ BOTH = "int(duration_seconds / model.opt.timestep)"
 CURVES, LABELS = "visualization.curves_match_data", "visualization.axis_labels_with_units"
 COUSINS = [
     # what is looked up in sensordata
+    Cousin(
+        "the sizes up to the sensor's own, added up",
+        READER,
+        {
+            ACCEL: "accel_adr = int(np.cumsum(model.sensor_dim)[accel_sensor_id])",
+            GYRO: "gyro_adr = int(np.cumsum(model.sensor_dim)[gyro_sensor_id])",
+        },
+        {"sensor_access.follows_address": 6.0},
+        (),
+        "accel = ",
+        "start each slice at model.sensor_adr[id]",
+    ),
     _address(
         "the id",
         {ACCEL: "accel_adr = accel_sensor_id", GYRO: "gyro_adr = gyro_sensor_id"},

@@ -86,6 +86,10 @@ _PLACES: tuple[tuple[str, Place], ...] = (
     ("hard-coded-address", lambda scene, sensor: scene.own(0) + 3 if sensor else -1),
     ("off-by-one-address", lambda scene, sensor: scene.own(sensor) - 1),
     ("off-by-one-address", lambda scene, sensor: scene.own(sensor) + 1),
+    (
+        f"sensor_access.{PLACE}",
+        lambda scene, sensor: scene.own(sensor) + 3,
+    ),  # the sizes up to and with the sensor, added up
 )
 
 

@@ -310,7 +310,13 @@ def _follows_data(student: Student, truth: Traces, plot: Plot) -> bool:
     mixed = {"time": series["time"]} | {key: series[key][order] for key in SENSORS}
     again, other = (_curves_of(student, truth, each) for each in (nearly, mixed))
     each = zip(_curves(plot), again, other, strict=False)
-    return any(_distance(one, two) < _NEARER * _distance(one, three) for one, two, three in each)
+    return any(all(_nearer(a.y, b.y, c.y, order) for order in range(3)) for a, b, c in each)
+
+
+def _nearer(one: Array, two: Array, three: Array, order: int) -> bool:
+    """Return whether `one` is nearer to `two` than to `three` in differences of an order: a sum of chance is chance in its own."""
+    first, second, other = (np.diff(each, n=order) for each in (one, two, three))
+    return _distance(first, second) < _NEARER * _distance(first, other)
 
 
 def _curves(plot: Plot) -> list[Curve]:
@@ -324,11 +330,11 @@ def _curves_of(student: Student, truth: Traces, series: dict[str, Array]) -> lis
     return [] if best is None else _curves(best)
 
 
-def _distance(curve: Curve, other: Curve) -> float:
+def _distance(y: Array, other: Array) -> float:
     """Return the root mean square of the difference; infinite for curves of other lengths."""
-    if curve.y.shape != other.y.shape or not curve.y.size:
+    if y.shape != other.shape or not y.size:
         return math.inf
-    return float(np.sqrt(np.mean((curve.y - other.y) ** 2)))
+    return float(np.sqrt(np.mean((y - other) ** 2)))
 
 
 # ---- raw and filtered ----
