@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from mujoco import rollout
 
 from grader.labs.imu.data_collection import checks
 from tests.judging.made import Case, Made, finding, is_as_marked, marked, truth
@@ -132,6 +133,19 @@ class UntilTime(Recorder):
             mujoco.mj_step(model, data)
             rows.append(self.row(model, data, accel_id, gyro_id))
         return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
+
+
+class Rollout(Recorder):
+    """All steps at once by `mujoco.rollout`, which the worker does not see."""
+
+    def __call__(self, model: Any, data: Any, duration_seconds: float, accel_id: int, gyro_id: int) -> Any:
+        self.begin(model, data)
+        self.push(data)
+        state = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+        mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        states, sensors = rollout.rollout(model, data, state[None], nstep=self.steps(model, duration_seconds))
+        a, g = model.sensor_adr[accel_id], model.sensor_adr[gyro_id]
+        return self.told(states[0, :, 0], sensors[0, :, a : a + 3], sensors[0, :, g : g + 3], model)
 
 
 class Keeping(Recorder):
@@ -768,6 +782,10 @@ CHARGED = [
     (FiftyHertz, [COUNT]),
     (NO_RESET, [RESET]),
     (UntilTime, [RESET]),
+    (Rollout, []),
+    (both(Rollout, NO_RESET), [RESET]),
+    (both(Rollout, NO_PUSH), [PUSH]),
+    (both(Rollout, HALF), [PUSH]),
     (of(begin=_heavier), [RESET]),
     (of(begin=_in_pose(2, 0.05)), [RESET]),
     (NO_PUSH, [PUSH]),

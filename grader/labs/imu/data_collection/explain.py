@@ -349,7 +349,7 @@ def measured(student: Student, truth: Traces) -> Explained:
     if push.series.fault is not None:
         raised = Raised(push.series.fault, "collecting data")
         return Explained(facts_of.facts_of(truth, push, None, stopped=dict.fromkeys(CHECKS, raised)))
-    story, push = told(student, truth, push)
+    story, push = told(student, truth, push, "push")
     follows = True
     if complete(push.series) and (story is None or all_alike(push.series)):
         known = story is not None or push.claim is not None
@@ -366,7 +366,7 @@ def measured(student: Student, truth: Traces) -> Explained:
     return replace(found, facts=replace(found.facts, stopped={**stops, **_stops(found, stop)}))
 
 
-def told(student: Student, truth: Traces, run: Run) -> tuple[Story | None, Run]:
+def told(student: Student, truth: Traces, run: Run, name: str) -> tuple[Story | None, Run]:
     """Return the explanation of a recording, and the run with the simulated runs (worlds) that were tried.
 
     The true run is tried first, then those simulated from the start that the worker reports: if both explain the rows, the true
@@ -375,7 +375,10 @@ def told(student: Student, truth: Traces, run: Run) -> tuple[Story | None, Run]:
     if not complete(run.series):
         return None, run
     story = explain(run)
-    if story is None or story.exchanged:
+    if story is None and not run.series.first_step and not all_alike(run.series):
+        assumed = ((explain(each), each) for each in facts_of.with_assumed_starts(student, truth, run, name))
+        story, run = next(((found, each) for found, each in assumed if found is not None), (None, run))
+    elif story is None or story.exchanged:
         run = facts_of.with_claim(student, truth, run)
         story = explain(run) or story
     if (story is None or story.of_other_sensors) and run.claim is not None:
@@ -393,7 +396,7 @@ def _of_dirt(student: Student, truth: Traces, push: Run) -> tuple[Story | None, 
         return None, None, nothing
     if dirt.series.fault is not None:
         return None, None, Raised(dirt.series.fault, "collecting data with another time step, after an earlier run")
-    return *told(student, truth, dirt), None
+    return *told(student, truth, dirt, "push_dirty"), None
 
 
 def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:

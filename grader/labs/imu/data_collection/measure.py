@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -223,6 +223,26 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
     if np.isfinite(last := triple(rows, int(address[-1]))).all():
         series[LAST_SENSOR] = last, last
     return replace(run, worlds={**run.worlds, **series}, claim=Claim.of(start))
+
+
+def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) -> Iterator[Run]:
+    """Yield the run with the worlds of each likely wrong start, if the worker saw no step: `mujoco.rollout` makes its own."""
+    lab, scenario = truth["reading_lab"], truth[name]
+    rest, still = lab["qpos"][-1], np.zeros(lab["qvel"].shape[1])
+    left = [(scenario["dirty_qpos"], scenario["dirty_qvel"], 0, _PUSH)] if "dirty_qpos" in scenario else []
+    common = {"gravity": lab.scalars["gravity"], "timestep": [run.model_timestep], "steps": [run.model_steps]}
+    never = {"set_at": np.zeros(0), **{f"set_{key}": np.zeros((0, 1)) for key in ("qpos", "qvel", "force")}}
+    for qpos, qvel, axis, velocity in (*left, *((rest, still, axis, velocity) for axis, velocity in _OTHER_PUSHES)):
+        pushed = np.array(qvel, float)
+        pushed[axis] = velocity
+        start = {"qpos": qpos, "qvel": pushed, "force": np.zeros(len(pushed) + 6), **common, **never}
+        first_step = {key: np.asarray(value, float) for key, value in start.items()}
+        yield with_claim(student, truth, replace(run, series=replace(run.series, first_step=first_step)))
+
+
+_PUSH = 0.5
+_OTHER_PUSHES = ((0, 0.0), (0, _PUSH / 2), (0, 2 * _PUSH), (0, -_PUSH), (1, _PUSH), (2, _PUSH))
+"""Index of the velocity and its size (m/s): no push, and those that differ from the sheet's in size, sign or direction."""
 
 
 def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
