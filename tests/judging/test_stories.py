@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -202,3 +204,16 @@ def test_a_run_goes_on_where_its_first_stamp_is_near_to_where_time_was_left(left
     run = _taken(slice(None), time=_STAMPS)
     facts = Facts(run, run, np.zeros(3), np.zeros(3), _DT, left_at)
     assert Explained(facts, Story(), Story()).goes_on is goes_on
+
+
+class _Scenario(dict):  # type: ignore[type-arg]
+    scalars: ClassVar = {"gravity": [0.0, 0.0, -9.81]}
+
+
+@pytest.mark.parametrize(("joints", "starts"), [(1, 4), (2, 5), (24, 6)])
+def test_starts_are_assumed_for_the_joints_that_a_robot_has(joints: int, starts: int) -> None:
+    robot = _Scenario(qpos=np.zeros((2, joints)), qvel=np.zeros((2, joints)))
+    student: Any = SimpleNamespace(replay=lambda _start, _steps: None)
+    truth: Any = {"reading_lab": robot, "push": _Scenario()}
+    assumed = list(measure.with_assumed_starts(student, truth, _taken(slice(None)), "push"))
+    assert [each.claim for each in assumed] == [None] * starts

@@ -232,7 +232,8 @@ def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) ->
     left = [(scenario["dirty_qpos"], scenario["dirty_qvel"], 0, _PUSH)] if "dirty_qpos" in scenario else []
     common = {"gravity": lab.scalars["gravity"], "timestep": [run.model_timestep], "steps": [run.model_steps]}
     never = {"set_at": np.zeros(0), **{f"set_{key}": np.zeros((0, 1)) for key in ("qpos", "qvel", "force")}}
-    for qpos, qvel, axis, velocity in (*left, *((rest, still, axis, velocity) for axis, velocity in _OTHER_PUSHES)):
+    pushes = [(rest, still, axis, velocity) for axis, velocity in _OTHER_PUSHES if axis < len(still)]
+    for qpos, qvel, axis, velocity in (*left, *pushes):
         pushed = np.array(qvel, float)
         pushed[axis] = velocity
         start = {"qpos": qpos, "qvel": pushed, "force": np.zeros(len(pushed) + 6), **common, **never}
