@@ -90,6 +90,12 @@ def test_a_submission_gets_the_same_result_twice_once_under_load(name: str, mark
         assert first.score == 20, [(c.id, c.message) for c in first.criteria[0].checks if c.outcome != "passed"]
 
 
+def test_an_object_that_is_gone_does_not_leave_its_number_to_the_next(marker: Marker) -> None:
+    draw = "def draw():\n    raise ValueError(f'{len({id(object()) for _ in range(50)})} numbers')\n"
+    result = marker.mark(noisy(draw), only="noise_model")
+    assert "50 numbers" in " ".join(check.message for check in result.criteria[0].checks)
+
+
 @pytest.mark.parametrize("part", ["'Acceleration (m/s²)'", "'Accelerometer Readings'", "label='X'", "'imu_data.png'"])
 def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker: Marker) -> None:
     other = {"label='X'": "label=repr(object())", "'imu_data.png'": "repr(object())[1:-1] + '.png'"}.get(
