@@ -13,10 +13,10 @@ from grader.intake.downloads import Download
 from grader.people.final_grade import HandIn, Person
 from grader.platforms import registry
 from grader.platforms.found import Found, Shape
-from grader.platforms.platform import Handed, Help, Platform
+from grader.platforms.platform import Help, Platform, ResultContext
 
 
-def _respond(result: Result, handed: Handed) -> str:
+def _respond(result: Result, handed: ResultContext) -> str:
     return f"made up: {result.score:g} in {handed.lab.id}\n"
 
 

@@ -138,7 +138,7 @@ def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
 
 def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_size_alone() -> None:
     found = Charged(PART.judge(Facts("a", "cheap"), ROWS)["part.a"])  # type: ignore[arg-type]
-    public, hidden = feedback.told(found, None, ROWS), hidden_feedback.told(found, ROWS)
+    public, hidden = feedback.feedback_on(found, None, ROWS), hidden_feedback.feedback_on(found, ROWS)
     assert (public.expected, public.got, public.hint, public.mistakes) == (
         "a that holds", "1.5", "do not cheap", ("cheap",)
     )  # fmt: skip
@@ -150,8 +150,10 @@ def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_s
 def test_a_check_that_is_not_charged_says_where_the_fault_is_told() -> None:
     charges = PART.judge(Facts("a b c", "cheap nothing-there"), ROWS) | PART.judge(Facts("a b", "cheap"), ROWS)
     told = {
-        id_: feedback.told(Charged(charge), None, ROWS) for id_, charge in charges.items() if isinstance(charge, Charge)
+        id_: feedback.feedback_on(Charged(charge), None, ROWS)
+        for id_, charge in charges.items()
+        if isinstance(charge, Charge)
     }
     assert told["part.b"].said == "No further deduction: the same fault was deducted under “A holds”."
     taken = PART.judge(Facts("c", "nothing-there"), ROWS)["part.a"]
-    assert feedback.told(Charged(taken), None, ROWS).said == "Not graded until “C holds” is fixed."  # type: ignore[arg-type]
+    assert feedback.feedback_on(Charged(taken), None, ROWS).said == "Not graded until “C holds” is fixed."  # type: ignore[arg-type]

@@ -16,7 +16,7 @@ from grader.engine import traces
 from grader.engine.chart_data import Chart, Evidence, Panel, packed, unpacked
 from grader.engine.grader import Marker
 from grader.engine.results import to_json
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 from grader.intake import read_submission
 from grader.labs.imu import bundles, charts
 from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
@@ -65,19 +65,19 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
     marker: Marker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []
-    really, gather = Conversation.ask, charts.charts
+    really, gather = SubmissionSession.ask, charts.charts
 
-    def counted(student: Conversation, *args: Any, **kwargs: Any) -> Any:
+    def counted(student: SubmissionSession, *args: Any, **kwargs: Any) -> Any:
         asked.append(args[0])
         return really(student, *args, **kwargs)
 
-    def gathered(student: Conversation, truth: traces.Traces) -> tuple[Chart, ...]:
+    def gathered(student: SubmissionSession, truth: traces.Traces) -> tuple[Chart, ...]:
         before = len(asked)
         found = gather(student, truth)
         assert len(asked) == before
         return found
 
-    monkeypatch.setattr(Conversation, "ask", counted)
+    monkeypatch.setattr(SubmissionSession, "ask", counted)
     monkeypatch.setattr(charts, "charts", gathered)
     result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files))
     assert len(asked) > 5

@@ -263,8 +263,8 @@ def test_a_tick_is_recorded_with_who_and_when_and_can_be_taken_back(tmp_path: Pa
     with desk_over(out) as desk:
         key = next(each for each in desk.book.on_thread(lambda: queue_of(desk)) if each.id == "void").key
         assert desk.post("/reviewed", {"look": key, "done": "yes"}, "Ann").status == 303
-        (tick,) = desk.book.on_thread(desk.book.store.ticks).values()
-        assert (tick.id, tick.author, tick.at[:2]) == ("void", "Ann", "20")
+        (review,) = desk.book.on_thread(desk.book.store.reviews).values()
+        assert (review.id, review.author, review.at[:2]) == ("void", "Ann", "20")
         page = words(desk.get("/").text)
         assert "Empty 1" not in page
         assert "Reviewed by Ann" in page

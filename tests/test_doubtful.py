@@ -104,7 +104,7 @@ def desk(out: Path) -> Iterator[Desk]:
 
 
 def listed(desk: Desk, kind: str) -> list[tuple[str, str, str]]:
-    """What stands on the page of one kind, open or done: who, why, and what a form sends to tick it."""
+    """What stands on the page of one kind, open or done: who, why, and what a form sends to mark it as reviewed."""
     found = desk.book.on_thread(lambda: queue(desk.book))
     return [(each.id, each.reason.sentence, each.key) for each in found if each.reason.kind == kind]
 

@@ -17,7 +17,7 @@ import reference
 from grader.engine import rubric, traces
 from grader.engine.grader import Marker
 from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.bonuses import allan as allan_diagnosis
@@ -91,13 +91,13 @@ def test_the_reference_passes_all_of_its_own_extensions(marker: Marker) -> None:
 
 def test_without_extensions_no_question_is_asked_about_them(mark: Mark, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    ask = Conversation.ask
+    ask = SubmissionSession.ask
 
-    def noting(self: Conversation, op: str, *rest: Any) -> Any:
+    def noting(self: SubmissionSession, op: str, *rest: Any) -> Any:
         asked.append(op)
         return ask(self, op, *rest)
 
-    monkeypatch.setattr(Conversation, "ask", noting)
+    monkeypatch.setattr(SubmissionSession, "ask", noting)
     result = mark({})
     assert {"read", "filter"} <= set(asked)
     assert not {"tilt", "allan", "imus", "live"} & set(asked)

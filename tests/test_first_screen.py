@@ -14,7 +14,7 @@ from grader.commands.prints import Prints
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.rubric import load
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
@@ -92,13 +92,13 @@ def test_a_syntax_error_is_told_once_with_its_line_and_a_caret(
 def test_an_interrupt_shows_what_was_judged_until_then(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    def asked(student: Conversation, op: str, *arguments: object) -> Frame:
+    def asked(student: SubmissionSession, op: str, *arguments: object) -> Frame:
         if op == "simulate":
             raise KeyboardInterrupt
         return ask(student, op, *arguments)  # type: ignore[arg-type]
 
-    ask = Conversation.ask
-    monkeypatch.setattr(Conversation, "ask", asked)
+    ask = SubmissionSession.ask
+    monkeypatch.setattr(SubmissionSession, "ask", asked)
     write(VERBATIM, tmp_path)
     assert cli.main(["check", str(tmp_path)]) == cli.INTERRUPTED
     said = capsys.readouterr()

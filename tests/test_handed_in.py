@@ -1,4 +1,4 @@
-"""Handed-in pictures beside code that does not draw them, in a real sandbox."""
+"""ResultContext-in pictures beside code that does not draw them, in a real sandbox."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The cheapest hypothesis that fits is told, and only where no other of its cost is told as something else."""
+"""The cheapest hypothesis that fits is cause, and only where no other of its cost is cause as something else."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import pytest
 from grader.engine.hypothesis import Reason, explain
 
 
-def at_most(cost: int, told: str, limit: int) -> Reason[int]:
-    return Reason("of", cost, told, lambda seen: seen <= limit)
+def at_most(cost: int, cause: str, limit: int) -> Reason[int]:
+    return Reason("of", cost, cause, lambda seen: seen <= limit)
 
 
 CHEAP, DEAR = at_most(1, "cheap", 3), at_most(2, "dear", 5)
 
 
 @pytest.mark.parametrize(
-    ("hypotheses", "seen", "told"),
+    ("hypotheses", "seen", "cause"),
     [
         ([DEAR, CHEAP], 3, "cheap"),
         ([DEAR, CHEAP], 4, "dear"),
@@ -25,11 +25,11 @@ CHEAP, DEAR = at_most(1, "cheap", 3), at_most(2, "dear", 5)
         ([CHEAP, at_most(1, "cheap", 5)], 3, "cheap"),
         ([], 3, None),
     ],
-    ids=["the cheapest", "the next", "none", "two of one cost", "one of two", "told as the same", "no hypothesis"],
+    ids=["the cheapest", "the next", "none", "two of one cost", "one of two", "cause as the same", "no hypothesis"],
 )  # fmt: skip
-def test_what_is_told(hypotheses: list[Reason[int]], seen: int, told: str | None) -> None:
+def test_what_is_told(hypotheses: list[Reason[int]], seen: int, cause: str | None) -> None:
     found = explain(hypotheses, seen)
-    assert (found and found.told) == told
+    assert (found and found.cause) == cause
 
 
 def test_what_costs_more_is_not_tried_once_something_fits() -> None:

@@ -21,7 +21,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.platforms import registry
-from grader.platforms.platform import Handed
+from grader.platforms.platform import ResultContext
 from grader.report.pages import report_page
 from tests.corpus.pieces import MODEL_PATH, verbatim
 from tests.sandboxes import Opened
@@ -136,7 +136,7 @@ def outputs(result: Result, files: dict[str, str]) -> dict[str, str]:
     told = to_dict(result)
     told["provenance"] = {k: v for k, v in told["provenance"].items() if k != "traces_sha256"}
     told["duration_s"] = 0
-    handed = Handed(LAB, handed_in(Case("sound", "x", files)), Path("x"), {}, hidden=True)
+    handed = ResultContext(LAB, handed_in(Case("sound", "x", files)), Path("x"), {}, hidden=True)
     found = {"result.json": json.dumps(told), "report.html": _DIGEST.sub("", report_page(FinalGrade("x", result)))}
     for name in ("json", "gradescope"):
         respond = registry.platform(name).respond

@@ -10,7 +10,7 @@ from grader.intake import Submission
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
 from grader.labs.imu.noise_model.reads import Reads
-from grader.labs.imu.number_format import told_apart
+from grader.labs.imu.number_format import distinct_texts
 from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
 from tests.recordings import Marking
 
@@ -71,5 +71,5 @@ def test_a_normal_law_that_is_cut_off_is_told_and_its_moments_are_those_of_the_f
 
 @pytest.mark.quick
 def test_two_vectors_are_never_shown_with_the_same_digits_where_they_differ() -> None:
-    assert told_apart(np.array([1.0, 2.0]), np.array([1.00004, 2.0])) == ("[1.00000 2.00000]", "[1.00004 2.00000]")
-    assert told_apart(np.array([1.0]), np.array([2.0])) == ("[1.000]", "[2.000]")
+    assert distinct_texts(np.array([1.0, 2.0]), np.array([1.00004, 2.0])) == ("[1.00000 2.00000]", "[1.00004 2.00000]")
+    assert distinct_texts(np.array([1.0]), np.array([2.0])) == ("[1.000]", "[2.000]")

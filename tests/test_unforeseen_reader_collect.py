@@ -5,12 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-import numpy as np
 import pytest
 
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
-from grader.labs.imu.compare import told
 from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
 from tests.recordings import Marking
 
@@ -72,10 +70,3 @@ def test_sound_work_in_an_unusual_style_loses_nothing(sample: Sample, marked: Ma
     result = marked(sample)
     assert [(check.id, check.message) for check in lost(result)] == []
     assert result.misconceptions == ()
-
-
-@pytest.mark.quick
-def test_a_vector_has_as_many_digits_as_tell_it_from_the_other_one() -> None:
-    near, far = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.00001])
-    assert told(near, far) != told(far, near)
-    assert told(near, near + 1) == "[1.000 2.000 3.000]"

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from grader.base.errors import TimedOut
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 from grader.labs.imu.lab import LAB
 from grader.sandbox.process import WallClock
 from grader.sandbox.wire import Frame
@@ -59,13 +59,13 @@ class Boxes:
         return self.workers[-1]
 
 
-def conversation(sandbox: Boxes) -> Conversation:
-    return Conversation(
+def conversation(sandbox: Boxes) -> SubmissionSession:
+    return SubmissionSession(
         sandbox, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
     )  # type: ignore[arg-type] # fmt: skip
 
 
-def asked(talk: Conversation, times: int) -> Iterator[bool]:
+def asked(talk: SubmissionSession, times: int) -> Iterator[bool]:
     for _ in range(times):
         try:
             talk.ask("outline", {})

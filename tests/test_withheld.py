@@ -135,4 +135,4 @@ STEP = "Hold it against Step 6."
 )
 def test_a_hint_is_told_where_all_of_it_stands_in_our_code(hint: str, mistakes: tuple[str, ...], said: str) -> None:
     finding = CheckFailed("0.1", "1.25", mistakes=mistakes, hint=hint, off=Size("it is off"))
-    assert hidden_feedback.told(finding, MISTAKES).hint == said
+    assert hidden_feedback.feedback_on(finding, MISTAKES).hint == said

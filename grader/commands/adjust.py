@@ -70,23 +70,23 @@ def adjust(
 
     if sum(each is not None for each in (id_, table, having, take_back)) > 1:
         raise RequestError("adjust: give exactly one of ID, --csv, --having and --take-back")
-    what, wishes = "", []
+    what, requests = "", []
     if table is not None:
-        wishes = adjusting.read_wishes(table)
+        requests = adjusting.read_overrides(table)
     elif take_back is not None:
-        wishes = groups.taken_back(out, take_back)
+        requests = groups.taken_back(out, take_back)
     elif id_ is not None and undo:
-        wishes = [adjusting.undone_in(out, id_, criterion)]
+        requests = [adjusting.undone_in(out, id_, criterion)]
     elif id_ is not None or having is not None:
         alone = points is None and bool(comment) and not withdraw
         if not alone and withdraw == (points is not None):
             raise RequestError("adjust: give --points or --withdraw")
         what, ids = ("", [id_]) if having is None else groups.having(out, having)
         said = "" if points is None else repr(points)
-        wishes = [adjusting.Wish(each, criterion, said, comment, alone=alone) for each in ids if each]
+        requests = [adjusting.OverrideRequest(each, criterion, said, comment, alone=alone) for each in ids if each]
     lines = (
-        adjusting.adjust(LAB, out, adjusting.placed(out, wishes), author or login(), what)
-        if wishes
+        adjusting.adjust(LAB, out, adjusting.placed(out, requests), author or login(), what)
+        if requests
         else adjusting.listing(out)
     )
     for line in lines:

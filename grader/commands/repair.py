@@ -71,8 +71,8 @@ def repair(
             for line in repairs.suggested(out, id_, by):
                 print(line)
             return 0
-        wish = repairs.Wish(id_, file or "", _read(fixed), _text(patch), deduct, comment)
-        print(repairs.record(out, wish, author or login(), by))
+        request = repairs.RepairRequest(id_, file or "", _read(fixed), _text(patch), deduct, comment)
+        print(repairs.record(out, request, author or login(), by))
         repairs.publish(out, id_, by)
     return 0
 

@@ -61,8 +61,8 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
     questions = [each for each in student.questions(check_id) if str(each.fields["path"]).endswith(".py")]
     if not questions:
         raise RequestError(f"{check_id} called no .py file here, so there is nothing to reproduce")
-    told = judgements[check_id].told
-    said = told.message if told and told.message else "All of it is earned."
+    feedback = judgements[check_id].feedback
+    said = feedback.message if feedback and feedback.message else "All of it is earned."
     folder = os.path.relpath(path / submission.folder, out)
     return put(out, program(check_id, said, questions, folder), questions, {rubric.lab.model: student.robot.xml})
 
@@ -84,12 +84,12 @@ def examined(
     truth = lab.truth(None, rubric.settings)
     with open_sandbox_for(lab, submission.files, isolation_level) as sandbox:
         student = Recorder(sandbox, lab, submission.files, truth=truth, above=submission.above, **limits)
-        examination = Watched(lab, student, truth, None)
+        check_run = Watched(lab, student, truth, None)
         try:
-            session(lab, rubric.own_checks).run(examination)
+            session(lab, rubric.own_checks).run(check_run)
         finally:
             student.close()
-    return student, examination.judgements
+    return student, check_run.judgements
 
 
 def _archive(questions: Sequence[Asked]) -> bytes:

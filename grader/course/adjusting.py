@@ -26,7 +26,7 @@ ALONE = "comment"
 
 
 @dataclass(frozen=True)
-class Wish:
+class OverrideRequest:
     """A requested override, comment or withdrawal, not validated yet.
 
     Attributes
@@ -49,7 +49,7 @@ class Wish:
     alone: bool = False
 
 
-def read_wishes(path: Path) -> list[Wish]:
+def read_overrides(path: Path) -> list[OverrideRequest]:
     """Read overrides from a CSV with the columns id, criterion, points and comment.
 
     Blank points withdraw an override. The word `comment` in place of points adds a comment only.
@@ -61,23 +61,23 @@ def read_wishes(path: Path) -> list[Wish]:
         if not set(COLUMNS) <= set(titles):
             raise RequestError(f"{source}:1: the first line must name the columns {', '.join(COLUMNS)}")
         rows = ((dict(zip(titles, cells, strict=False)), table.line_num) for cells in table if any(cells))
-        return [_wish({column: row.get(column) for column in COLUMNS}, f"{source}:{line}") for row, line in rows]
+        return [_request({column: row.get(column) for column in COLUMNS}, f"{source}:{line}") for row, line in rows]
     except OSError as error:
         raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
-def _wish(row: Mapping[str, str | None], place: str) -> Wish:
+def _request(row: Mapping[str, str | None], place: str) -> OverrideRequest:
     id_, criterion, points, comment = ((row[column] or "").strip() for column in COLUMNS)
-    return Wish(id_, criterion, points, comment, place, alone=points == ALONE)
+    return OverrideRequest(id_, criterion, points, comment, place, alone=points == ALONE)
 
 
-def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str = "") -> list[str]:
-    """Record all wishes or none, and rewrite the pages; return a line on each wish.
+def adjust(lab: Lab, out: Path, requests: Sequence[OverrideRequest], author: str, what: str = "") -> list[str]:
+    """Record all requests or none, and rewrite the pages; return a line on each request.
 
-    A wish that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an override have
-    changed, the same wish confirms it.
+    A request that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an
+    override have changed, the same request confirms it.
 
     Parameters
     ----------
@@ -87,11 +87,11 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str =
     Raises
     ------
     RequestError
-        With a line for each wish that cannot be met.
+        With a line for each request that cannot be met.
     """
     with Store.existing(out) as store:
         before = store.final_grades()
-        made = decide(store, before, wishes, author, what=what)
+        made = decide(store, before, requests, author, what=what)
         said = store.adjustments()
         after = {id_: replace(each, adjustments=said.get(id_, ())) for id_, each in before.items()}
         write_class(out, after, store, lab)
@@ -102,7 +102,7 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str =
 
 @dataclass(frozen=True)
 class Made:
-    """A recorded wish; `fresh` is False if it was already in force."""
+    """A recorded request; `fresh` is False if it was already in force."""
 
     id: str
     adjustment: Adjustment
@@ -112,32 +112,32 @@ class Made:
 def decide(
     store: Store,
     final_grades: Mapping[str, FinalGrade],
-    wishes: Sequence[Wish],
+    requests: Sequence[OverrideRequest],
     author: str,
     *,
     seen: int | None = None,
     what: str = "",
 ) -> list[Made]:
-    """Record all wishes or none. `Store.adjust` explains `seen` and `what`.
+    """Record all requests or none. `Store.adjust` explains `seen` and `what`.
 
     Raises
     ------
     RequestError
-        With a line for each wish that cannot be met.
+        With a line for each request that cannot be met.
     """
     said = {(id_, each.criterion, each.alone) for id_, each in store.history()}
-    problems = [problem for wish in wishes if (problem := _problem(wish, final_grades, said))]
+    problems = [problem for request in requests if (problem := _problem(request, final_grades, said))]
     if problems:
         raise RequestError("\n".join(problems))
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
-    made = [(wish.id, _adjustment(wish, final_grades[wish.id], author, now)) for wish in wishes]
+    made = [(request.id, _adjustment(request, final_grades[request.id], author, now)) for request in requests]
     told = [Made(id_, each, not _stands(each, final_grades[id_])) for id_, each in made]
     store.adjust([(each.id, each.adjustment) for each in told if each.fresh], seen, what)
     return told
 
 
-def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None) -> Wish:
-    """Return the wish that undoes the last override or comment on a target and restores the one before it.
+def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None) -> OverrideRequest:
+    """Return the request that undoes the last override or comment on a target and restores the one before it.
 
     Parameters
     ----------
@@ -157,14 +157,14 @@ def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None)
     return _before(id_, rows)
 
 
-def undone_in(out: Path, id_: str, criterion: str) -> Wish:
-    """Return the wish of `undone` for a class on disk; `id_` may be an id, a name, a number or an e-mail address."""
+def undone_in(out: Path, id_: str, criterion: str) -> OverrideRequest:
+    """Return the request of `undone` for a class on disk; `id_` may be an id, a name, a number or an e-mail address."""
     with Store.existing(out) as store:
         return undone(store, _meant(store).by(id_), criterion)
 
 
-def undone_decision(store: Store, number: int) -> list[Wish]:
-    """Return the wishes that undo a decision on several submissions, except where a later override has replaced it.
+def undone_decision(store: Store, number: int) -> list[OverrideRequest]:
+    """Return the requests that undo a decision on several submissions, except where a later override has replaced it.
 
     Raises
     ------
@@ -180,20 +180,20 @@ def undone_decision(store: Store, number: int) -> list[Wish]:
     return [_before(id_, each) for (id_, _, _), each in last.items()]
 
 
-def _before(id_: str, rows: Sequence[Adjustment]) -> Wish:
-    """Return the wish that restores the last but one of these adjustments of one target."""
+def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
+    """Return the request that restores the last but one of these adjustments of one target."""
     last, before = rows[-1], rows[-2] if len(rows) > 1 else None
     if before is None or before.withdraws:
-        return Wish(id_, last.criterion, "", "" if last.alone else "undone", alone=last.alone)
+        return OverrideRequest(id_, last.criterion, "", "" if last.alone else "undone", alone=last.alone)
     points = "" if before.points is None else repr(before.points)
-    return Wish(id_, last.criterion, points, before.comment, alone=last.alone)
+    return OverrideRequest(id_, last.criterion, points, before.comment, alone=last.alone)
 
 
-def placed(out: Path, wishes: Sequence[Wish]) -> list[Wish]:
-    """Replace names, e-mail addresses and numbers in wishes by the ids of the submissions."""
+def placed(out: Path, requests: Sequence[OverrideRequest]) -> list[OverrideRequest]:
+    """Replace names, e-mail addresses and numbers in requests by the ids of the submissions."""
     with Store.existing(out) as store:
         who = _meant(store)
-    return [replace(wish, id=who.by(wish.id)) for wish in wishes]
+    return [replace(request, id=who.by(request.id)) for request in requests]
 
 
 def _meant(store: Store) -> Meant:
@@ -221,27 +221,35 @@ def said(adjustment: Adjustment) -> str:
     return ALONE if adjustment.points is None else words.number(adjustment.points)
 
 
-def _problem(wish: Wish, final_grades: Mapping[str, FinalGrade], said: Set[tuple[str, str, bool]]) -> str:
-    """Return why a wish cannot be met, or "". `said` holds every adjusted target, including withdrawn ones."""
-    if wish.id not in final_grades:
-        return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, final_grades)}"
-    final_grade = final_grades[wish.id]
-    most = worth(final_grade.result, wish.criterion)
-    if not wish.criterion:
+def _problem(
+    override: OverrideRequest, final_grades: Mapping[str, FinalGrade], said: Set[tuple[str, str, bool]]
+) -> str:
+    """Return why an override cannot be met, or "". `said` holds every adjusted target, including withdrawn ones."""
+    if override.id not in final_grades:
+        return f"{override.place}: there is no submission {printable(override.id)}{guess_at(override.id, final_grades)}"
+    final_grade = final_grades[override.id]
+    most = worth(final_grade.result, override.criterion)
+    if not override.criterion:
         criteria = ", ".join(each.id for each in final_grade.result.criteria)
-        return f"{wish.place}: say for what with --criterion: {criteria}, one of their checks, total or bonus"
+        return f"{override.place}: say for what with --criterion: {criteria}, one of their checks, total or bonus"
     if most is None:
-        return f"{wish.place}: there is no criterion {printable(wish.criterion)}{guess_at(wish.criterion, targets(final_grade))}"
-    points = _number(wish.points)
-    if wish.points and not wish.alone and (points is None or not 0 <= points <= most or round(points, 2) != points):
-        return f"{wish.place}: points must be a number from 0 to {words.number(most)}, not {printable(wish.points, 60)}"
-    withdraws = not (wish.comment.strip() if wish.alone else wish.points)
-    if withdraws and (wish.id, wish.criterion, wish.alone) not in said:
-        return f"{wish.place}: {printable(wish.id)} has no adjustment of {wish.criterion} to withdraw"
-    if points is not None and not wish.alone and (over := covering(final_grade, wish.criterion)):
-        return f"{wish.place}: {printable(wish.id)} has an override of {over}, which replaces {wish.criterion}; withdraw that first"
-    if not (wish.comment.strip() or wish.alone) or len(wish.comment) > MAX_COMMENT:
-        return f"{wish.place}: say why in a comment of at most {MAX_COMMENT} characters"
+        near = guess_at(override.criterion, targets(final_grade))
+        return f"{override.place}: there is no criterion {printable(override.criterion)}{near}"
+    points = _number(override.points)
+    if (
+        override.points
+        and not override.alone
+        and (points is None or not 0 <= points <= most or round(points, 2) != points)
+    ):
+        return f"{override.place}: points must be a number from 0 to {words.number(most)}, not {printable(override.points, 60)}"
+    withdraws = not (override.comment.strip() if override.alone else override.points)
+    if withdraws and (override.id, override.criterion, override.alone) not in said:
+        return f"{override.place}: {printable(override.id)} has no adjustment of {override.criterion} to withdraw"
+    if points is not None and not override.alone and (over := covering(final_grade, override.criterion)):
+        covered = f"has an override of {over}, which replaces {override.criterion}"
+        return f"{override.place}: {printable(override.id)} {covered}; withdraw that first"
+    if not (override.comment.strip() or override.alone) or len(override.comment) > MAX_COMMENT:
+        return f"{override.place}: say why in a comment of at most {MAX_COMMENT} characters"
     return ""
 
 
@@ -265,23 +273,25 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _adjustment(wish: Wish, final_grade: FinalGrade, author: str, now: str) -> Adjustment:
-    comment = wish.comment.strip().encode("utf-8", "replace").decode()
-    if wish.alone:
-        return Adjustment(wish.criterion, None, comment, author, now, alone=True)
-    stands_for = under(final_grade.result, wish.criterion) or {}
+def _adjustment(override: OverrideRequest, final_grade: FinalGrade, author: str, now: str) -> Adjustment:
+    comment = override.comment.strip().encode("utf-8", "replace").decode()
+    if override.alone:
+        return Adjustment(override.criterion, None, comment, author, now, alone=True)
+    stands_for = under(final_grade.result, override.criterion) or {}
     out_of = worths(final_grade.result, stands_for)
-    return Adjustment(wish.criterion, _number(wish.points), comment, author, now, stands_for, out_of)
+    return Adjustment(override.criterion, _number(override.points), comment, author, now, stands_for, out_of)
 
 
-def _stands(wish: Adjustment, final_grade: FinalGrade) -> bool:
-    """Return whether the wish changes nothing: it is in force for the same automatic points, or already withdrawn."""
-    same = (each for each in final_grade.adjustments if (each.criterion, each.alone) == (wish.criterion, wish.alone))
+def _stands(override: Adjustment, final_grade: FinalGrade) -> bool:
+    """Return whether the override changes nothing: it is in force for the same automatic points, or already withdrawn."""
+    same = (
+        each for each in final_grade.adjustments if (each.criterion, each.alone) == (override.criterion, override.alone)
+    )
     now = next(same, None)
     if now is None:
-        return wish.withdraws
-    same_points = (now.points, now.comment, now.beneath) == (wish.points, wish.comment, wish.beneath)
-    return same_points and now.out_of in ({}, wish.out_of)
+        return override.withdraws
+    same_points = (now.points, now.comment, now.beneath) == (override.points, override.comment, override.beneath)
+    return same_points and now.out_of in ({}, override.out_of)
 
 
 def _told(made: Made, final_grade: FinalGrade) -> str:

@@ -351,7 +351,7 @@ class _Run:
         self._audience = audience
         self._outcome = outcome
         self._publisher = publisher
-        self._adjustments, self._ticks = store.adjustments(), store.ticks()
+        self._adjustments, self._reviews = store.adjustments(), store.reviews()
         self._attempts: dict[Key, _Attempt] = {}
         self._installed_since = installed_since(store)
         self.lost_repairs: list[str] = []
@@ -441,7 +441,7 @@ class _Run:
     def _final_grade(self, key: Key, attempt: _Attempt) -> FinalGrade:
         if attempt.result is None:
             raise GraderError(f"{key.id}: one of its attempts has no result")
-        reviewed = is_reviewed(key.id, attempt.result, self._ticks)
+        reviewed = is_reviewed(key.id, attempt.result, self._reviews)
         return FinalGrade(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()), reviewed)
 
     def _count(self, final_grade: FinalGrade) -> None:

@@ -28,7 +28,7 @@ from grader.intake import Submission
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-    from grader.course.cluster_worker import Seat
+    from grader.course.cluster_worker import GradingPlugin
 
 ANSWERS_WITHIN_S = 5.0
 LOOK_EVERY_S = 5.0
@@ -66,8 +66,8 @@ def mark_all(
     first = next(submissions, None)
     if first is None:  # all on record: no cluster is needed
         return
-    with _connected(address) as client, _seats(client, open_marker, bounds, address) as run:
-        yield from _Errands(client, run, address, chain([first], submissions)).run()
+    with _connected(address) as client, _grading_plugins(client, open_marker, bounds, address) as run:
+        yield from _Tasks(client, run, address, chain([first], submissions)).run()
 
 
 @contextmanager
@@ -129,9 +129,9 @@ async def _find_scheduler(address: str) -> None:
 
 
 @contextmanager
-def _seats(client: Client, open_marker: OpenMarker, bounds: Bounds, address: str) -> Iterator[str]:
-    """Install a seat for this run in every worker, yield the run's name, and close the markers at the end."""
-    from grader.course.cluster_worker import Seat, versions  # noqa: PLC0415
+def _grading_plugins(client: Client, open_marker: OpenMarker, bounds: Bounds, address: str) -> Iterator[str]:
+    """Install the grading plugin of this run in every worker, yield the run's name, and close the markers at the end."""
+    from grader.course.cluster_worker import GradingPlugin, versions  # noqa: PLC0415
 
     with _or_lost(address):
         staffed = bool(client.nthreads())
@@ -141,16 +141,16 @@ def _seats(client: Client, open_marker: OpenMarker, bounds: Bounds, address: str
         )
     run = f"imugrade-{uuid.uuid4().hex}"
     try:
-        _set_up(client, Seat(run, versions(), pickle.dumps((open_marker, bounds))), address)
+        _set_up(client, GradingPlugin(run, versions(), pickle.dumps((open_marker, bounds))), address)
         yield run
     finally:
-        with suppress(Exception):  # the cluster may be gone, and the seats with it
+        with suppress(Exception):  # the cluster may be gone, and the plugins with it
             client.unregister_worker_plugin(run)
 
 
-def _set_up(client: Client, seat: Seat, address: str) -> None:
+def _set_up(client: Client, plugin: GradingPlugin, address: str) -> None:
     try:
-        client.register_plugin(seat)
+        client.register_plugin(plugin)
     except RequestError as problem:
         raise RequestError(f"--cluster {printable(address)}: {problem}") from None
     except Exception as problem:
@@ -160,7 +160,7 @@ def _set_up(client: Client, seat: Seat, address: str) -> None:
         ) from None
 
 
-class _Errands:
+class _Tasks:
     """Queue of submissions, and the tasks that run on the cluster.
 
     There are at most as many tasks as workers: when a worker dies, Dask blames every task that it had been given.

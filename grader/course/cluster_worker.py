@@ -38,16 +38,16 @@ def plain(result: Result) -> dict[str, Any]:
 
 
 def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
-    """Mark one submission with the seat of a run. This function is the task that Dask executes."""
-    seat = get_worker().plugins[run]
-    assert isinstance(seat, Seat)
-    return seat.mark(Submission(**submission))
+    """Mark one submission with the plugin of a run. This function is the task that Dask executes."""
+    plugin = get_worker().plugins[run]
+    assert isinstance(plugin, GradingPlugin)
+    return plugin.mark(Submission(**submission))
 
 
-class Seat(WorkerPlugin):
+class GradingPlugin(WorkerPlugin):
     """Dask worker plugin that holds the marker of one run; Dask installs it in every present and future worker.
 
-    A process has one marker at a time. If a killed run left its marker open, the seat of the next run closes it.
+    A process has one marker at a time. If a killed run left its marker open, the plugin of the next run closes it.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Seat(WorkerPlugin):
     """
 
     _at_work: ClassVar[threading.Lock] = threading.Lock()
-    _taken_by: ClassVar[Seat | None] = None
+    _taken_by: ClassVar[GradingPlugin | None] = None
 
     def __init__(self, run: str, made_by: Mapping[str, str], open_marker: bytes) -> None:
         self.name = run
@@ -89,7 +89,7 @@ class Seat(WorkerPlugin):
         """
         try:
             with self._at_work:
-                return self._marked(self._seated(), submission)
+                return self._marked(self._pool_here(), submission)
         finally:
             if self._over:
                 self._leave_if_idle()
@@ -112,18 +112,18 @@ class Seat(WorkerPlugin):
                     f"worker {self._address} has {name} {here}, this machine has {there}; install the same on both"
                 )
 
-    def _seated(self) -> Pool:
+    def _pool_here(self) -> Pool:
         if self._pool is None:
             self._agree()
-            if Seat._taken_by is not None:
-                Seat._taken_by._leave()
+            if GradingPlugin._taken_by is not None:
+                GradingPlugin._taken_by._leave()
             open_marker, bounds = pickle.loads(self._open_marker)
             self._pool = self._opened.enter_context(Pool(open_marker, 1, bounds, attempts=1))
-            Seat._taken_by = self
+            GradingPlugin._taken_by = self
         return self._pool
 
     def _leave(self) -> None:
-        self._pool = Seat._taken_by = None
+        self._pool = GradingPlugin._taken_by = None
         with suppress(Exception):  # a failed marker may fail to close, too
             self._opened.close()
 
@@ -131,7 +131,7 @@ class Seat(WorkerPlugin):
         """Close the marker unless it is marking; `mark` closes it afterwards in that case."""
         if self._at_work.acquire(blocking=False):
             try:
-                if Seat._taken_by is self:
+                if GradingPlugin._taken_by is self:
                     self._leave()
             finally:
                 self._at_work.release()

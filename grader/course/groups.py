@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.adjusting import Wish, said, undone_decision
+from grader.course.adjusting import OverrideRequest, said, undone_decision
 from grader.course.record import Store
 from grader.engine.results import CheckResult, Result
 from grader.engine.rubric_nodes import guess_at
@@ -94,8 +94,8 @@ def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
     return named[name].what, named[name].ids
 
 
-def taken_back(out: Path, number: int) -> list[Wish]:
-    """Return the wishes that undo a decision on several submissions, for a class on disk."""
+def taken_back(out: Path, number: int) -> list[OverrideRequest]:
+    """Return the requests that undo a decision on several submissions, for a class on disk."""
     with Store.existing(out) as store:
         return undone_decision(store, number)
 

@@ -70,7 +70,7 @@ class Key:
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a fact in the review queue. A tick applies to this fact only."""
+    """Return a digest of a fact in the review queue. A review applies to this fact only."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
@@ -79,9 +79,9 @@ def why_empty(result: Result) -> str:
     return " ".join(words.notes(result)) or words.STATUS[result.status]
 
 
-def is_reviewed(id_: str, result: Result, ticks: Collection[tuple[str, str, str]]) -> bool:
+def is_reviewed(id_: str, result: Result, reviews: Collection[tuple[str, str, str]]) -> bool:
     """Return whether a person marked an empty or unreadable submission as reviewed."""
-    return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in ticks
+    return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in reviews
 
 
 class OvertakenError(RequestError):
@@ -89,7 +89,7 @@ class OvertakenError(RequestError):
 
 
 @dataclass(frozen=True)
-class Tick:
+class Review:
     """Record that a person reviewed an item of the queue, or (`done` False) opened it again. `about` is a digest of the fact."""
 
     id: str
@@ -101,7 +101,7 @@ class Tick:
 
 
 @dataclass(frozen=True)
-class Appeal:
+class RegradeRequest:
     """A regrade request. `about` is a check or a criterion, "" if the student names none. The text is untrusted."""
 
     id: str
@@ -207,9 +207,9 @@ class Store(Database):
             )
 
     def _final_grades(self, rows: Iterable[tuple[str, Result, HandIn]]) -> dict[str, FinalGrade]:
-        adjustments, ticks = self.adjustments(), self.ticks()
+        adjustments, reviews = self.adjustments(), self.reviews()
         return {
-            id_: FinalGrade(id_, result, hand_in, adjustments.get(id_, ()), is_reviewed(id_, result, ticks))
+            id_: FinalGrade(id_, result, hand_in, adjustments.get(id_, ()), is_reviewed(id_, result, reviews))
             for id_, result, hand_in in rows
         }
 
@@ -419,34 +419,35 @@ class Store(Database):
                 found.setdefault(kind, []).append(line)
         return found
 
-    def tick(self, ticks: Iterable[Tick]) -> None:
+    def keep_reviews(self, reviews: Iterable[Review]) -> None:
         """Record that facts were reviewed, or are open again."""
         with self._told(), self._transaction():
             query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
-            self._db.executemany(query, [astuple(tick) for tick in ticks])
+            self._db.executemany(query, [astuple(each) for each in reviews])
 
-    def ticks(self) -> dict[tuple[str, str, str], Tick]:
-        """Return the last tick for each id, reason and fact, without those that were taken back."""
+    def reviews(self) -> dict[tuple[str, str, str], Review]:
+        """Return the last review of each id, reason and fact, without those that were taken back."""
         with self._told():
             rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
         last = {
-            (id_, reason, about): Tick(id_, reason, about, bool(done), *who) for id_, reason, about, done, *who in rows
+            (id_, reason, about): Review(id_, reason, about, bool(done), *who)
+            for id_, reason, about, done, *who in rows
         }
-        return {key: tick for key, tick in last.items() if tick.done}
+        return {key: review for key, review in last.items() if review.done}
 
-    def keep_appeals(self, appeals: Iterable[Appeal]) -> int:
+    def keep_regrade_requests(self, requests: Iterable[RegradeRequest]) -> int:
         """Record regrade requests and return how many are new. A request already on record is left unchanged."""
         query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
         with self._told(), self._transaction():
-            return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in appeals)
+            return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in requests)
 
-    def appeals(self) -> list[Appeal]:
+    def regrade_requests(self) -> list[RegradeRequest]:
         """Return all regrade requests in the order in which they were recorded."""
         with self._told():
             rows = self._db.execute(
                 "SELECT id, about, text, at, answer, author, answered, number FROM appeals ORDER BY number"
             )
-            return [Appeal(*row) for row in rows.fetchall()]
+            return [RegradeRequest(*row) for row in rows.fetchall()]
 
     def answer(self, number: int, answer: str, author: str, at: str) -> None:
         with self._told(), self._transaction():

@@ -47,7 +47,7 @@ MOST = 20
 
 
 @dataclass(frozen=True)
-class Wish:
+class RepairRequest:
     """A repair that somebody wants: the whole text of the file as it should be, or a unified diff on it.
 
     `seen_sha256` is the digest of the file that the author edited; "" skips the comparison.
@@ -74,7 +74,7 @@ class Grading:
         return Key(id_, submission_sha256, self.rubric.sha256, self.traces.sha256, __version__)
 
 
-def record(out: Path, wish: Wish, author: str, grading: Grading) -> str:
+def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> str:
     """Grade the repaired copy and record the repair; return a line on it. The pages of OUT are left as they are.
 
     Raises
@@ -83,10 +83,10 @@ def record(out: Path, wish: Wish, author: str, grading: Grading) -> str:
         If the submission or the file is not there, the patch does not apply, or the repaired copy earns less than the original.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        final_grade = _final_grade(store, wish.id)
+        final_grade = _final_grade(store, request.id)
         handed_in = _handed_in(store, final_grade)
         before = of_these_files(log.in_force(final_grade.id), handed_in)
-        made = _made(wish, final_grade, patched(handed_in.files, before), handed_in, author)
+        made = _made(request, final_grade, patched(handed_in.files, before), handed_in, author)
         result = repaired(handed_in, final_grade, [*before, made], grading, log)
         log.add(made)
         store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [*before, made])), result)
@@ -107,7 +107,7 @@ class Preview:
     problem: str = ""
 
 
-def preview(out: Path, wish: Wish, grading: Grading) -> Preview:
+def preview(out: Path, request: RepairRequest, grading: Grading) -> Preview:
     """Grade a submission with a repair in the sandbox. Nothing is recorded.
 
     Raises
@@ -116,10 +116,10 @@ def preview(out: Path, wish: Wish, grading: Grading) -> Preview:
         If the submission or the file is not there, or the patch does not apply.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        final_grade = _final_grade(store, wish.id)
+        final_grade = _final_grade(store, request.id)
         handed_in = _handed_in(store, final_grade)
         before = of_these_files(log.in_force(final_grade.id), handed_in)
-        complete = replace(wish, comment=wish.comment or "preview")
+        complete = replace(request, comment=request.comment or "preview")
         made = _made(complete, final_grade, patched(handed_in.files, before), handed_in, "")
         original = _original(final_grade, handed_in, grading, log)
         result = _graded(handed_in, original, [*before, made], grading)
@@ -150,33 +150,33 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
 
 
 def _made(
-    wish: Wish, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
+    request: RepairRequest, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
 ) -> LoggedRepair:
-    """Validate a wish and return its repair; `now` holds the files with the repairs already in force."""
+    """Validate a request and return its repair; `now` holds the files with the repairs already in force."""
     most = final_grade.result.max_score
-    if wish.file not in now:
+    if request.file not in now:
         raise RequestError(
-            f"repair: {printable(final_grade.id, 80)} has no file {printable(wish.file, 120)}{guess_at(wish.file, now)}"
+            f"repair: {printable(final_grade.id, 80)} has no file {printable(request.file, 120)}{guess_at(request.file, now)}"
         )
-    if not 0 <= wish.deduction <= most or round(wish.deduction, 2) != wish.deduction:
+    if not 0 <= request.deduction <= most or round(request.deduction, 2) != request.deduction:
         raise RequestError(f"repair: --deduct takes points from 0 to {words.number(most)}, with two decimals at most")
-    if not wish.comment.strip() or len(wish.comment) > MAX_COMMENT:
+    if not request.comment.strip() or len(request.comment) > MAX_COMMENT:
         raise RequestError(
             f"repair: give the reason with --comment, at most {MAX_COMMENT} characters; the student can read it"
         )
-    if (wish.fixed is None) == (wish.patch is None):
+    if (request.fixed is None) == (request.patch is None):
         raise RequestError("repair: give the repaired file with --with, or a unified diff with --patch")
-    content = now[wish.file]
-    if wish.seen_sha256 not in ("", sha256_of(content)):
-        raise OvertakenError(f"repair: another person has repaired {printable(wish.file, 120)} since you opened it")
-    fixed = applied(content, wish.patch) if wish.patch is not None else wish.fixed or b""
+    content = now[request.file]
+    if request.seen_sha256 not in ("", sha256_of(content)):
+        raise OvertakenError(f"repair: another person has repaired {printable(request.file, 120)} since you opened it")
+    fixed = applied(content, request.patch) if request.patch is not None else request.fixed or b""
     if len(fixed) > LARGEST:
         raise RequestError(f"repair: the repaired file has more than {LARGEST} bytes")
     if fixed == content:
-        raise RequestError(f"repair: nothing in {printable(wish.file, 120)} changes")
-    sha256, diff = sha256_of(handed_in.files[wish.file]), diff_of(wish.file, content, fixed)
-    comment = wish.comment.strip().encode("utf-8", "replace").decode()
-    return LoggedRepair(0, final_grade.id, wish.file, sha256, diff, wish.deduction, comment, author, timestamp())
+        raise RequestError(f"repair: nothing in {printable(request.file, 120)} changes")
+    sha256, diff = sha256_of(handed_in.files[request.file]), diff_of(request.file, content, fixed)
+    comment = request.comment.strip().encode("utf-8", "replace").decode()
+    return LoggedRepair(0, final_grade.id, request.file, sha256, diff, request.deduction, comment, author, timestamp())
 
 
 def repaired(
@@ -365,8 +365,8 @@ def _applied(
     found = suggest(handed_in, final_grade.result, grading.rubric.lab, grading.mark)
     if found is None or (found.file, sha256_of(handed_in.files[found.file])) in decided:
         return None
-    wish = Wish(final_grade.id, found.file, found.content, None, grading.rubric.repairs.deduct, BY_ITSELF)
-    made = _made(wish, final_grade, handed_in.files, handed_in, AUTOMATIC)
+    request = RepairRequest(final_grade.id, found.file, found.content, None, grading.rubric.repairs.deduct, BY_ITSELF)
+    made = _made(request, final_grade, handed_in.files, handed_in, AUTOMATIC)
     result = repaired(handed_in, final_grade, [made], grading, log)
     log.add(made)
     store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [made])), result)

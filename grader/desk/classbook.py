@@ -13,9 +13,9 @@ from typing import Any, TypeVar
 
 from grader.base.errors import RequestError
 from grader.course import class_grading, class_settings
-from grader.course.adjusting import Made, Wish, decide
+from grader.course.adjusting import Made, OverrideRequest, decide
 from grader.course.publishing import publish_all, publish_class
-from grader.course.record import Appeal, Store, Tick
+from grader.course.record import RegradeRequest, Review, Store
 from grader.course.regrade import remark
 from grader.course.submission_archive import Kept, unpack
 from grader.desk.repair_jobs import RepairJobs
@@ -131,15 +131,15 @@ class Classbook:
         """Return the number of the last override: a page loaded now shows everything up to it."""
         return self._store.last_adjustment()
 
-    def decide(self, wishes: Sequence[Wish], author: str, seen: int | None, what: str = "") -> list[Made]:
+    def decide(self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = "") -> list[Made]:
         """Record overrides as `adjusting.decide` does, and update the files of OUT."""
-        made = decide(self._store, self.final_grades(), wishes, author, seen=seen, what=what)
+        made = decide(self._store, self.final_grades(), overrides, author, seen=seen, what=what)
         self._publisher.changed(each.id for each in made if each.fresh)
         return made
 
     def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
         """Record a review. A reviewed empty or unreadable submission is no longer left blank, so its page changes."""
-        self._store.tick([Tick(*key, done, author, now()) for key in keys])
+        self._store.keep_reviews([Review(*key, done, author, now()) for key in keys])
         self._seen = -1
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
 
@@ -149,9 +149,9 @@ class Classbook:
         self.rubric, self._seen = rubric, -1
         self._publisher.changed(marked)
 
-    def requests(self) -> list[Appeal]:
+    def requests(self) -> list[RegradeRequest]:
         """Return all regrade requests."""
-        return self._store.appeals()
+        return self._store.regrade_requests()
 
     def settled(self) -> None:
         """Wait until the files of OUT match the record."""

@@ -55,7 +55,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Shelf:
+class SubmittedFiles:
     """Submitted files for display: text, pictures, and the others by name and size."""
 
     listings: tuple[Listing, ...]
@@ -67,7 +67,7 @@ class Shelf:
         return next((each.anchor for each in self.listings if each.path == path), "")
 
 
-def shelf(kept: Kept, named: Mapping[str, set[int]]) -> Shelf:
+def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles:
     """Prepare the recorded files for the page.
 
     Parameters
@@ -81,7 +81,7 @@ def shelf(kept: Kept, named: Mapping[str, set[int]]) -> Shelf:
     texts = [path for path in paths if path.lower().endswith(_TEXTS)]
     pictures = [path for path in paths if kept.files[path].startswith(_PICTURE)]
     rest = {path: len(kept.files[path]) for path in paths if path not in texts and path not in pictures}
-    return Shelf(
+    return SubmittedFiles(
         tuple(_listing(f"file-{paths.index(path)}", path, kept.files[path], named.get(path, set())) for path in texts),
         tuple(Picture(printable(path), paths.index(path), unshowable(kept.files[path])) for path in pictures),
         tuple((printable(path), f"{size:,} bytes") for path, size in {**rest, **kept.others}.items()),

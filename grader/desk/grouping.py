@@ -9,7 +9,7 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.course import adjusting
-from grader.course.adjusting import Wish
+from grader.course.adjusting import OverrideRequest
 from grader.course.groups import CHECK, MISTAKE, SAME, Group, alike, decisions, groups
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
@@ -73,15 +73,15 @@ def decide(book: Classbook, ask: Ask) -> Response:
         errors["id"] = "Select at least one submission."
     if errors:
         return _page(book, ask, group, errors)
-    wishes = [Wish(id_, target, points, comment, place=id_, alone=not points) for id_ in chosen]
-    book.decide(wishes, ask.author, ask.number("seen"), group.what)
+    requests = [OverrideRequest(id_, target, points, comment, place=id_, alone=not points) for id_ in chosen]
+    book.decide(requests, ask.author, ask.number("seen"), group.what)
     return RedirectResponse(f"{address(group)}#decisions", 303)
 
 
 def take_back(book: Classbook, ask: Ask) -> Response:
     """Undo the parts of a decision that no later override has replaced."""
-    wishes = adjusting.undone_decision(book.store, ask.number("number") or 0)
-    book.decide(wishes, ask.author, ask.number("seen"))
+    requests = adjusting.undone_decision(book.store, ask.number("number") or 0)
+    book.decide(requests, ask.author, ask.number("seen"))
     return RedirectResponse("/groups#decisions", 303)
 
 

@@ -20,7 +20,7 @@ from grader.report import overview
 
 def queue(book: Classbook) -> list[Item]:
     """Return the review queue. It is computed again only after the record has changed."""
-    facts = (book.final_grades(), book.similar().groups, book.store.told(), book.requests(), book.store.ticks())
+    facts = (book.final_grades(), book.similar().groups, book.store.told(), book.requests(), book.store.reviews())
     return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
 
 
@@ -28,13 +28,13 @@ def review_queue(book: Classbook, ask: Ask) -> Response:
     """Show the first page: the open items of the review queue, then those marked as reviewed."""
     found = queue(book)
     kind = ask.text("kind") if ask.text("kind") in KINDS else ""
-    open_ = [each for each in found if each.tick is None]
+    open_ = [each for each in found if each.review is None]
     return framed(
         book,
         ask,
         "review_queue.html.j2",
         open=[each for each in open_ if kind in ("", each.reason.kind)],
-        done=[each for each in found if each.tick is not None and kind in ("", each.reason.kind)],
+        done=[each for each in found if each.review is not None and kind in ("", each.reason.kind)],
         kind=kind,
         kinds=KINDS,
         counts=Counter(each.reason.kind for each in open_),
@@ -43,7 +43,7 @@ def review_queue(book: Classbook, ask: Ask) -> Response:
 
 
 def class_page(book: Classbook, ask: Ask) -> Response:
-    waiting = Counter(id_ for each in queue(book) if each.tick is None for id_ in each.ids)
+    waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
     everybody = book.final_grades().values()
     absent = class_settings.absent(book.store.settings(), {each.id: each.hand_in for each in everybody})
     results = [each.result for each in everybody]

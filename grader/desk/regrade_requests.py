@@ -15,7 +15,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course.adjusting import targets
-from grader.course.record import Appeal
+from grader.course.record import RegradeRequest
 from grader.desk.asking import MOST_BYTES, Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
@@ -87,7 +87,7 @@ def add(book: Classbook, ask: Ask) -> Response:
     """Record the requests in a form: one student's text, a JSON file, or a table of many."""
     try:
         dropped = list(read(ask.text("text"), ask.text("who"), ask.text("about")))
-        new = book.store.keep_appeals(placed(dropped, book.final_grades()))
+        new = book.store.keep_regrade_requests(placed(dropped, book.final_grades()))
     except RequestError as problem:
         return _page(book, ask, str(problem), 400)
     return RedirectResponse(f"/regrade-requests?told={quote(added(new, len(dropped)))}", 303)
@@ -108,7 +108,7 @@ def read_in(book: Classbook, path: Path) -> str:
     if not files:
         raise RequestError(f"--appeals {printable(str(path), 500)}: contains no {', '.join(_FILES)} file")
     dropped = [each for file in files for each in _read_file(file)]
-    new = book.on_thread(lambda: book.store.keep_appeals(placed(dropped, book.final_grades())))
+    new = book.on_thread(lambda: book.store.keep_regrade_requests(placed(dropped, book.final_grades())))
     return added(new, len(dropped))
 
 
@@ -155,7 +155,7 @@ def read(text: str, who: str, about: str) -> Iterator[Dropped]:
             yield _bounded(Dropped(_first(said, _WHO) or who, _first(said, _ABOUT) or about, found, place))
 
 
-def placed(dropped: Sequence[Dropped], final_grades: Mapping[str, FinalGrade]) -> list[Appeal]:
+def placed(dropped: Sequence[Dropped], final_grades: Mapping[str, FinalGrade]) -> list[RegradeRequest]:
     """Match each request to a submission and a check.
 
     Raises
@@ -175,13 +175,13 @@ def placed(dropped: Sequence[Dropped], final_grades: Mapping[str, FinalGrade]) -
         elif each.about and each.about not in (known := targets(final_grades[match.id])):
             problems.append(f"{each.place}: there is no check {printable(each.about)}{guess_at(each.about, known)}")
         else:
-            requests.append(Appeal(match.id, each.about, each.text, now()))
+            requests.append(RegradeRequest(match.id, each.about, each.text, now()))
     if problems:
         raise RequestError("\n".join(problems[:20]))
     return requests
 
 
-def target(request: Appeal) -> str:
+def target(request: RegradeRequest) -> str:
     """Return what the answer overrides: the check, or the total."""
     return request.about or TOTAL
 

@@ -14,7 +14,7 @@ from grader.course import repairs
 from grader.course.patches import diff_of
 from grader.course.record import OvertakenError
 from grader.course.repair_log import MAX_COMMENT, patched, sha256_of
-from grader.course.repairs import Grading, Preview, Wish
+from grader.course.repairs import Grading, Preview, RepairRequest
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.editing import as_bytes, editable
@@ -210,12 +210,12 @@ def change(book: Classbook, ask: Ask, final_grade: FinalGrade) -> Job | Mapping[
     edited = as_bytes(content, job.text)
     if kind != "suggest" and edited == content:
         return {"text": "Nothing in the file has changed."}
-    wish = Wish(final_grade.id, job.file, edited, seen_sha256=sha256_of(content))
+    request = RepairRequest(final_grade.id, job.file, edited, seen_sha256=sha256_of(content))
     if kind == "save":
         known = {each.id for each in alike(book, final_grade, job.file)}
         ids = [final_grade.id, *(each for each in job.also if each in known)]
-        return book.jobs.start(job, partial(_save, book, job, wish, ids, ask.author))
-    return book.jobs.start(job, partial(_suggest if kind == "suggest" else _preview, book, job, wish))
+        return book.jobs.start(job, partial(_save, book, job, request, ids, ask.author))
+    return book.jobs.start(job, partial(_suggest if kind == "suggest" else _preview, book, job, request))
 
 
 def _typed(ask: Ask) -> str:
@@ -242,11 +242,11 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _preview(book: Classbook, job: Job, wish: Wish, grading: Grading) -> None:
-    job.grades = repairs.preview(book.out, wish, grading)
+def _preview(book: Classbook, job: Job, request: RepairRequest, grading: Grading) -> None:
+    job.grades = repairs.preview(book.out, request, grading)
 
 
-def _suggest(book: Classbook, job: Job, wish: Wish, grading: Grading) -> None:
+def _suggest(book: Classbook, job: Job, request: RepairRequest, grading: Grading) -> None:
     job.step = "Trying edits of the line that fails"
     _, found = repairs.suggestion(book.out, job.id, grading)
     if found is None:
@@ -255,15 +255,15 @@ def _suggest(book: Classbook, job: Job, wish: Wish, grading: Grading) -> None:
         )
     job.file = found.file
     job.text = editable(found.file, found.content).text
-    job.grades = repairs.preview(book.out, Wish(job.id, found.file, found.content), grading)
+    job.grades = repairs.preview(book.out, RepairRequest(job.id, found.file, found.content), grading)
 
 
-def _save(book: Classbook, job: Job, wish: Wish, ids: Sequence[str], author: str, grading: Grading) -> None:
+def _save(book: Classbook, job: Job, request: RepairRequest, ids: Sequence[str], author: str, grading: Grading) -> None:
     """Record the repair for each submission. A failure for the first one raises; later failures are reported and skipped."""
     points = _number(job.deduct) or 0.0
     for place, id_ in enumerate(ids):
         job.step = f"Grading submission {place + 1} of {len(ids)}"
-        one = Wish(id_, wish.file, wish.fixed, None, points, job.comment, wish.seen_sha256)
+        one = RepairRequest(id_, request.file, request.fixed, None, points, job.comment, request.seen_sha256)
         try:
             job.lines.append(repairs.record(book.out, one, author, grading))
         except RequestError as problem:

@@ -9,7 +9,7 @@ from urllib.parse import quote
 from grader.base.text import printable
 from grader.course import missing_packages
 from grader.course.groups import Group, alike
-from grader.course.record import Appeal, Tick, about, why_empty
+from grader.course.record import RegradeRequest, Review, about, why_empty
 from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import A_PERSON_MAY
@@ -77,7 +77,7 @@ class Item:
 
     id: str
     reason: Reason
-    tick: Tick | None
+    review: Review | None
     others: tuple[str, ...] = ()
 
     @property
@@ -99,8 +99,8 @@ def items(
     final_grades: Mapping[str, FinalGrade],
     groups: Sequence[SimilarityGroup],
     told: Mapping[str, Sequence[str]],
-    requests: Iterable[Appeal],
-    ticks: Mapping[tuple[str, str, str], Tick],
+    requests: Iterable[RegradeRequest],
+    reviews: Mapping[tuple[str, str, str], Review],
     lab: Lab,
 ) -> list[Item]:
     """Return the queue: in the order of `KINDS`, then in the order of the class."""
@@ -114,7 +114,7 @@ def items(
     rank = {kind: place for place, kind in enumerate(KINDS)}
     order = {id_: place for place, id_ in enumerate(final_grades)}
     found.sort(key=lambda item: (rank[item[1].kind], order.get(item[0][0], -1)))
-    return [Item(ids[0], each, ticks.get((ids[0], each.kind, each.about)), tuple(ids[1:])) for ids, each in found]
+    return [Item(ids[0], each, reviews.get((ids[0], each.kind, each.about)), tuple(ids[1:])) for ids, each in found]
 
 
 def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
@@ -189,7 +189,7 @@ def _of_several(
             yield group.ids, Reason("alike", f"Similar code beyond the lab sheet: up to {share}.", group.ids)
 
 
-def _request(request: Appeal) -> Reason:
+def _request(request: RegradeRequest) -> Reason:
     about = f" about {printable(request.about, 80)}" if request.about else ""
     return Reason("request", f"Request {request.number}{about}: {printable(' '.join(request.text.split()), 160)}")
 

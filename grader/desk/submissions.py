@@ -12,12 +12,12 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course import adjusting
-from grader.course.adjusting import ALONE, Wish
-from grader.course.record import Appeal
+from grader.course.adjusting import ALONE, OverrideRequest
+from grader.course.record import RegradeRequest
 from grader.desk import repairing
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
-from grader.desk.code import Shelf, defined, named_lines, shelf, unshowable
+from grader.desk.code import SubmittedFiles, defined, named_lines, submitted_files, unshowable
 from grader.desk.editing import editable
 from grader.desk.overviews import framed, queue
 from grader.desk.repair_jobs import Job
@@ -46,7 +46,7 @@ class Typed:
 class _Beside:
     """Content of a submission's page beside its result: regrade requests, and a form that was refused."""
 
-    requests: Sequence[Appeal]
+    requests: Sequence[RegradeRequest]
     typed: Typed | None = None
 
 
@@ -60,7 +60,7 @@ class Overrides:
     points: Adjustment | None
     comment: Adjustment | None
     covered: str = ""
-    requests: tuple[Appeal, ...] = ()
+    requests: tuple[RegradeRequest, ...] = ()
     typed: Typed | None = None
 
     @property
@@ -138,7 +138,7 @@ def _page(
     marked = result.status not in ("empty", "unreadable")
     parts: Sequence[CriterionResult | ExtensionResult] = [*result.criteria, *(e for e in result.extensions if e.checks)]
     named = named_lines((check for part in parts for check in part.checks), kept.files)
-    files = shelf(kept, named)
+    files = submitted_files(kept, named)
     definitions = {each.id: list(defined(kept, each.names)) for each in (*book.lab.parts, *book.lab.bonuses)}
     code = _Code(files, named, definitions)
     shown = book.store.charts(final_grade.id)
@@ -184,14 +184,16 @@ def override(book: Classbook, ask: Ask) -> Response:
     if ask.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
         return _page(book, ask, final_grade, None, 400, Typed(target, ask.text("points"), comment, wrong))
     if ask.text("do") in ("undo", "undo-comment"):
-        wish = adjusting.undone(book.store, final_grade.id, target, alone=ask.text("do") == "undo-comment")
+        override = adjusting.undone(book.store, final_grade.id, target, alone=ask.text("do") == "undo-comment")
     elif ask.text("do") == "withdraw":
-        wish = Wish(final_grade.id, target, "", comment or "withdrawn", place=final_grade.id)
+        override = OverrideRequest(final_grade.id, target, "", comment or "withdrawn", place=final_grade.id)
     else:
-        wish = Wish(final_grade.id, target, points or ALONE, comment, place=final_grade.id, alone=not points)
+        override = OverrideRequest(
+            final_grade.id, target, points or ALONE, comment, place=final_grade.id, alone=not points
+        )
         if not comment:
             raise RequestError("Enter a comment. Nothing was saved")
-    book.decide([wish], ask.author, ask.number("seen"))
+    book.decide([override], ask.author, ask.number("seen"))
     if answers := ask.number("answers"):
         book.store.answer(answers, comment, ask.author, now())
     return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}#override-{target.replace('.', '-')}", 303)
@@ -249,7 +251,7 @@ def one(book: Classbook, ask: Ask) -> FinalGrade:
 class _Code:
     """Finds the code of a check: the lines that it names, or the definitions of its criterion."""
 
-    shelf: Shelf
+    submitted_files: SubmittedFiles
     named: Mapping[str, set[int]]
     defined: Mapping[str, Sequence[tuple[str, int]]]
 
@@ -259,7 +261,7 @@ class _Code:
         return tuple(
             Place(printable(path), anchor, line)
             for path, line in mine or self.defined.get(part, ())
-            if (anchor := self.shelf.anchor(path))
+            if (anchor := self.submitted_files.anchor(path))
         )
 
 
@@ -306,7 +308,7 @@ def _said(final_grade: FinalGrade, target: str, beside: _Beside) -> Overrides:
     )
 
 
-def _keys(parts: Sequence[Part], requests: Sequence[Appeal]) -> dict[str, str]:
+def _keys(parts: Sequence[Part], requests: Sequence[RegradeRequest]) -> dict[str, str]:
     """Return the key of each form: ``m`` the total, ``o`` the bonus, ``b`` the most likely target.
 
     That is the target of an open regrade request, else the first check that lost points, else the total.
@@ -330,7 +332,7 @@ class Way:
 
 def _way(ids: Sequence[str], id_: str, items: Sequence[Item]) -> Way:
     here = ids.index(id_)
-    waiting = {id_ for each in items if each.tick is None for id_ in each.ids}
+    waiting = {id_ for each in items if each.review is None for id_ in each.ids}
     later = [each for each in (*ids[here + 1 :], *ids[:here]) if each in waiting]
     previous = ids[here - 1] if here else ""
     following = ids[here + 1] if here + 1 < len(ids) else ""

@@ -17,7 +17,7 @@ from grader.engine.faults import Mistake, rows
 from grader.engine.findings import Charge, Charged, Deviation
 from grader.engine.hypothesis import Reason, explain
 from grader.engine.lab import Lab
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 
 
 class Measurement(Protocol):
@@ -62,7 +62,7 @@ class Part(Generic[Facts]):
             known = Check(check_id, title_of(function.__doc__ or ""), lab_step)
             self.checks[check_id] = known, function
 
-            def asked(student: Conversation, truth: Any) -> None:
+            def asked(student: SubmissionSession, truth: Any) -> None:
                 found = student.once((self.id, "judged"), lambda: self._judged(student, truth)).get(check_id)
                 if found is not None:
                     raise found if isinstance(found, Exception) else Charged(found)
@@ -74,7 +74,7 @@ class Part(Generic[Facts]):
 
         return mark
 
-    def _judged(self, student: Conversation, truth: Any) -> Mapping[str, Charge | Exception]:
+    def _judged(self, student: SubmissionSession, truth: Any) -> Mapping[str, Charge | Exception]:
         return self.judge(self.measure(student, truth), rows(self.lab))
 
     def judge(self, facts: Facts, table: Mapping[str, Mistake]) -> Mapping[str, Charge | Exception]:
@@ -97,8 +97,8 @@ class Part(Generic[Facts]):
         named = {row for row, _ in charge.found}
         if self.together.isdisjoint(named):
             return charge
-        own = [r for r in self.reasons if self._full(r.of) == charge.check and r.told in self.together - named]
-        for row in dict.fromkeys(each.told for each in own if each.fits(facts)):
+        own = [r for r in self.reasons if self._full(r.of) == charge.check and r.cause in self.together - named]
+        for row in dict.fromkeys(each.cause for each in own if each.fits(facts)):
             charge = charge.plus(row, 0.0, charge.found[0][1])
         return charge
 
@@ -112,7 +112,7 @@ class Part(Generic[Facts]):
         order = list(dict.fromkeys(self._full(reason.of) for reason in self.reasons))
         for name in sorted(set(off).intersection(order), key=order.index):
             own = [reason for reason in self.reasons if self._full(reason.of) == name]
-            general = [reason for reason in own if reason.told == name]
+            general = [reason for reason in own if reason.cause == name]
             if (reason := explain(own, facts) or next(iter(general), None)) is not None:
                 found[name] = reason
         return found
@@ -128,17 +128,17 @@ class Part(Generic[Facts]):
         charges: dict[str, Charge] = {}
         taken: dict[str, str] = {}
         for name, reason in reasons.items():
-            if reason.told in at and not self.only_names:
+            if reason.cause in at and not self.only_names:
                 continue
-            row = table[reason.told]
+            row = table[reason.cause]
             deducts = {name: off[name].share} if self.only_names else self._deducts(row) or {name: 1.0}
             place = name if name in deducts else next((each for each in deducts if each in off), next(iter(deducts)))
             if place in stopped:
                 continue
-            at[reason.told] = place
+            at[reason.cause] = place
             before = charges.get(place, Charge(place, 1.0))
             seen = off[name] if name in self.others else off.get(place, off[name])
-            charges[place] = before.plus(reason.told, deducts[place] * seen.affected, seen)
+            charges[place] = before.plus(reason.cause, deducts[place] * seen.affected, seen)
             taken |= dict.fromkeys(map(self._full, {*row.takes, *reason.takes}), place)
         charges |= {name: Charge(name, 0.0, see=self._title(place)) for name, place in taken.items()}
         for name in [name for name in off if name in self.checks and name not in charges]:
@@ -148,8 +148,8 @@ class Part(Generic[Facts]):
 
     def _seen_elsewhere(self, name: str, reasons: Mapping[str, Reason[Facts]], at: Mapping[str, str]) -> str:
         """Return the check that is already charged for the deviation that this check sees too; "" if there is none."""
-        predicted = (at[reason.told] for reason in reasons.values() if name in map(self._full, reason.predicts))
-        return at[reasons[name].told] if name in reasons else next(predicted, "")
+        predicted = (at[reason.cause] for reason in reasons.values() if name in map(self._full, reason.predicts))
+        return at[reasons[name].cause] if name in reasons else next(predicted, "")
 
     def _deducts(self, row: Mistake) -> Mapping[str, float]:
         """Return the share of points that a fault deducts from each check of this criterion."""

@@ -29,24 +29,24 @@ from grader.base.text import printable
 from grader.engine import hidden_feedback
 from grader.engine.check_catalog import Check, check_files, title_of
 from grader.engine.faults import rows
-from grader.engine.feedback import Feedback, story, told
+from grader.engine.feedback import Feedback, cause_key, feedback_on
 from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
 from grader.engine.lab import Lab
 from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 from grader.engine.traces import Traces
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """Outcome of one check; `told` is its feedback, or None if the grader failed to judge.
+    """Outcome of one check; `feedback` is what students read, or None if the grader failed to judge.
 
     `ours` is True if the sandbox or the request failed, which no answer can cause.
     """
 
     check: Check
-    told: Feedback | None
+    feedback: Feedback | None
     trouble: str
     duration_s: float
     ours: bool = False
@@ -54,7 +54,7 @@ class Judgement:
     @property
     def keeps(self) -> float:
         """The share of points that the check keeps; -1 if it was not judged."""
-        return -1.0 if self.told is None else self.told.keeps
+        return -1.0 if self.feedback is None else self.feedback.keeps
 
 
 def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -68,18 +68,18 @@ def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Callable[.
     return mark
 
 
-class Examination:
-    """Examination of one submission: selects its checks and records how each of them ended."""
+class CheckRun:
+    """One run of the checks on one submission: selects its checks and records how each of them ended."""
 
     def __init__(
-        self, lab: Lab, student: Conversation, truth: Traces, only: str | None, look: PublicLook | None = None
+        self, lab: Lab, student: SubmissionSession, truth: Traces, only: str | None, look: PublicLook | None = None
     ) -> None:
         self.student, self.truth, self._only = student, truth, only
         self._lab, self._mistakes, self._look = lab, rows(lab), look
         self._secret = truth.name != "public"
         self._attempted = {bonus.id for bonus in lab.bonuses if bonus.attempted_in(student.files)}
         # Title of the check that reported a cause first, by the cause's key; later checks refer to that check.
-        self._stories: dict[str, str] = {}
+        self._reported: dict[str, str] = {}
         self._lost: set[str] = set()  # criteria in which a check lost points
         self._alone = False  # True while a part is examined without stand-ins
         self.judgements: dict[str, Judgement] = {}
@@ -107,10 +107,10 @@ class Examination:
             verdict = Feedback("passed", 1.0, "")
         elif isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
             finding = self._without_secrets(ended)
-            same = (hidden_feedback.story if self._secret else story)(finding, this.criterion)
-            verdict = self._told(finding, self._stories.get(same) if same else None)
+            same = (hidden_feedback.cause_key if self._secret else cause_key)(finding, this.criterion)
+            verdict = self._told(finding, self._reported.get(same) if same else None)
             if same:
-                self._stories.setdefault(same, this.title)
+                self._reported.setdefault(same, this.title)
         else:
             of_ours = isinstance(ended, GraderError | RequestError)
             trouble = f"{type(ended).__name__}: {ended}" if of_ours or not self._secret else ""
@@ -131,8 +131,8 @@ class Examination:
             and earlier is None
             and isinstance(finding, Charged | CheckFailed | Skipped | Raised | NoAnswer)
         ):
-            return hidden_feedback.told(finding, self._mistakes)
-        return told(finding, earlier, self._mistakes)
+            return hidden_feedback.feedback_on(finding, self._mistakes)
+        return feedback_on(finding, earlier, self._mistakes)
 
     def lost_beside_standins(self, criterion: str) -> bool:
         """Return whether a part lost points while stand-ins were in use.
@@ -146,8 +146,8 @@ class Examination:
     def alone(self, criterion: str) -> Iterator[None]:
         """Examine a part again without stand-ins; the new outcomes count if at least one check ends better and none worse."""
         beside = {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
-        stories, titles = self._stories, {each.check.title for each in beside.values()}
-        self._stories = {same: title for same, title in stories.items() if title not in titles}
+        stories, titles = self._reported, {each.check.title for each in beside.values()}
+        self._reported = {same: title for same, title in stories.items() if title not in titles}
         self._lost.discard(criterion)
         with self.student.without_standins() as answers:
             self._alone = True
@@ -160,7 +160,7 @@ class Examination:
             self.student.remember(answers)
         else:
             self.judgements |= beside
-            self._stories = stories
+            self._reported = stories
             self._lost.add(criterion)
 
 
@@ -188,32 +188,32 @@ class Session:
         self._items: list[pytest.Item] = []
         self.troubles: list[str] = []
         self.private: tempfile.TemporaryDirectory[str] | None = None
-        self._examination: Examination | None = None
+        self._examination: CheckRun | None = None
 
     @property
     def checks(self) -> dict[str, Check]:
         """The collected checks by id."""
         return {_check(item).id: _check(item) for item in self._items}
 
-    def run(self, examination: Examination) -> None:
+    def run(self, check_run: CheckRun) -> None:
         """Run the checks of a submission, part by part in the lab's order."""
-        self._examination = examination
-        wanted = [item for item in self._items if examination.wants(_check(item))]
+        self._examination = check_run
+        wanted = [item for item in self._items if check_run.wants(_check(item))]
         for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
             own = list(items)
             _run(own)
-            if examination.lost_beside_standins(criterion):
-                with examination.alone(criterion):
+            if check_run.lost_beside_standins(criterion):
+                with check_run.alone(criterion):
                     _run(own)
 
     @property
-    def _now(self) -> Examination:
+    def _now(self) -> CheckRun:
         assert self._examination is not None, "checks run for a submission only"
         return self._examination
 
     @pytest.fixture
-    def student(self) -> Conversation:
-        """The submission under examination."""
+    def student(self) -> SubmissionSession:
+        """The submission being checked."""
         return self._now.student
 
     @pytest.fixture
@@ -255,9 +255,9 @@ class Session:
     def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:
         """Report only whether the check failed; pytest's own report quotes source per frame, 0.5 s per failed check."""
         failed = call.excinfo is not None
-        told = repr(call.excinfo.value)[:300] if call.excinfo is not None else None
+        message = repr(call.excinfo.value)[:300] if call.excinfo is not None else None
         outcome: Literal["passed", "failed"] = "failed" if failed else "passed"
-        return pytest.TestReport(item.nodeid, item.location, {}, outcome, told, call.when)  # type: ignore[arg-type] # never "collect"
+        return pytest.TestReport(item.nodeid, item.location, {}, outcome, message, call.when)  # type: ignore[arg-type] # never "collect"
 
 
 def _last_line(text: str) -> str:

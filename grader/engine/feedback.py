@@ -34,13 +34,13 @@ class Feedback:
         return message_of(self.said, self.expected, self.got)
 
 
-def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Feedback:
+def feedback_on(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Feedback:
     """Return the feedback for the finding that ended a check.
 
     Parameters
     ----------
     finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
-    earlier : title of an earlier check whose feedback reports the same cause (see `story`), or None
+    earlier : title of an earlier check whose feedback reports the same cause (see `cause_key`), or None
     mistakes : the rows of the lab's fault table
     """
     if isinstance(finding, Charged):
@@ -67,7 +67,7 @@ def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mis
     return _no_answer(finding, mistakes)
 
 
-def story(finding: BaseException, part: str) -> str | None:
+def cause_key(finding: BaseException, part: str) -> str | None:
     """Return a key that is equal for findings with the same cause, which is reported once; None for a finding always reported.
 
     Timeouts within one part share a key, although each call has less time than the one before.

@@ -15,7 +15,7 @@ from grader import __version__
 from grader.base.text import printable
 from grader.engine.chart_data import Evidence, packed
 from grader.engine.check_catalog import Check
-from grader.engine.check_runner import Examination, Judgement, known_checks, session
+from grader.engine.check_runner import CheckRun, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.findings import Ours
 from grader.engine.fingerprint import fingerprint
@@ -25,7 +25,7 @@ from grader.engine.public_look import PublicLook
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from grader.engine.session import SEED, Listener
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.sandbox.isolation_levels import IsolationLevel
@@ -116,14 +116,14 @@ class Marker:
         student = self._student(submission.files, submission.above, waiting, cpu_s)
         student.listen = listen if self._traces.name == "public" else None
         look = PublicLook(lambda: self._public_student(submission)) if self._secret else None
-        examination = Examination(self._lab, student, self._traces, only, look)
+        check_run = CheckRun(self._lab, student, self._traces, only, look)
         try:
-            self._run(examination)
-            judgements = self._understood(examination.judgements, student)
+            self._run(check_run)
+            judgements = self._understood(check_run.judgements, student)
             notes = [*(look.notes(self._lab.homes) if look and student.withheld_note else ()), *student.notes]
         except KeyboardInterrupt:
             session.cache_clear()  # pytest cannot continue an interrupted session: the next one is collected anew
-            so_far = self._result(submission, "graded", examination.judgements, student.notes, started, only)
+            so_far = self._result(submission, "graded", check_run.judgements, student.notes, started, only)
             raise Stopped(_as_far_as_it_came(so_far)) from None
         finally:
             if look:
@@ -137,7 +137,7 @@ class Marker:
         """True if the traces are hidden ones."""
         return self._traces.name != "public"
 
-    def _public_student(self, submission: Submission) -> Conversation:
+    def _public_student(self, submission: Submission) -> SubmissionSession:
         """Open a session over a submission's files with public data only; each part has the time of one call."""
         return self._lab.student(
             self._sandbox,
@@ -155,7 +155,7 @@ class Marker:
         above: Mapping[str, int],
         waiting: Callable[[str], None] | None = None,
         cpu_s: float | None = None,
-    ) -> Conversation:
+    ) -> SubmissionSession:
         limits = self._rubric.limits
         most = limits.submission_cpu_s if cpu_s is None else cpu_s
         self._sandbox.warm(libraries_of(self._lab, files))
@@ -172,36 +172,36 @@ class Marker:
         student.secret = self._secret
         return student
 
-    def _run(self, examination: Examination) -> None:
+    def _run(self, check_run: CheckRun) -> None:
         try:
-            session(self._lab, self._rubric.own_checks).run(examination)
+            session(self._lab, self._rubric.own_checks).run(check_run)
         finally:
-            examination.student.close()
+            check_run.student.close()
 
-    def _understood(self, judgements: Mapping[str, Judgement], student: Conversation) -> Mapping[str, Judgement]:
+    def _understood(self, judgements: Mapping[str, Judgement], student: SubmissionSession) -> Mapping[str, Judgement]:
         """Fail the checks that raised an unexpected exception on this submission but can judge the sheet's own code.
 
         A check that also raises on the sheet's code stays unjudged. The sheet's code has no extensions: their checks are failed.
         """
-        odd = {id_: each for id_, each in judgements.items() if each.told is None and not each.ours}
+        odd = {id_: each for id_, each in judgements.items() if each.feedback is None and not each.ours}
         bonuses = {bonus.id for bonus in self._lab.bonuses}
         lost = {}
         for id_, each in odd.items():
             control = self._control.get(id_)
-            if each.check.criterion in bonuses or (control is not None and control.told is not None):
+            if each.check.criterion in bonuses or (control is not None and control.feedback is not None):
                 student.note(Ours(f"{id_}: the grader could not read what the code returned; please review it"))
-                lost[id_] = replace(each, told=NOT_UNDERSTOOD)
+                lost[id_] = replace(each, feedback=NOT_UNDERSTOOD)
         return {**judgements, **lost}
 
     @cached_property
     def _control(self) -> Mapping[str, Judgement]:
         """Outcomes of the checks for the sheet's own code."""
         sheet = {self._lab.files[0]: (self._lab.folder / "sheet.txt").read_bytes()}
-        examination = Examination(self._lab, self._student(sheet, {}), self._traces, None)
-        self._run(examination)
-        return examination.judgements
+        check_run = CheckRun(self._lab, self._student(sheet, {}), self._traces, None)
+        self._run(check_run)
+        return check_run.judgements
 
-    def _evidence(self, student: Conversation) -> Evidence:
+    def _evidence(self, student: SubmissionSession) -> Evidence:
         """Return the charts and the fingerprint, or none if they cannot be made: they do not affect the grade."""
         try:
             return Evidence(packed(self._lab.charts(student, self._traces)), fingerprint(student.files))
@@ -252,22 +252,22 @@ class Marker:
         )
         if judgement is None and status in ("empty", "unreadable"):
             return found(outcome="skipped", said=_NOTHING[status], keeps=0.0)
-        if judgement is None or judgement.told is None:
+        if judgement is None or judgement.feedback is None:
             trouble = judgement.trouble if judgement else "the check did not run"
             said = "Not judged, through a fault of the grader" + (f": {printable(trouble, 300)}" if trouble else "")
             return found(outcome="not_judged", said=said)
-        told = judgement.told
+        feedback = judgement.feedback
         return found(
-            outcome=told.outcome,
-            said=told.said,
-            expected=told.expected,
-            got=told.got,
-            where=told.where,
-            hint=told.hint,
-            misconceptions=told.mistakes,
+            outcome=feedback.outcome,
+            said=feedback.said,
+            expected=feedback.expected,
+            got=feedback.got,
+            where=feedback.where,
+            hint=feedback.hint,
+            misconceptions=feedback.mistakes,
             duration_s=0.0 if self._secret else round(judgement.duration_s, 4),
-            keeps=told.keeps,
-            not_understood=told.not_understood,
+            keeps=feedback.keeps,
+            not_understood=feedback.not_understood,
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:

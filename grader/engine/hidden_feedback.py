@@ -30,7 +30,9 @@ _HOLDS, _DOES_NOT = "this to hold in the hidden scenarios, too", "it does not"
 _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
 
-def told(finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
+def feedback_on(
+    finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]
+) -> Feedback:
     """Return the feedback for the finding that ended a check."""
     if isinstance(finding, Charged):
         return _charged(finding.charge, mistakes)
@@ -50,13 +52,13 @@ def told(finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, mistakes:
     return _no_answer(finding, mistakes)
 
 
-def story(finding: BaseException, part: str) -> str | None:
-    """Return a key that is equal for findings with the same cause, like `feedback.story`; it holds no text of the student's."""
+def cause_key(finding: BaseException, part: str) -> str | None:
+    """Return a key that is equal for findings with the same cause, like `feedback.cause_key`; it holds no text of the student's."""
     if isinstance(finding, Raised):
         return f"Raised: {part}: {_kind(finding)}"
     if isinstance(finding, NoAnswer):
         return f"{type(finding).__name__}: {part}"
-    return feedback.story(finding, part)
+    return feedback.cause_key(finding, part)
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:

@@ -18,7 +18,7 @@ class Hypothesis(Protocol):
     """A possible cause of the observations."""
 
     @property
-    def told(self) -> Hashable:
+    def cause(self) -> Hashable:
         """The reported cause; hypotheses of equal cost with an equal one do not contradict each other."""
 
     @property
@@ -36,7 +36,7 @@ class Reason(Generic[Seen]):
     Attributes
     ----------
     of : the property that it explains
-    told : the id of the fault's row
+    cause : the id of the fault's row
     holds : tells whether the fault predicts the facts
     predicts : other properties that deviate through it, unless they have a reason of their own
     takes : checks that cannot be judged if the fault shows in this property, in addition to those of its row
@@ -44,7 +44,7 @@ class Reason(Generic[Seen]):
 
     of: str
     cost: int
-    told: str
+    cause: str
     holds: Callable[[Seen], bool]
     predicts: frozenset[str] = frozenset()
     takes: frozenset[str] = frozenset()
@@ -74,7 +74,7 @@ def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Cand
     """Do the same as `explain` for hypotheses grouped by cost; a group is read only after all cheaper ones have failed."""
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
-            return fitting[0] if len({each.told for each in fitting}) == 1 else None
+            return fitting[0] if len({each.cause for each in fitting}) == 1 else None
     return None
 
 

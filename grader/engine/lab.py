@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from grader.engine.chart_data import Chart
     from grader.engine.rubric_nodes import Reader
-    from grader.engine.submission_session import Conversation
+    from grader.engine.submission_session import SubmissionSession
     from grader.engine.traces import Traces
     from grader.sandbox.wire import Frame
 
@@ -62,7 +62,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Brought:
+class LabFile:
     """A file that a rubric names in place of one of the lab's, with the public traces recorded from it.
 
     `keys` is the path of rubric keys to the line that names it.
@@ -86,7 +86,7 @@ def _brings_nothing(settings: Mapping[str, Any]) -> None:
     """Supply no files: the default of `Lab.brought`."""
 
 
-def _nothing_more(own: Brought | None) -> Handout:
+def _nothing_more(own: LabFile | None) -> Handout:
     return Handout()
 
 
@@ -143,13 +143,13 @@ class Lab:
     title: str
     parts: tuple[Part, ...]
     bonuses: tuple[Part, ...]
-    student: Callable[..., Conversation]
+    student: Callable[..., SubmissionSession]
     charts: Callable[[Any, Traces], tuple[Chart, ...]]
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
     truth: Callable[[str | None, Mapping[str, Any]], Traces]
     match: Callable[[Mapping[str, Any], Traces], None] = _any_will_do
-    brought: Callable[[Mapping[str, Any]], Brought | None] = _brings_nothing
-    handout: Callable[[Brought | None], Handout] = _nothing_more
+    brought: Callable[[Mapping[str, Any]], LabFile | None] = _brings_nothing
+    handout: Callable[[LabFile | None], Handout] = _nothing_more
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
@@ -185,7 +185,7 @@ class Lab:
 
     @cached_property
     def examined(self) -> tuple[str, ...]:
-        """The ids of the parts in the order of examination; bonuses come after them."""
+        """The ids of the parts in the order of grading; bonuses come after them."""
         return tuple(part.id for part in sorted(self.parts, key=lambda part: not part.needed))
 
     @cached_property

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 
 from grader.base.errors import GraderError, NoAnswer, RequestError
 from grader.engine.findings import Missing
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 
 
 class PublicLook:
@@ -22,9 +22,9 @@ class PublicLook:
     start : starts the session; may raise RequestError or GraderError if there is no public data
     """
 
-    def __init__(self, start: Callable[[], Conversation]) -> None:
+    def __init__(self, start: Callable[[], SubmissionSession]) -> None:
         self._start = start
-        self._started: list[Conversation] = []
+        self._started: list[SubmissionSession] = []
         self._failed = False
 
     def missing(self, name: str) -> Missing | None:
@@ -50,7 +50,7 @@ class PublicLook:
         for student in self._started:
             student.close()
 
-    def _session(self) -> Conversation | None:
+    def _session(self) -> SubmissionSession | None:
         if not self._started and not self._failed:
             try:
                 self._started.append(self._start())

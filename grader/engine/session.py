@@ -72,7 +72,7 @@ class _Session:
         return news
 
 
-class Asking:
+class SandboxSession:
     """Session about one submission: asks each question once, and starts a new worker if one died.
 
     Parameters

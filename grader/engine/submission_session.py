@@ -15,7 +15,7 @@ from grader.engine.breakpoints import breakpoints
 from grader.engine.findings import Fault, Missing, Ours, Where
 from grader.engine.load_report import Loaded, loaded_from, mistake_of
 from grader.engine.question import Question
-from grader.engine.session import Asking
+from grader.engine.session import SandboxSession
 from grader.sandbox.wire import Frame
 
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
@@ -28,7 +28,7 @@ THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and 
 T = TypeVar("T")
 
 
-class Conversation(Asking):
+class SubmissionSession(SandboxSession):
     """Session that finds the file defining the name of a question, and asks the question there.
 
     Attributes
@@ -196,7 +196,7 @@ class Conversation(Asking):
             self.notes.append(shown)
 
 
-C = TypeVar("C", bound=Conversation)
+C = TypeVar("C", bound=SubmissionSession)
 Truth = TypeVar("Truth")
 More = ParamSpec("More")
 

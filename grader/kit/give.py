@@ -11,7 +11,7 @@ from grader import __version__
 from grader.base.errors import RequestError
 from grader.base.package_data import beside
 from grader.base.text import printable
-from grader.engine.lab import Brought, Handout, Lab
+from grader.engine.lab import Handout, Lab, LabFile
 from grader.engine.rubric import load
 from grader.engine.rubric import shipped as shipped_rubric
 from grader.engine.traces import Traces
@@ -126,7 +126,7 @@ def _wheel(lab: Lab, rubric: Path | None) -> bytes:
     return wheel.build(lab, rubric or shipped_rubric(lab), _brought(lab, rubric))
 
 
-def _brought(lab: Lab, rubric: Path | None) -> Brought | None:
+def _brought(lab: Lab, rubric: Path | None) -> LabFile | None:
     return lab.brought(load(lab, rubric).settings)
 
 

@@ -20,7 +20,7 @@ import yaml
 from grader import __version__
 from grader.base.errors import RequestError
 from grader.base.package_data import beside
-from grader.engine.lab import Brought, Lab
+from grader.engine.lab import Lab, LabFile
 from grader.engine.rubric import CARRIED, own_checks
 from grader.report import truth
 
@@ -39,7 +39,7 @@ def name() -> str:
     return f"imugrade-{__version__}-py3-none-any.whl"
 
 
-def build(lab: Lab, rubric: Path, own: Brought | None = None) -> bytes:
+def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
     """The wheel's bytes, with this rubric.
 
     Parameters
@@ -84,7 +84,7 @@ def _package() -> Iterator[tuple[str, bytes]]:
             yield f"grader/{inside.as_posix()}", path.read_bytes()
 
 
-def _own(folder: str, rubric: Path, own: Brought) -> dict[str, bytes]:
+def _own(folder: str, rubric: Path, own: LabFile) -> dict[str, bytes]:
     """Return the files that the rubric names, its traces, and a rubric that refers to them where the wheel holds them."""
     text, place = rubric.read_text(encoding="utf-8-sig"), f"own/{own.file}"
     files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(own.traces).items()}

@@ -208,10 +208,10 @@ def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sourc
         first[: len(first) - len(last.file)] if last.attachment else ""
     )  # Canvas wants both numbers in a file's name
     person = Person(name, "" if name.startswith("anon_") else user, "canvas")
-    wish = name if name.endswith(user) else f"{name}_{user}"
+    id_source = name if name.endswith(user) else f"{name}_{user}"
     return Found(
         f"canvas:{user}",
-        wish,
+        id_source,
         name,
         download.path,
         sources,

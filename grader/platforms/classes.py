@@ -194,7 +194,7 @@ def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[Entry, ...]
     """Give each student an id. Names lose the suffix of an archive unless two names would then be equal."""
     shared = Counter(each.name for each in found if not each.sources)
     named = {each: _name(each, shared) for each in found}
-    students = {each.student: named[each] if not each.sources else each.wish for each in found}
+    students = {each.student: named[each] if not each.sources else each.id_source for each in found}
     order = sorted(students, key=lambda student: (students[student], student))
     ids = dict(zip(order, distinct_ids(students[student] for student in order), strict=True))
     place = {student: number for number, student in enumerate(order)}

@@ -23,7 +23,7 @@ from grader.intake.downloads import Download
 from grader.platforms import rows
 from grader.platforms.found import Shape
 from grader.platforms.git import clone, loose
-from grader.platforms.platform import Handed, Help, Platform
+from grader.platforms.platform import Help, Platform, ResultContext
 
 # --- result.json ------------------------------------------------------------------------------------------------------
 
@@ -142,7 +142,7 @@ def committed(path: Path) -> str:
     return instant.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def _respond(result: Result, handed: Handed) -> str:
+def _respond(result: Result, handed: ResultContext) -> str:
     return classroom50(result, Identity.of(handed.environ), committed(handed.path))
 
 

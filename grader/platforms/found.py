@@ -20,7 +20,7 @@ class Found:
     ----------
     student
         Key of the people, equal for all attempts of the same people.
-    wish
+    id_source
         Text that the id is made from, equal whenever these people hand in again.
     name
         Name of the submission in results.
@@ -29,7 +29,7 @@ class Found:
     """
 
     student: str
-    wish: str
+    id_source: str
     name: str
     path: Path
     sources: Sources = ()

@@ -16,7 +16,7 @@ from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result
 from grader.platforms import rows
 from grader.platforms.places import Place, Places, find_places
-from grader.platforms.platform import Aside, Handed, Help, Platform
+from grader.platforms.platform import Help, Platform, ResultContext, SecondOutput
 from grader.report import causes, words
 from grader.report.causes import Cause
 
@@ -150,7 +150,7 @@ def _entity(char: str) -> str:
     return f"&#{ord(char)};"
 
 
-def _respond(result: Result, handed: Handed) -> str:
+def _respond(result: Result, handed: ResultContext) -> str:
     root = Path(handed.environ.get("GITHUB_WORKSPACE") or ".").resolve()
     return commands(result, find_places(handed.lab, handed.submission, handed.path.resolve(), root))
 
@@ -209,5 +209,5 @@ their code runs in. `STUDENTS_TOKEN`, a secret of the environment `grading`, may
     ),
     respond=_respond,
     recognise=lambda environ, _: environ.get("GITHUB_ACTIONS") == "true",
-    aside=Aside("GITHUB_STEP_SUMMARY", lambda result, handed: summary(result, handed.lab)),
+    aside=SecondOutput("GITHUB_STEP_SUMMARY", lambda result, handed: summary(result, handed.lab)),
 )

@@ -20,7 +20,7 @@ from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.platforms import registry
-from grader.platforms.platform import Handed, Platform, Visibility
+from grader.platforms.platform import Platform, ResultContext, Visibility
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def run(job: Job) -> Result:
                 "leave --traces out, or add --trust-submissions"
             )
         result = marker.mark(submission)
-    handed = Handed(job.rubric.lab, submission, path, job.environ, job.hidden, job.visibility)
+    handed = ResultContext(job.rubric.lab, submission, path, job.environ, job.hidden, job.visibility)
     _write(job, respond(result, handed), result)
     if job.platform.aside is not None:
         _append(job.environ, job.platform.aside.variable, job.platform.aside.text(result, handed))

@@ -56,7 +56,7 @@ class Fill(Protocol):
 
 
 @dataclass(frozen=True)
-class Handed:
+class ResultContext:
     """Context of a result on a platform: the submission, its path, the environment, and how to report the result.
 
     `hidden` says that the scenarios are secret. Students then see what is wrong, without any data of the scenarios.
@@ -71,11 +71,11 @@ class Handed:
 
 
 @dataclass(frozen=True)
-class Aside:
+class SecondOutput:
     """A second output, appended to the file that an environment variable names. If it names none, nothing is written."""
 
     variable: str
-    text: Callable[[Result, Handed], str]
+    text: Callable[[Result, ResultContext], str]
 
 
 @dataclass(frozen=True)
@@ -135,10 +135,10 @@ class Platform:
     name: str
     title: str
     help: Help
-    respond: Callable[[Result, Handed], str] | None = None
+    respond: Callable[[Result, ResultContext], str] | None = None
     recognise: Callable[[Mapping[str, str], Path], bool] | None = None
     refuse: Callable[[Mapping[str, str], float | None], None] | None = None
-    aside: Aside | None = None
+    aside: SecondOutput | None = None
     submission: str = ""
     answer: str = ""
     keeps_secrets: bool = False

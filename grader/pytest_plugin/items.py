@@ -26,19 +26,19 @@ from grader.engine.rubric import Rubric
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms.places import Place, find_places
-from grader.pytest_plugin.options import Asked, asked_for
+from grader.pytest_plugin.options import PluginOptions, options_of
 from grader.pytest_plugin.reporting import Finding, NotJudgedError
 from grader.report import words
 
 _CODE = ("-c", "import sys; from grader.cli import main; sys.exit(main())")
 
 
-class Door:
+class PluginRun:
     """The pytest plugin of one run that asked for it."""
 
     def __init__(self, config: pytest.Config) -> None:
         try:
-            self._asked: Asked = asked_for(config.option.file_or_dir, LAB.titles)
+            self._asked: PluginOptions = options_of(config.option.file_or_dir, LAB.titles)
             given = config.option.imugrade_rubric
             self._rubric_path = None if given is None else Path(os.path.abspath(given))
             self._rubric: Rubric = rubrics.load(LAB, self._rubric_path)
@@ -146,7 +146,7 @@ class Door:
 class _File(pytest.File):
     """One file of the student's, with the criteria that are about it."""
 
-    def __init__(self, *, door: Door, criteria: list[str], **options: Any) -> None:
+    def __init__(self, *, door: PluginRun, criteria: list[str], **options: Any) -> None:
         super().__init__(**options)
         self._door, self._held = door, criteria
 
@@ -158,7 +158,7 @@ class _File(pytest.File):
 class _Criterion(pytest.Collector):
     """One criterion with its checks."""
 
-    def __init__(self, *, door: Door, **options: Any) -> None:
+    def __init__(self, *, door: PluginRun, **options: Any) -> None:
         super().__init__(**options)
         self._door = door
 
@@ -170,7 +170,7 @@ class _Criterion(pytest.Collector):
 class _Check(pytest.Item):
     """One check: its test ends as the check ended."""
 
-    def __init__(self, *, door: Door, **options: Any) -> None:
+    def __init__(self, *, door: PluginRun, **options: Any) -> None:
         super().__init__(**options)
         assert self.parent is not None
         self._door, self._criterion = door, self.parent.name

@@ -24,7 +24,7 @@ class Name:
 
 
 @dataclass(frozen=True)
-class Asked:
+class PluginOptions:
     """The submission, and the names of what is asked for in it; without any, all."""
 
     path: Path
@@ -34,7 +34,7 @@ class Asked:
         return not self.named or any(each.holds(file, criterion, check) for each in self.named)
 
 
-def asked_for(arguments: Sequence[str], criteria: Collection[str]) -> Asked:
+def options_of(arguments: Sequence[str], criteria: Collection[str]) -> PluginOptions:
     """Sort the arguments.
 
     ``sensor_access`` and ``sensor_access::follows_address`` are names, and so is what pytest and editors call a test:
@@ -49,7 +49,7 @@ def asked_for(arguments: Sequence[str], criteria: Collection[str]) -> Asked:
     paths = [argument for argument in arguments if argument not in named]
     if len(paths) > 1:
         raise RequestError(f"one submission at a time: {' '.join(printable(path) for path in paths)}")
-    return Asked(Path(paths[0] if paths else "."), tuple(named.values()))
+    return PluginOptions(Path(paths[0] if paths else "."), tuple(named.values()))
 
 
 def _name(argument: str, criteria: Collection[str]) -> Name | None:

@@ -24,6 +24,6 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     if config.option.imugrade:
-        from grader.pytest_plugin.items import Door  # noqa: PLC0415
+        from grader.pytest_plugin.items import PluginRun  # noqa: PLC0415
 
-        config.pluginmanager.register(Door(config), "imugrade-door")
+        config.pluginmanager.register(PluginRun(config), "imugrade-door")

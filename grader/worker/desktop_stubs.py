@@ -67,7 +67,7 @@ def furnish(run_magic: RunMagic) -> None:
 
 
 def _take_the_screen_away() -> None:
-    """GUI back ends quietly become Agg, TeX becomes matplotlib's own text, a window takes any wish for its place and size."""
+    """GUI back ends quietly become Agg, TeX becomes matplotlib's own text, a window accepts any place and size."""
     import matplotlib
     import matplotlib.pyplot as plt
     import mujoco

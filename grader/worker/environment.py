@@ -224,7 +224,7 @@ _MOST_CHANGES = 2000
 _ROUNDING = 1e-12  # a quaternion that was made a unit again is not set from outside
 
 
-class _Course:
+class _RunRecorder:
     """A run as it is seen from outside: where it starts, and each time that its state is set between two steps."""
 
     def __init__(self) -> None:
@@ -287,19 +287,19 @@ def _state_reader() -> Callable[[Any, Any, np.ndarray], None]:
     return lambda model, data, into: read(model, data, into, wanted)
 
 
-_COURSE: _Course | None = None
+_RECORDER: _RunRecorder | None = None
 
 
 def watch_next_run() -> None:
     """Note how the next run goes: a hint for the grader, which runs it again elsewhere before it believes it."""
-    global _COURSE  # noqa: PLW0603 - one process, one submission
-    _COURSE = _Course()
+    global _RECORDER  # noqa: PLW0603 - one process, one submission
+    _RECORDER = _RunRecorder()
 
 
 def watched_run() -> dict[str, np.ndarray]:
     """Return the notes of the run, and stop taking notes."""
-    global _COURSE
-    course, _COURSE = _COURSE, None
+    global _RECORDER
+    course, _RECORDER = _RECORDER, None
     return course.told() if course else {}
 
 
@@ -308,13 +308,13 @@ def _watch_steps() -> None:
 
     def watched(step: Callable[..., Any], *, begins: bool, ends: bool) -> Callable[..., Any]:
         def stepping(model: Any, data: Any, *args: Any, **kwargs: Any) -> Any:
-            if _COURSE and begins:
-                _COURSE.before_step(model, data)
+            if _RECORDER and begins:
+                _RECORDER.before_step(model, data)
             made = step(model, data, *args, **kwargs)
             count = (args[0] if args else kwargs.get("nstep", 1)) if ends else 0
             sources.CLOCK.passed_s += _STEP_S * count
-            if _COURSE and ends:
-                _COURSE.after_step(model, data, count)
+            if _RECORDER and ends:
+                _RECORDER.after_step(model, data, count)
             return made
 
         return stepping

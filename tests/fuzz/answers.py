@@ -24,7 +24,7 @@ import numpy as np
 from grader.base.errors import Crashed
 from grader.engine import rubric
 from grader.engine.chart_data import Evidence, packed
-from grader.engine.check_runner import Examination
+from grader.engine.check_runner import CheckRun
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission, read_submission
@@ -135,11 +135,11 @@ class Bench:
         def no_sandbox(sandbox: Sandbox, *args: Any, **kwargs: Any) -> None:
             sandbox.isolation_level = UNWALLED
 
-        write_down = Examination.end
+        write_down = CheckRun.end
 
-        def noting(this: Examination, check: Any, ended: BaseException | None, duration_s: float) -> None:
+        def noting(this: CheckRun, check: Any, ended: BaseException | None, duration_s: float) -> None:
             write_down(this, check, ended, duration_s)
-            if this.judgements[check.id].told is None and ended is not None:
+            if this.judgements[check.id].feedback is None and ended is not None:
                 self.troubles.append("".join(traceback.format_exception(ended)[-3:]))
 
         def evidence(this: Marker, student: Any) -> Evidence:
@@ -149,7 +149,7 @@ class Bench:
         with (
             mock.patch.object(Sandbox, "__init__", no_sandbox),
             mock.patch.object(Sandbox, "warm"),
-            mock.patch.object(Examination, "end", noting),
+            mock.patch.object(CheckRun, "end", noting),
             mock.patch.object(Marker, "_evidence", evidence),
         ):
             self._marker = Marker(rubric.load(LAB), bundles.shipped())

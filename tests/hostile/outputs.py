@@ -22,7 +22,7 @@ from grader.engine.results import Result, to_json
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.platforms import registry
-from grader.platforms.platform import Handed, Platform
+from grader.platforms.platform import Platform, ResultContext
 from grader.report import terminal
 from grader.report.pages import index_page, report_page
 from tests import made_up
@@ -60,7 +60,7 @@ def _standing(result: Result) -> FinalGrade:
 
 def _responses(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
     """What a job on the platform writes."""
-    handed = Handed(LAB, made_up.submission("one"), Path(), ENVIRONMENT)
+    handed = ResultContext(LAB, made_up.submission("one"), Path(), ENVIRONMENT)
     if platform.respond is not None:
         respond = platform.respond
         yield platform.name, lambda result: respond(result, handed)

@@ -133,7 +133,7 @@ def finding(case: Case) -> BaseException | None:
 def marked(found: BaseException | None) -> Marked:
     """A finding as a case has it; what another check is charged is not charged again, or not reached."""
     if isinstance(found, Charged):
-        told = feedback.told(found, None, rows(LAB))
+        told = feedback.feedback_on(found, None, rows(LAB))
         return (
             (round(told.keeps, 4), list(told.mistakes)) if told.outcome in ("partial", "failed") else _elsewhere(found)
         )
@@ -149,7 +149,7 @@ def _elsewhere(found: Charged) -> Marked:
 def words(found: BaseException | None) -> dict[str, str]:
     """What a student is told."""
     if isinstance(found, Charged):
-        said = feedback.told(found, None, rows(LAB))
+        said = feedback.feedback_on(found, None, rows(LAB))
         texts = {"expected": said.expected, "got": said.got, "hint": said.hint, "said": said.said}
         return {key: text for key, text in texts.items() if text}
     if isinstance(found, CheckFailed):

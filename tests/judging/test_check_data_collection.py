@@ -43,7 +43,7 @@ class Recorder:
         a, g = model.sensor_adr[accel_id], model.sensor_adr[gyro_id]
         return data.time, data.sensordata[a : a + 3].copy(), data.sensordata[g : g + 3].copy()
 
-    def told(self, time: np.ndarray, accel: np.ndarray, gyro: np.ndarray, model: Any) -> Any:
+    def returned(self, time: np.ndarray, accel: np.ndarray, gyro: np.ndarray, model: Any) -> Any:
         return dict(zip(KEYS, (time, accel, gyro), strict=True))
 
     def __call__(self, model: Any, data: Any, duration_seconds: float, accel_id: int, gyro_id: int) -> Any:
@@ -54,7 +54,7 @@ class Recorder:
             self.step(model, data, n)
             rows.append(self.row(model, data, accel_id, gyro_id))
         columns = [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros((0,))] * 3
-        return self.told(*columns, model)
+        return self.returned(*columns, model)
 
 
 def of(**steps: Any) -> Callable[[], Recorder]:
@@ -79,7 +79,7 @@ def counting(n: Callable[[float, float], float]) -> Callable[[], Recorder]:
 
 def telling(change: Callable[[Any, Any, Any, Any], tuple[Any, Any, Any]]) -> Callable[[], Recorder]:
     """One that changes what it has recorded."""
-    return of(told=lambda s, t, a, g, m: Recorder.told(s, *change(t, a, g, m), m))
+    return of(returned=lambda s, t, a, g, m: Recorder.returned(s, *change(t, a, g, m), m))
 
 
 class Before(Recorder):
@@ -92,7 +92,7 @@ class Before(Recorder):
         for n in range(self.steps(model, duration_seconds)):
             rows.append(self.row(model, data, accel_id, gyro_id))
             self.step(model, data, n)
-        return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
+        return self.returned(*(np.array(column) for column in zip(*rows, strict=True)), model)
 
 
 class StepBefore(Recorder):
@@ -132,7 +132,7 @@ class UntilTime(Recorder):
         while data.time < duration_seconds - 1e-9:
             mujoco.mj_step(model, data)
             rows.append(self.row(model, data, accel_id, gyro_id))
-        return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
+        return self.returned(*(np.array(column) for column in zip(*rows, strict=True)), model)
 
 
 class Rollout(Recorder):
@@ -145,7 +145,7 @@ class Rollout(Recorder):
         mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         states, sensors = rollout.rollout(model, data, state[None], nstep=self.steps(model, duration_seconds))
         a, g = model.sensor_adr[accel_id], model.sensor_adr[gyro_id]
-        return self.told(states[0, :, 0], sensors[0, :, a : a + 3], sensors[0, :, g : g + 3], model)
+        return self.returned(states[0, :, 0], sensors[0, :, a : a + 3], sensors[0, :, g : g + 3], model)
 
 
 class Keeping(Recorder):
@@ -158,8 +158,8 @@ class Keeping(Recorder):
         self.rows.append(super().row(model, data, accel_id, gyro_id))
         return self.rows[-1]
 
-    def told(self, time: Any, accel: Any, gyro: Any, model: Any) -> Any:
-        return super().told(*(np.array(column) for column in zip(*self.rows, strict=True)), model)
+    def returned(self, time: Any, accel: Any, gyro: Any, model: Any) -> Any:
+        return super().returned(*(np.array(column) for column in zip(*self.rows, strict=True)), model)
 
 
 class Skipping(Recorder):
@@ -183,7 +183,7 @@ class FiftyHertz(Recorder):
             self.step(model, data, n)
             if data.time >= len(rows) / 50 - 1e-9:
                 rows.append(self.row(model, data, accel_id, gyro_id))
-        return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
+        return self.returned(*(np.array(column) for column in zip(*rows, strict=True)), model)
 
 
 class Random(Recorder):
@@ -229,11 +229,11 @@ def _for_the_run(*changes: Callable[..., None], **more: Any) -> Callable[[], Rec
         for change in changes:
             change(self, model, data)
 
-    def told(self: Any, time: Any, accel: Any, gyro: Any, model: Any) -> Any:
+    def returned(self: Any, time: Any, accel: Any, gyro: Any, model: Any) -> Any:
         model.opt.gravity[:], model.opt.timestep = self.before
-        return Recorder.told(self, time, accel, gyro, model)
+        return Recorder.returned(self, time, accel, gyro, model)
 
-    return of(begin=begin, told=told, **more)
+    return of(begin=begin, returned=returned, **more)
 
 
 def _pushed(index: int, by: float) -> Callable[..., None]:
@@ -337,7 +337,7 @@ def _of_chance(t: Any, a: Any, g: Any, _m: Any) -> Any:
 
 
 def _squared(t: Any, a: Any, g: Any, _m: Any) -> Any:
-    """Rows that follow the simulation in a way that no story tells."""
+    """Rows that follow the simulation in a way that no origin tells."""
     return t, np.sign(a) * a**2, np.sign(g) * np.abs(g) ** 1.5
 
 
@@ -403,10 +403,10 @@ MILLISECONDS = telling(lambda t, a, g, _m: (1000 * t, a, g))
 COUNTED = telling(lambda t, a, g, _m: (np.arange(len(t)) * 0.002, a, g))
 SQUARED = telling(_squared)
 SMOOTHED = telling(_smoothed)
-TIME_ALONE = of(told=lambda _s, t, _a, _g, _m: {"time": t})
-WITHOUT_GYRO = of(told=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a})
-WITHOUT_TIME = of(told=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
-NOTHING = of(told=lambda *_: None)
+TIME_ALONE = of(returned=lambda _s, t, _a, _g, _m: {"time": t})
+WITHOUT_GYRO = of(returned=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a})
+WITHOUT_TIME = of(returned=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
+NOTHING = of(returned=lambda *_: None)
 STILL = telling(lambda t, a, g, _m: (t, a * 0 + 1, g * 0 + 1))
 WITHOUT_ACCELERATION = telling(lambda t, a, g, _m: (t, a * 0, g))
 """As the arrays are where a line that fills one of them is missing."""
@@ -416,29 +416,29 @@ CASES = [
     for check, rows in {
         NAMED: [
             ("sound", SOUND, None),
-            ("other keys", of(told=lambda _s, t, a, g, _m: {"t": t, "acc": a, "gyro": g}), (0.0, ["wrong-keys"])),
-            ("a tuple", of(told=lambda _s, t, a, g, _m: (t, a, g)), (0.0, ["wrong-return-type"])),
+            ("other keys", of(returned=lambda _s, t, a, g, _m: {"t": t, "acc": a, "gyro": g}), (0.0, ["wrong-keys"])),
+            ("a tuple", of(returned=lambda _s, t, a, g, _m: (t, a, g)), (0.0, ["wrong-return-type"])),
             ("transposed", telling(lambda t, a, g, _m: (t, a.T, g)), (0.0, ["arrays-transposed"])),
             ("without one", WITHOUT_GYRO, (0.0, ["wrong-keys"])),
             ("unequal lengths", telling(lambda t, a, g, _m: (t[:-1], a, g)), (0.0, ["wrong-return-type"])),
             ("nothing", NOTHING, (0.0, ["wrong-return-type"])),
             ("lists", telling(lambda t, a, g, _m: (t.tolist(), a.tolist(), g.tolist())), None),
-            ("more beside them", of(told=lambda s, *a: {**Recorder.told(s, *a), "rate": 500.0}), None),
-            ("a list", of(told=lambda _s, t, a, g, _m: [t, a, g]), (0.0, ["wrong-return-type"])),
+            ("more beside them", of(returned=lambda s, *a: {**Recorder.returned(s, *a), "rate": 500.0}), None),
+            ("a list", of(returned=lambda _s, t, a, g, _m: [t, a, g]), (0.0, ["wrong-return-type"])),
             ("without time", WITHOUT_TIME, (0.0, ["wrong-keys"])),
             (
                 "no stamp under its name",
-                of(told=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}),
+                of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}),
                 (0.0, ["wrong-return-type"]),
             ),
             (
                 "None under a name",
-                of(told=lambda _s, t, a, g, _m: {"time": t, "acceleration": None, "angular_velocity": g}),
+                of(returned=lambda _s, t, a, g, _m: {"time": t, "acceleration": None, "angular_velocity": g}),
                 (0.0, ["wrong-return-type"]),
             ),
             (
                 "nothing under all names",
-                of(told=lambda _s, t, a, g, _m: {"time": [], "acceleration": [], "angular_velocity": []}),
+                of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": [], "angular_velocity": []}),
                 (0.0, []),
             ),
             ("a shorter one", telling(lambda t, a, g, _m: (t, a, g[:-2])), (0.0, ["wrong-return-type"])),
@@ -451,12 +451,12 @@ CASES = [
             ("no rows", NO_STEPS, (0.0, [])),
             (
                 "other keys, transposed",
-                of(told=lambda _s, t, a, g, _m: {"t": t, "a": a.T, "w": g.T}),
+                of(returned=lambda _s, t, a, g, _m: {"t": t, "a": a.T, "w": g.T}),
                 (0.0, ["wrong-keys", "arrays-transposed"]),
             ),
             (
                 "all that can be odd",
-                of(told=lambda _s, t, a, g, _m: {"t": t[:, None], "a": a.T, "w": g.T, "dt": 0.002}),
+                of(returned=lambda _s, t, a, g, _m: {"t": t[:, None], "a": a.T, "w": g.T, "dt": 0.002}),
                 (0.0, ["wrong-keys", "wrong-return-type", "arrays-transposed"]),
             ),
             ("raises", of(begin=_raises), "raised"),
@@ -519,8 +519,8 @@ CASES = [
             (
                 "none in another time step",
                 of(
-                    told=lambda s, t, a, g, m: (
-                        Recorder.told(s, t, a, g, m) if m.opt.timestep == 0.002 else {KEYS[1]: a, KEYS[2]: g}
+                    returned=lambda s, t, a, g, m: (
+                        Recorder.returned(s, t, a, g, m) if m.opt.timestep == 0.002 else {KEYS[1]: a, KEYS[2]: g}
                     )
                 ),
                 None,
@@ -571,7 +571,11 @@ CASES = [
             ("before each step", Before, (0.5, ["read-before-step"])),
             (
                 "late with stamps after it",
-                type("Late", (Before,), {"told": lambda s, t, a, g, m: Recorder.told(s, t + m.opt.timestep, a, g, m)}),
+                type(
+                    "Late",
+                    (Before,),
+                    {"returned": lambda s, t, a, g, m: Recorder.returned(s, t + m.opt.timestep, a, g, m)},
+                ),
                 (0.5, ["read-before-step"]),
             ),
             ("exchanged", SWAPPED, (0.0, ["channels-swapped"])),
@@ -619,13 +623,13 @@ CASES = [
             ),
             (
                 "without the other sensor",
-                of(told=lambda _s, t, _a, g, _m: {"time": t, "angular_velocity": g}),
+                of(returned=lambda _s, t, _a, g, _m: {"time": t, "angular_velocity": g}),
                 (0.5, []),
             ),
             ("noise on the gyroscope", telling(lambda t, a, g, m: (t, a, _noisy(t, a, g, m)[2])), (0.0, [])),
             (
                 "noise without one sensor",
-                of(told=lambda _s, t, a, g, m: {"time": t, "acceleration": _noisy(t, a, g, m)[1]}),
+                of(returned=lambda _s, t, a, g, m: {"time": t, "acceleration": _noisy(t, a, g, m)[1]}),
                 (0.0, []),
             ),
             ("noise, and one number that is none", telling(_noisy_with_a_gap), (0.0, ["not-finite"])),

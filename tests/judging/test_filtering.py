@@ -188,7 +188,10 @@ def test_every_charge_is_told_in_public_and_of_hidden_data() -> None:
     for found in every:
         for charge in PART.judge(found, ROWS).values():
             if isinstance(charge, Charge) and not charge.see:
-                told, hidden = feedback.told(Charged(charge), None, ROWS), hidden_feedback.told(Charged(charge), ROWS)
+                told, hidden = (
+                    feedback.feedback_on(Charged(charge), None, ROWS),
+                    hidden_feedback.feedback_on(Charged(charge), ROWS),
+                )
                 assert told.expected != told.got, charge
                 assert told.hint, charge
                 assert hidden.hint.startswith(told.hint), charge

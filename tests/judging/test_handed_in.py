@@ -1,4 +1,4 @@
-"""Handed-in pictures: which may be a plot, and when one counts, by made-up students."""
+"""ResultContext-in pictures: which may be a plot, and when one counts, by made-up students."""
 
 from __future__ import annotations
 

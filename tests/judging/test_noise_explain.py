@@ -109,7 +109,7 @@ def test_a_wrong_size_of_the_noise_is_named(facts: Facts, told: str) -> None:
     assert explain.sizes_off(facts)
     reasons = [each for each in explain.REASONS if each.of == explain.SIZE]
     found = explain.hypothesis.explain(reasons, facts)
-    assert (found.told if found else "") == told
+    assert (found.cause if found else "") == told
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def _moves(bias: Array) -> tuple[str, ...]:
     sensor = Sensor(ACCEL, _quiet(ACCEL), default=bias)
     facts = Facts((sensor, sensor))
     moving = [each for each in explain.REASONS if each.of == explain.DEFAULT and each.cost <= 5 and each.fits(facts)]
-    return tuple(each.told for each in moving[:1]) if explain.moves(facts) else ()
+    return tuple(each.cause for each in moving[:1]) if explain.moves(facts) else ()
 
 
 @pytest.mark.parametrize("size", [1e6, -1e6])

@@ -23,7 +23,7 @@ SOLUTION = Path(reference.__file__).parent
 PACKAGE = Path(grader.__file__).parent
 
 
-def installed(folder: Path, name: str, files: list[str], *, requires: str = "", asked_for: bool = False) -> None:
+def installed(folder: Path, name: str, files: list[str], *, requires: str = "", options_of: bool = False) -> None:
     """Write the record of a distribution as pip does."""
     record = folder / f"{name}-1.0.dist-info"
     record.mkdir(parents=True)
@@ -32,7 +32,7 @@ def installed(folder: Path, name: str, files: list[str], *, requires: str = "", 
     (record / "direct_url.json").write_text(
         json.dumps({"url": "file:///home/prof/imugrade", "dir_info": {"editable": True}})
     )
-    if asked_for:
+    if options_of:
         (record / "REQUESTED").write_text("")
 
 
@@ -67,9 +67,9 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     )
     write(folder, "labneeds.py", "ANSWER = 42")
     installed(folder, "lab.needs", ["labneeds.py", "../../../bin/labneeds"])
-    for tool, asked_for in (("ourtool", False), ("theirtool", True)):
+    for tool, options_of in (("ourtool", False), ("theirtool", True)):
         write(folder, f"{tool}.py", "")
-        installed(folder, tool, [f"{tool}.py"], asked_for=asked_for)
+        installed(folder, tool, [f"{tool}.py"], options_of=options_of)
     with zipfile.ZipFile(folder / "imugrade-0.1.0-py3-none-any.whl", "w") as archive:
         archive.write(SOLUTION / "filters.py", "reference/__init__.py")
     for path in (str(place), str(folder)):

@@ -72,9 +72,3 @@ def vector(values: Array, digits: int = 3) -> str:
         np.max(np.abs(array), initial=0.0) >= 10.0 ** (1 - digits)
     )  # at least two digits of the largest are left
     return np.array2string(array, precision=digits, suppress_small=plain, floatmode="fixed", max_line_width=100)
-
-
-def told(values: Array, beside: Array) -> str:
-    """A vector as a student reads it, with as many digits as tell it from the other one."""
-    texts = ((vector(values, digits), vector(beside, digits)) for digits in (3, 6, 9))
-    return next((text for text, other in texts if text != other), vector(values, 12))

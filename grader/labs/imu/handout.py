@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import PurePosixPath
 
-from grader.engine.lab import Brought, Handout
+from grader.engine.lab import Handout, LabFile
 from grader.labs.imu.bundles import obtain, shipped
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.motions import tables
@@ -13,16 +13,16 @@ from grader.labs.imu.robot import LAB_IMU, Model, robot_of
 _MOTIONS = ("standing", "push", "tumbling")
 
 
-def brought(model: Model) -> Brought | None:
+def brought(model: Model) -> LabFile | None:
     """The instructor's own robot, with its public traces: whoever has no reference cannot record them."""
     if model.is_lab:
         return None
     traces = obtain(None, model=model)
     robot = robot_of(traces)
-    return Brought(traces, ("model", "path"), robot.file, robot.xml)
+    return LabFile(traces, ("model", "path"), robot.file, robot.xml)
 
 
-def handout(own: Brought | None) -> Handout:
+def handout(own: LabFile | None) -> Handout:
     """The files that students get, and their robot's names in the place of the sheet's."""
     traces = own.traces if own else shipped()
     robot = robot_of(traces)

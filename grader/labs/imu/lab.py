@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from grader.engine.lab import Brought, Handout, Lab, Part
+from grader.engine.lab import Handout, Lab, LabFile, Part
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -60,13 +60,13 @@ def _match(settings: Mapping[str, Any], traces: Traces) -> None:
     match_robot(settings["model"], traces)
 
 
-def _brought(settings: Mapping[str, Any]) -> Brought | None:
+def _brought(settings: Mapping[str, Any]) -> LabFile | None:
     from grader.labs.imu.handout import brought  # noqa: PLC0415
 
     return brought(settings["model"])
 
 
-def _handout(own: Brought | None) -> Handout:
+def _handout(own: LabFile | None) -> Handout:
     from grader.labs.imu.handout import handout  # noqa: PLC0415
 
     return handout(own)

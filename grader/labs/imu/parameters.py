@@ -19,5 +19,5 @@ def departure(name: str, departs: Sequence[str]) -> Deviation | None:
     if not departs:
         return None
     read = [each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)]
-    told = " and ".join(read) if read else ", ".join(each.removeprefix(_NAME) for each in departs)
-    return Deviation({"name": name, "departs": told}, size=Size(f"other parameters for {told}"))
+    shown = " and ".join(read) if read else ", ".join(each.removeprefix(_NAME) for each in departs)
+    return Deviation({"name": name, "departs": shown}, size=Size(f"other parameters for {shown}"))

@@ -17,7 +17,7 @@ from grader.engine.findings import Missing
 from grader.engine.lab import Lab
 from grader.engine.load_report import Loaded
 from grader.engine.question import key_of
-from grader.engine.submission_session import Conversation, is_run
+from grader.engine.submission_session import SubmissionSession, is_run
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Array, Drawing, drawing_of
 from grader.labs.imu.lab_copies import with_graded_robot
@@ -33,7 +33,7 @@ _DATA_FILE = re.compile(
 _FURTHER = 3  # programs that are run to see what they draw
 
 
-class Plotting(Conversation):
+class Plotting(SubmissionSession):
     """The questions about plots.
 
     Parameters

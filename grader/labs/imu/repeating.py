@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from grader.engine.check_catalog import Check
-from grader.engine.check_runner import Examination
+from grader.engine.check_runner import CheckRun
 from grader.engine.traces import Traces
 from grader.labs.imu.compare import Array
 from grader.labs.imu.filtering.explain import recursion
@@ -101,7 +101,7 @@ class Recorder(Student):
             yield from self._below(each)
 
 
-class Watched(Examination):
+class Watched(CheckRun):
     """An examination that says which check is asking."""
 
     def begin(self, this: Check) -> None:

@@ -12,12 +12,12 @@ from grader.engine.findings import Fault, raised
 from grader.engine.lab import Lab, Part
 from grader.engine.question import Question
 from grader.engine.replies import Answer, checked, maybe, node
-from grader.engine.submission_session import Conversation
+from grader.engine.submission_session import SubmissionSession
 from grader.engine.traces import Scenario, Traces
 from grader.sandbox.wire import Frame
 
 
-class Student(Conversation):
+class Student(SubmissionSession):
     """The proxy that the checks talk to."""
 
     def __init__(self, *args: Any, truth: Traces, **limits: Any) -> None:
@@ -39,7 +39,7 @@ def _checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Mapping[s
     return checked(op, frame, fields, arrays, {"call": _call_rule})
 
 
-def _charts(student: Conversation, truth: Traces) -> tuple[Chart, ...]:
+def _charts(student: SubmissionSession, truth: Traces) -> tuple[Chart, ...]:
     return ()
 
 

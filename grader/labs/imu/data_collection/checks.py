@@ -6,9 +6,10 @@ import numpy as np
 
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu.answers import SENSOR_UNITS, SENSORS
-from grader.labs.imu.compare import Array, deviation, told
+from grader.labs.imu.compare import Array, deviation
 from grader.labs.imu.data_collection.explain import PART, Explained, row_fault
 from grader.labs.imu.data_collection.measure import FORM, TIME_ATOL
+from grader.labs.imu.number_format import distinct_texts
 
 
 @PART.check("data_collection.returns_named_arrays", lab_step=3)
@@ -46,10 +47,10 @@ def check_matches_truth(found: Explained) -> Deviation | None:
     """The rows are what the sensors read, step by step"""
     if not (fault := row_fault(found)):
         return None
-    push, story = found.facts.push, found.push
+    push, origin = found.facts.push, found.push
     filled = push.series.filled_rows
     numbers = {"n": push.length, "filled": filled, "steps": push.model_steps, "changed": found.model_changed}
-    numbers |= {"skip": story.skip, "late": abs(story.lag)} if story is not None else {}
+    numbers |= {"skip": origin.skip, "late": abs(origin.lag)} if origin is not None else {}
     but_for_one = fault == "rows-left-zero" and filled == push.length - 1
     one_sensor = found.push is not None and not found.plain and (found.nearly or bool(found.series.absent))
     return _furthest_row(found, numbers, 0.5 if but_for_one or one_sensor else 1.0)
@@ -71,9 +72,9 @@ def check_applies_push(found: Explained) -> Deviation | None:
 
 
 def _stamped(apart: float, stamps: Array, affected: float = 1.0, worst: int = 0) -> Deviation:
-    told = ", ".join(f"{t:g}" for t in stamps[:3]) + (f" … {stamps[-1]:g} s" if len(stamps) else "none")
-    told += f"; {stamps[worst]:g} s in row {worst}" if worst else ""
-    return Deviation({"apart": apart, "stamps": told}, affected=affected)
+    shown = ", ".join(f"{t:g}" for t in stamps[:3]) + (f" … {stamps[-1]:g} s" if len(stamps) else "none")
+    shown += f"; {stamps[worst]:g} s in row {worst}" if worst else ""
+    return Deviation({"apart": apart, "stamps": shown}, affected=affected)
 
 
 def _furthest_row(found: Explained, numbers: dict[str, object], affected: float) -> Deviation:
@@ -82,10 +83,11 @@ def _furthest_row(found: Explained, numbers: dict[str, object], affected: float)
     key, unit, got, true = SENSORS[which], SENSOR_UNITS[which], found.series.sensors[which], found.true_rows[which]
     assert got is not None
     gap = deviation(got, true)
+    wanted, came = distinct_texts(true[gap.row], got[gap.row])
     beside = "; the other sensor is right" if found.is_right(1 - which) else ""
     words = {
         "key": key,
-        "wanted": f"{told(true[gap.row], got[gap.row])} {unit} under {key!r} in row {gap.row}",
-        "came": f"{told(got[gap.row], true[gap.row])} (RMS difference over all rows {gap.rms:.3g} {unit}{beside})",
+        "wanted": f"{wanted} {unit} under {key!r} in row {gap.row}",
+        "came": f"{came} (RMS difference over all rows {gap.rms:.3g} {unit}{beside})",
     }
     return Deviation({**numbers, **words}, size=Size("the rows differ", gap.rms, unit), affected=affected)

@@ -35,7 +35,14 @@ from grader.labs.imu.data_collection.measure import (
     differ,
     velocities_in_words,
 )
-from grader.labs.imu.data_collection.stories import Story, explain, explain_altered, moves, time_error, treatment
+from grader.labs.imu.data_collection.row_origins import (
+    RowOrigin,
+    explain,
+    explain_altered,
+    moves,
+    time_error,
+    treatment,
+)
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.parameters import departure, reads_global
 from grader.labs.imu.student import Student
@@ -47,12 +54,12 @@ from grader.labs.imu.student import Student
 class Explained:
     """The facts about a recorder with the explanation of both runs; None for a run without an explanation.
 
-    `push` explains the run with the sheet's push. `dirt` explains the run that starts with data of an earlier run.
+    `push` explains the run with the sheet's push. `later` explains the run that starts with data of an earlier run.
     """
 
     facts: Facts
-    push: Story | None = None
-    dirt: Story | None = None
+    push: RowOrigin | None = None
+    later: RowOrigin | None = None
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
@@ -89,7 +96,7 @@ class Explained:
             return None
         off = [run for run in self.facts.runs if abs(run.length - run.steps) > 1]
         missing = off[-1].steps - off[-1].length if off else 0
-        if len(off) == 1 and off[0] is self.facts.dirt and self.goes_on:
+        if len(off) == 1 and off[0] is self.facts.later and self.goes_on:
             # a loop until data.time is the duration makes fewer steps where nothing was reset
             return None if abs(missing - self.facts.left_at / off[0].timestep) <= 1 else off[0]
         return off[-1] if off else None
@@ -113,7 +120,7 @@ class Explained:
 
     def counts_by(self, fault: str) -> bool:
         """Return whether this fault explains the numbers of rows of both runs."""
-        first, second = self.facts.push, self.facts.dirt
+        first, second = self.facts.push, self.facts.later
         if second is None or not (first.length or second.length) or self.few_rows_follow:
             return False
         return fault == counting_fault(first, second, skips=self.push is not None and self.push.skip > 1)
@@ -129,7 +136,7 @@ class Explained:
     @property
     def stamp_errors(self) -> Array:
         """The error (n,) of each time stamp in seconds."""
-        return time_error(self.stamps, self.facts.push.timestep, self.push or Story())
+        return time_error(self.stamps, self.facts.push.timestep, self.push or RowOrigin())
 
     @property
     def stamps_off(self) -> float:
@@ -139,13 +146,13 @@ class Explained:
     @property
     def keeps_timestep(self) -> Run | None:
         """The run whose stamps have the time step of another model, as code with a hard-coded one gives; None if there is none."""
-        push, dirt = self.facts.push, self.facts.dirt
+        push, later = self.facts.push, self.facts.later
         if self.stamps_off > TIME_ATOL:
             return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
-        if dirt is None or dirt.series.time is None:
+        if later is None or later.series.time is None:
             return None
-        time = dirt.series.time[: dirt.model_steps - 1]
-        return dirt if has_timestep(time, dirt.timestep, push.model_timestep) else None
+        time = later.series.time[: later.model_steps - 1]
+        return later if has_timestep(time, later.timestep, push.model_timestep) else None
 
     @property
     def stamps_follow(self) -> bool:
@@ -250,11 +257,11 @@ class Explained:
     @property
     def second_is_empty(self) -> bool:
         """Return whether the first run has rows, and the second none."""
-        return self.facts.dirt is not None and self.facts.push.length > 0 and not self.facts.dirt.length
+        return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property
     def model_left_changed(self) -> str:
-        return ", ".join(self.facts.dirt.series.changed) if self.facts.dirt is not None else ""
+        return ", ".join(self.facts.later.series.changed) if self.facts.later is not None else ""
 
     @property
     def rows_left(self) -> int:
@@ -269,11 +276,11 @@ class Explained:
     @property
     def goes_on(self) -> bool:
         """Return whether a run continues from the state of an earlier run, or starts in a pose that is not the reset pose."""
-        dirt, left_at = self.facts.dirt, self.facts.left_at
-        stamps = dirt.series.time if dirt is not None else None
+        later, left_at = self.facts.later, self.facts.left_at
+        stamps = later.series.time if later is not None else None
         if stamps is not None and len(stamps) > 0 and abs(stamps[0] - left_at) < 0.5 * left_at:
             return True
-        claims = [self.push_claim, *([_claim_of(self.dirt, dirt)] if dirt is not None else [])]
+        claims = [self.push_claim, *([_claim_of(self.later, later)] if later is not None else [])]
         poses = [self.facts.start if claim is None else claim.qpos for claim in claims]
         if self.without_push and not differ(poses[0], poses[-1]):
             return False  # moved in the place of a push
@@ -285,8 +292,8 @@ class Explained:
     def other_velocities(self) -> bool:
         """Return whether the run after an earlier one begins with other velocities than the first run."""
         first = self.series.first_step
-        claim = _claim_of(self.dirt, self.facts.dirt) if self.facts.dirt is not None else None
-        return claim is not None and self.dirt is not None and bool(first) and differ(claim.qvel, first["qvel"])
+        claim = _claim_of(self.later, self.facts.later) if self.facts.later is not None else None
+        return claim is not None and self.later is not None and bool(first) and differ(claim.qvel, first["qvel"])
 
     @property
     def pushed_apart(self) -> bool:
@@ -306,9 +313,9 @@ class Explained:
         return self.push_claim.push if self.push_claim is not None else ""
 
 
-def _claim_of(story: Story | None, run: Run) -> Claim | None:
+def _claim_of(origin: RowOrigin | None, run: Run) -> Claim | None:
     """Return the start of a run as the worker reports it; None if the rows come from the true run."""
-    return run.claim if story is None or story.world != TRUE_WORLD else None
+    return run.claim if origin is None or origin.world != TRUE_WORLD else None
 
 
 _GRAVITY_ATOL = 1e-3
@@ -349,24 +356,29 @@ def measured(student: Student, truth: Traces) -> Explained:
     if push.series.fault is not None:
         raised = Raised(push.series.fault, "collecting data")
         return Explained(facts_of.facts_of(truth, push, None, stopped=dict.fromkeys(CHECKS, raised)))
-    story, push = told(student, truth, push, "push")
+    origin, push = origin_of(student, truth, push, "push")
     follows = True
-    if complete(push.series) and (story is None or all_alike(push.series)):
-        known = story is not None or push.claim is not None
+    if complete(push.series) and (origin is None or all_alike(push.series)):
+        known = origin is not None or push.claim is not None
         follows = known and facts_of.follows_simulation(student, truth, push)
-    dirt_story, dirt, stop = _of_dirt(student, truth, push)
+    later_origin, later, stop = _of_later_run(student, truth, push)
     stops: dict[str, Exception] = {}
-    unknown = dirt is not None and complete(dirt.series) and dirt_story is None and not (story or Story()).fits(dirt)
+    unknown = (
+        later is not None
+        and complete(later.series)
+        and later_origin is None
+        and not (origin or RowOrigin()).fits(later)
+    )
     if unknown and not facts_of.follows_simulation(student, truth, push):  # such as a recording of the push alone
         stops[RESET] = Skipped(_FOLLOWING)
-    found = Explained(facts_of.facts_of(truth, push, dirt, follows=follows), story, dirt_story)
+    found = Explained(facts_of.facts_of(truth, push, later, follows=follows), origin, later_origin)
     if found.another_push or found.other_velocities:
         velocities = facts_of.starting_velocities(student, truth, push)
         found = replace(found, facts=replace(found.facts, velocities=velocities))
     return replace(found, facts=replace(found.facts, stopped={**stops, **_stops(found, stop)}))
 
 
-def told(student: Student, truth: Traces, run: Run, name: str) -> tuple[Story | None, Run]:
+def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
     """Return the explanation of a recording, and the run with the simulated runs (worlds) that were tried.
 
     The true run is tried first, then those simulated from the start that the worker reports: if both explain the rows, the true
@@ -374,34 +386,34 @@ def told(student: Student, truth: Traces, run: Run, name: str) -> tuple[Story | 
     """
     if not complete(run.series):
         return None, run
-    story = explain(run)
-    if story is None and not run.series.first_step and not all_alike(run.series):
+    origin = explain(run)
+    if origin is None and not run.series.first_step and not all_alike(run.series):
         assumed = ((explain(each), each) for each in facts_of.with_assumed_starts(student, truth, run, name))
-        story, run = next(((found, each) for found, each in assumed if found is not None), (None, run))
-    elif story is None or story.exchanged:
+        origin, run = next(((found, each) for found, each in assumed if found is not None), (None, run))
+    elif origin is None or origin.exchanged:
         run = facts_of.with_claim(student, truth, run)
-        story = explain(run) or story
-    if (story is None or story.of_other_sensors) and run.claim is not None:
+        origin = explain(run) or origin
+    if (origin is None or origin.of_other_sensors) and run.claim is not None:
         run = facts_of.with_own_reader(student, truth, run)
-        if (own := Story(OWN_WORLD)).fits(run):
+        if (own := RowOrigin(OWN_WORLD)).fits(run):
             return own, run
-    return story or explain(run) or explain_altered(run), run
+    return origin or explain(run) or explain_altered(run), run
 
 
-def _of_dirt(student: Student, truth: Traces, push: Run) -> tuple[Story | None, Run | None, Exception | None]:
+def _of_later_run(student: Student, truth: Traces, push: Run) -> tuple[RowOrigin | None, Run | None, Exception | None]:
     """Return the explanation of the run that starts with data of an earlier run, that run, and the error if there is none."""
     try:
-        dirt = facts_of.run(student, truth, "push_dirty", push)
+        later = facts_of.run(student, truth, "push_dirty", push)
     except NoAnswer as nothing:
         return None, None, nothing
-    if dirt.series.fault is not None:
-        return None, None, Raised(dirt.series.fault, "collecting data with another time step, after an earlier run")
-    return *told(student, truth, dirt, "push_dirty"), None
+    if later.series.fault is not None:
+        return None, None, Raised(later.series.fault, "collecting data with another time step, after an earlier run")
+    return *origin_of(student, truth, later, "push_dirty"), None
 
 
 def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:
     """Return, by check, the exception because of which its property could not be measured."""
-    series, dirt, stops = found.series, found.facts.dirt, dict[str, Exception]()
+    series, later, stops = found.series, found.facts.later, dict[str, Exception]()
     if stop is not None:
         stops |= dict.fromkeys((COUNT, RESET), stop)
     if not complete(series):
@@ -412,7 +424,7 @@ def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:
         stops[TIME] = Skipped(_STAMPS)
     elif stop is not None and series.time is not None and found.stamps_off <= TIME_ATOL:
         stops[TIME] = stop
-    if dirt is not None and dirt.length and not complete(dirt.series):
+    if later is not None and later.length and not complete(later.series):
         stops.setdefault(RESET, Skipped(_BOTH))
     if series.oddities and series.time is None and not any(rows is not None for rows in series.sensors):
         got = series.oddities[0][1].removeprefix("got ")

@@ -26,7 +26,7 @@ FEWEST_ROWS = 20
 """Rows that a hypothesis has to predict, unless fewer are all that there is."""
 FORM = "a dictionary with 'time' (n,), 'acceleration' (n, 3), 'angular_velocity' (n, 3)"
 SAME_STATE = 1e-9
-"""A claimed state is told in full precision: whatever differs by more was set to another number."""
+"""A claimed state is reported in full precision: whatever differs by more was set to another number."""
 
 TRUE_WORLD = "truth"
 CLAIMED_WORLD = "claimed"
@@ -91,8 +91,8 @@ def differ(a: Array, b: Array | float) -> bool:
 
 def velocities_in_words(qvel: Array) -> str:
     pushed = np.flatnonzero(np.abs(qvel) > SAME_STATE)
-    told = ", ".join(f"qvel[{i}] = {qvel[i]:.3g}" for i in pushed[:3]) + (" …" if len(pushed) > 3 else "")
-    return told or "no velocity"
+    pushes = ", ".join(f"qvel[{i}] = {qvel[i]:.3g}" for i in pushed[:3]) + (" …" if len(pushed) > 3 else "")
+    return pushes or "no velocity"
 
 
 @dataclass(frozen=True)
@@ -142,17 +142,17 @@ class Facts:
     Attributes
     ----------
     push : the run with the sheet's push
-    dirt : a run of another length and time step, with data as an earlier run left it; None if it was not recorded
+    later : a run of another length and time step, with data as an earlier run left it; None if it was not recorded
     start : (nq,) pose of the reset robot; gravity : (3,) of the model
     learnt_timestep : time step (s) of the model that students have
-    left_at : time (s) of the simulation data at the call that recorded `dirt`
+    left_at : time (s) of the simulation data at the call that recorded `later`
     follows : whether the rows change as the robot's motion does
     velocities : (2, nv) at the start of two runs with the sheet's push; empty if they were not asked for
     stopped : by check, what kept its property from being measured
     """
 
     push: Run
-    dirt: Run | None
+    later: Run | None
     start: Array
     gravity: Array
     learnt_timestep: float
@@ -164,14 +164,14 @@ class Facts:
     @property
     def runs(self) -> tuple[Run, ...]:
         """The recorded runs; each has its own duration and time step."""
-        return (self.push,) if self.dirt is None else (self.push, self.dirt)
+        return (self.push,) if self.later is None else (self.push, self.later)
 
 
-def facts_of(truth: Traces, push: Run, dirt: Run | None, **more: Any) -> Facts:
+def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
     """Return the facts about these runs, those of the model from the traces, and the fields in `more`."""
     lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
     gravity = np.asarray(lab.scalars["gravity"], float)
-    return Facts(push, dirt, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
+    return Facts(push, later, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
 
 
 # ---- questions

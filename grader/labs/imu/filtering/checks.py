@@ -9,7 +9,7 @@ from grader.engine.findings import Deviation, Size
 from grader.labs.imu.compare import Array, same, vector
 from grader.labs.imu.filtering.explain import CONSTANT_ATOL, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR, PART
 from grader.labs.imu.filtering.measure import ATOL, FORM, Facts
-from grader.labs.imu.number_format import told_apart
+from grader.labs.imu.number_format import distinct_texts
 
 
 @PART.check("filtering.follows_recursion", lab_step=6)
@@ -66,7 +66,7 @@ def check_instances_independent(facts: Facts) -> Deviation | None:
         return None
     fault = own.stumbles
     row = 0 if other is None else int(np.argmax(np.abs(other - own.alone).max(axis=1)))
-    alone, came = told_apart(own.alone[row], own.alone[row] if other is None else other[row])
+    alone, came = distinct_texts(own.alone[row], own.alone[row] if other is None else other[row])
     if fault:
         came = f"{fault.type}: {printable(fault.message, 200)}"
     size = Size("no output where another filter was before") if fault else None
@@ -74,6 +74,6 @@ def check_instances_independent(facts: Facts) -> Deviation | None:
 
 
 def _off(wanted: Array, came: Array, *, share: float = 1.0, **numbers: object) -> Deviation:
-    expected, got = told_apart(wanted, came)
+    expected, got = distinct_texts(wanted, came)
     size = Size("the output is off", float(np.max(np.abs(came - wanted))))
     return Deviation({"wanted": expected, "came": got, **numbers}, share, size)

@@ -177,7 +177,7 @@ def _from_zero(facts: Facts) -> bool:
     """Return whether the first output is what comes of zero before it; a high-pass filter lets that through at first, too."""
     run = facts.runs[0]
     weights = (run.alpha, 1 - run.alpha, 0.0, *(run.weights or ())[:1])
-    high_pass = any(_made_of(weights)(facts) for _, told, weights in WEIGHTS if told == "high-pass")
+    high_pass = any(_made_of(weights)(facts) for _, fault, weights in WEIGHTS if fault == "high-pass")
     return not run.starts and not high_pass and any(same(run.y[0], w * run.x[0], ATOL) for w in weights)
 
 
@@ -199,12 +199,12 @@ FOLLOWS = frozenset({START, "passes_constant", "reduces_noise", "preserves_signa
 """What an output that obeys another recursion may miss, too."""
 
 
-def _of_recursion(cost: int, told: str, holds: Callable[[Facts], bool]) -> Reason[Facts]:
-    return Reason(OF, cost, told, holds, FOLLOWS)
+def _of_recursion(cost: int, fault: str, holds: Callable[[Facts], bool]) -> Reason[Facts]:
+    return Reason(OF, cost, fault, holds, FOLLOWS)
 
 
 REASONS: tuple[Reason[Facts], ...] = (
-    *(_of_recursion(cost, told, _made_of(weights)) for cost, told, weights in WEIGHTS),
+    *(_of_recursion(cost, fault, _made_of(weights)) for cost, fault, weights in WEIGHTS),
     _of_recursion(0, "alpha-default", _default_alone),
     _of_recursion(1, "output-rounded", lambda f: f.own.remembers and all(map(_rounded, f.runs))),
     _of_recursion(2, "output-limited", _every(lambda run: run.obeys or _limited(run))),

@@ -12,7 +12,7 @@ from grader.labs.imu.noise_model import explain
 from grader.labs.imu.noise_model.explain import PART
 from grader.labs.imu.noise_model.measure import Facts
 from grader.labs.imu.noise_model.reads import Reads
-from grader.labs.imu.number_format import told_apart
+from grader.labs.imu.number_format import distinct_texts
 
 NAMES = ("accel", "gyro")
 _UNLIKE = 1.2
@@ -42,7 +42,7 @@ def check_given_bias(facts: Facts) -> Deviation | None:
         return None
     reads, silent = facts.sensors[wrong[0]].reads, facts.sensors[wrong[0]].silent
     gap = np.abs(reads.offset - reads.bias)
-    expected, came = told_apart(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
+    expected, came = distinct_texts(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
     beside = {"silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias)}
     size = Size("the average is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
     affected = len(missing) / 2 if missing else 0.5 if all(s.reads.bias_is_right for s in facts.sensors) else 1.0
@@ -89,8 +89,10 @@ def check_leaves_simulation_alone(facts: Facts) -> Deviation | None:
     """A noisy read changes nothing in the simulator's own data"""
     names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
     off = explain.changed(facts)
-    told = [f"{name} changed by {by:.3g}" for name, by, is_ in zip(names, facts.disturbance, off, strict=True) if is_]
-    return Deviation({"came": "; ".join(told)}) if told else None
+    changes = [
+        f"{name} changed by {by:.3g}" for name, by, is_ in zip(names, facts.disturbance, off, strict=True) if is_
+    ]
+    return Deviation({"came": "; ".join(changes)}) if changes else None
 
 
 def _of(
@@ -108,5 +110,5 @@ def _spread(reads: Reads, unit: str) -> str:
         return "the same number at every read"
     if axes.max() < _UNLIKE * axes.min():
         return f"{reads.pooled_spread:.3g} {unit}"
-    told = " and ".join(f"{spread:.3g} on {axis}" for spread, axis in zip(axes, "xyz", strict=True))
-    return f"{told} ({unit})"
+    changes = " and ".join(f"{spread:.3g} on {axis}" for spread, axis in zip(axes, "xyz", strict=True))
+    return f"{changes} ({unit})"

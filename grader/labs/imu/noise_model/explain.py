@@ -43,9 +43,9 @@ def which(facts: Facts, holds: Callable[[Sensor], bool]) -> list[int]:
     return [i for i in BOTH if holds(facts.sensors[i])]
 
 
-def _is(find: Callable[[Facts], str], told: str) -> Holds:
+def _is(find: Callable[[Facts], str], fault: str) -> Holds:
     """Return a test that is true if `find` returns this fault's id."""
-    return lambda facts: find(facts) == told
+    return lambda facts: find(facts) == fault
 
 
 # ---- the size of the noise
@@ -90,12 +90,12 @@ _SPREADS: Mapping[str, Callable[[Reads, Reads, float], Sequence[float]]] = {
 """Standard deviations that a fault predicts, from a sensor's reads, the other sensor's reads and the time step in seconds."""
 
 
-def _spread_is(told: str) -> Holds:
+def _spread_is(fault: str) -> Holds:
     """Return a test that is true if this fault predicts the spread of each sensor whose noise has a wrong size."""
 
     def fits(facts: Facts) -> bool:
         pairs = [(facts.sensors[i].noise, facts.sensors[1 - i].noise) for i in sizes_off(facts)]
-        predicted = [(reads, _SPREADS[told](reads, other, facts.timestep)) for reads, other in pairs]
+        predicted = [(reads, _SPREADS[fault](reads, other, facts.timestep)) for reads, other in pairs]
         return all(any(abs(r.pooled_spread / s - 1) < _NEAR for s in spreads) for r, spreads in predicted)
 
     return fits
@@ -110,13 +110,13 @@ class Offset:
 
     Attributes
     ----------
-    told : the id of the fault
+    cause : the id of the fault
     predict : returns the mean errors that the fault may cause, from a sensor's reads and the other sensor's
     together : whether the fault always affects both sensors
     """
 
     cost: int
-    told: str
+    cause: str
     predict: Callable[[Reads, Reads], Iterable[Array]]
     together: bool = False
 
@@ -150,9 +150,9 @@ def offset_fault(facts: Facts) -> str:
     reads = [sensor.reads for sensor in facts.sensors]
     wrong = [(reads[i], reads[1 - i]) for i in BOTH if not reads[i].bias_is_right]
     used = any(s.twins.seeded and not s.twins.ignores_bias() for s in facts.sensors)
-    known = [each for each in OFFSETS if not (used and each.told in _UNUSED)]
+    known = [each for each in OFFSETS if not (used and each.cause in _UNUSED)]
     found = hypothesis.explain(known, wrong) if wrong else None
-    return found.told if found else ""
+    return found.cause if found else ""
 
 
 def _off(facts: Facts) -> list[int]:
@@ -309,16 +309,16 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 1, "one-sensor-twice", lambda f: f.one_twice),
     Reason(SIZE, 2, "bias-redrawn", lambda f: f.redrawn),
     Reason(SIZE, 3, "no-noise", no_draw),
-    *(Reason(SIZE, 4, told, _is(_repeated, told), frozenset({DEFAULT, APART})) for told in _REPEATED),
+    *(Reason(SIZE, 4, fault, _is(_repeated, fault), frozenset({DEFAULT, APART})) for fault in _REPEATED),
     Reason(SIZE, 6, "gyro-not-noisy", lambda f: any(s.noise.still for s in f.sensors)),
     Reason(SIZE, 7, "multiplicative-noise", _any(lambda reads: reads.proportional)),
     Reason(SIZE, 8, "std-ignored", lambda f: any(s.silent.restless and not s.drifts for s in f.sensors)),
-    *(Reason(SIZE, 9, told, _spread_is(told)) for told in _SPREADS),
+    *(Reason(SIZE, 9, fault, _spread_is(fault)) for fault in _SPREADS),
     Reason(GIVEN, 0, "swapped-sensors", lambda f: f.exchanged),
     Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged, _WITH_DEFAULT),
     Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),
     Reason(GIVEN, 1, "bias-redrawn", lambda f: f.redrawn and bool(missing_bias(f))),
-    *(Reason(GIVEN, 1 + each.cost, each.told, _is(offset_fault, each.told), _WITH_DEFAULT) for each in OFFSETS),
+    *(Reason(GIVEN, 1 + each.cost, each.cause, _is(offset_fault, each.cause), _WITH_DEFAULT) for each in OFFSETS),
     Reason(GIVEN, 12, "another-bias-beside", lambda f: bool(_off(f) and bias_beside(f)), _WITH_DEFAULT),
     Reason(GIVEN, 12, "bias-argument-ignored", lambda f: not _off(f)),
     Reason(GIVEN, 99, f"noise_model.{GIVEN}", lambda _: True, _WITH_DEFAULT),
@@ -327,7 +327,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(DEFAULT, 5, "bias-redrawn", _moving(lambda bias: np.median(np.ptp(bias, axis=1).max(axis=1)) > EXACT)),
     Reason(DEFAULT, 7, "bias-not-random", _never_random),
     Reason(DEFAULT, 11, "bias-shared", _is_shared),
-    *(Reason(LAW, 0, told, _is(_repeated, told)) for told in _REPEATED),
+    *(Reason(LAW, 0, fault, _is(_repeated, fault)) for fault in _REPEATED),
     Reason(LAW, 1, "precision-lost", lambda f: any(sensor.reads.grain for sensor in f.sensors)),
     Reason(LAW, 2, "noise-accumulates", lambda f: any(sensor.accumulates for sensor in f.sensors)),
     Reason(LAW, 3, "noise-correlated", _any(lambda reads: reads.memory > 0)),
@@ -336,7 +336,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(
         LAW, 8, "not-gaussian", _any(lambda reads: not reads.is_normal), frozenset({APART})
     ),  # channels with rare large values correlate by chance
-    *(Reason(LAW, 9, told, _is(offset_fault, told)) for told in ("noise-not-zero-mean", "stale-clean-reading")),
+    *(Reason(LAW, 9, fault, _is(offset_fault, fault)) for fault in ("noise-not-zero-mean", "stale-clean-reading")),
     Reason(LAW, 99, f"noise_model.{LAW}", lambda _: True),
     Reason(APART, 0, "one-sensor-twice", lambda f: f.one_twice),
     Reason(APART, 1, "same-noise-on-axes", _one_for_axes),

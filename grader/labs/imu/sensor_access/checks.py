@@ -8,7 +8,7 @@ from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu.answers import SENSOR_UNITS
 from grader.labs.imu.compare import Array, deviation, vector
-from grader.labs.imu.number_format import told_apart
+from grader.labs.imu.number_format import distinct_texts
 from grader.labs.imu.sensor_access.explain import PART, Explained
 from grader.labs.imu.sensor_access.measure import FORM, NO_CHANGE, Visit
 
@@ -68,7 +68,7 @@ def _off(visit: Visit, sensor: int, true: Array, numbers: dict[str, object], aff
     """Describe the row in which a sensor is furthest from what stands where it should be read."""
     got, name, unit = visit.got[sensor], NAMES[sensor], SENSOR_UNITS[sensor]
     gap = deviation(got, true)
-    wanted, came = told_apart(true[gap.row], got[gap.row])
+    wanted, came = distinct_texts(true[gap.row], got[gap.row])
     steps = np.diff(np.unique(got[np.isfinite(got)]))
     grain = float(steps.min(initial=np.inf))
     told = {"wanted": f"{name} ≈ {wanted} {unit}", "got": f"{name} = {came}", "grain": grain}

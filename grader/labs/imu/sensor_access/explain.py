@@ -48,7 +48,7 @@ class Hypothesis:
     change: Change
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def cause(self) -> tuple[str, ...]:
         return self.place, *self.values
 
     def predict(self, scene: Scene, sensor: int) -> Array:

@@ -149,11 +149,11 @@ def _has_problem(name: str) -> Callable[[Facts], bool]:
     return lambda facts: name in dict(words.label_problems(facts.plot))
 
 
-def _empty(cost: int, told: str, holds: Callable[[Facts], bool]) -> tuple[Reason[Facts], ...]:
+def _empty(cost: int, fault: str, holds: Callable[[Facts], bool]) -> tuple[Reason[Facts], ...]:
     """Return the reasons for a file that shows no plot: nobody reads a title there, unless a picture was handed in."""
     return (
-        Reason(SAVES, cost, told, lambda f: holds(f) and not f.file.handed_in, takes=frozenset({TITLES})),
-        Reason(SAVES, cost, told, lambda f: holds(f) and f.file.handed_in),
+        Reason(SAVES, cost, fault, lambda f: holds(f) and not f.file.handed_in, takes=frozenset({TITLES})),
+        Reason(SAVES, cost, fault, lambda f: holds(f) and f.file.handed_in),
     )
 
 

@@ -1,4 +1,4 @@
-"""Hypotheses on how the rows of a recording came about: what the simulation did, and how its samples became rows.
+"""Hypotheses on the origin of the rows of a recording: what the simulation did, and how its samples became rows.
 
 A simulated run (the *world*: the true one, or one from the start that the worker reports) explains a recording together with what
 became of its samples: late by one, several steps a row, references to one array, channels exchanged, numbers altered.
@@ -32,8 +32,8 @@ Rows = slice | NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class Story:
-    """Explanation of the rows of a recording.
+class RowOrigin:
+    """Hypothesis on the origin of the rows of a recording.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Story:
         return self.skip == 1 or not same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION)
 
     @property
-    def told(self) -> tuple[object, ...]:
+    def cause(self) -> tuple[object, ...]:
         return (self.world, self.lag != 0, self.skip != 1, self.exchanged, self.aliased, self.altered)
 
     @property
@@ -103,14 +103,14 @@ class Story:
         return sum(odd) + len(odd) * len(self.altered)
 
 
-def _rows(story: Story, n: int, available: int) -> tuple[Rows, Rows]:
+def _rows(origin: RowOrigin, n: int, available: int) -> tuple[Rows, Rows]:
     """Return the indices of the student's rows and of the true rows to compare: slices if the rows are equally far apart."""
-    if not story.aliased and not story.at:  # row n is that of step n * skip + late; both bounds are rounded up
-        late, skip = story.first - story.lag, story.skip
+    if not origin.aliased and not origin.at:  # row n is that of step n * skip + late; both bounds are rounded up
+        late, skip = origin.first - origin.lag, origin.skip
         begin = max(0, -(late // skip))
         end = max(begin, min(n, -((late - available) // skip)))
         return slice(begin, end), slice(begin * skip + late, end * skip + late, skip)
-    wanted = np.array(story.at[:n], np.intp) if story.at else np.full(n, n - 1)
+    wanted = np.array(origin.at[:n], np.intp) if origin.at else np.full(n, n - 1)
     known = (wanted >= 0) & (wanted < available)
     return np.flatnonzero(known), wanted[known]
 
@@ -120,37 +120,37 @@ def moves(true: Array, atol: float, rows: Rows) -> bool:
     return bool(np.ptp(true[rows], axis=0).max() > atol) if len(true[rows]) else False
 
 
-def explain(run: Run) -> Story | None:
+def explain(run: Run) -> RowOrigin | None:
     """Return the simplest explanation that predicts the rows; None if none does, or if two equally simple ones disagree."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 
-def _by_cost(run: Run) -> Iterator[Iterable[Story]]:
+def _by_cost(run: Run) -> Iterator[Iterable[RowOrigin]]:
     """Yield the explanations in groups of equal cost. The first, the true run unaltered, costs nothing and fits most recordings."""
     if TRUE_WORLD in run.worlds:
-        yield [Story()]
-    yield from hypothesis.by_cost(_stories(run))
+        yield [RowOrigin()]
+    yield from hypothesis.by_cost(_origins(run))
 
 
-def explain_altered(run: Run) -> Story | None:
+def explain_altered(run: Run) -> RowOrigin | None:
     """Return the explanation by a run whose numbers were altered: of one sensor in any way, or of both by one treatment each."""
-    known = [Story(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
+    known = [RowOrigin(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
     changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
-    return hypothesis.explain((replace(story, altered=keys) for keys in changed for story in known), run)
+    return hypothesis.explain((replace(origin, altered=keys) for keys in changed for origin in known), run)
 
 
-def _stories(run: Run) -> Iterator[Story]:
+def _origins(run: Run) -> Iterator[RowOrigin]:
     strides, at = sorted(_strides(run)), _steps_by_stamps(run)
     apart = max(2, round((at[-1] - at[0]) / (len(at) - 1))) if at else 1
     for world in run.worlds:
         lags = {0, 1, -1, -_missing_at_first(run, world)}
         for exchanged in (False, True):
-            yield from (Story(world, lag, exchanged=exchanged) for lag in lags)
+            yield from (RowOrigin(world, lag, exchanged=exchanged) for lag in lags)
             for skip in strides:
-                yield from (Story(world, skip=skip, first=first, exchanged=exchanged) for first in {0, skip - 1})
+                yield from (RowOrigin(world, skip=skip, first=first, exchanged=exchanged) for first in {0, skip - 1})
             if at and len(at) >= run.series.filled_rows:
-                yield Story(world, skip=apart, at=at, exchanged=exchanged)
-            yield Story(world, exchanged=exchanged, aliased=True)
+                yield RowOrigin(world, skip=apart, at=at, exchanged=exchanged)
+            yield RowOrigin(world, exchanged=exchanged, aliased=True)
 
 
 def _strides(run: Run) -> set[int]:
@@ -205,15 +205,15 @@ def affine(got: Array, true: Array) -> Array | None:
     return np.asarray(np.linalg.lstsq(np.column_stack([true, np.ones(len(true))]), got, rcond=None)[0], np.float64)
 
 
-def time_error(time: Array, timestep: float, story: Story) -> Array:
+def time_error(time: Array, timestep: float, origin: RowOrigin) -> Array:
     """Return the distance (n,) of time stamps from dt … T or from 0 … T - dt, whichever is nearer as a whole, in seconds.
 
     With several steps per row, stamps may also start at any step of the first row. If the first samples are missing, stamps may
     start after these.
     """
-    if story.at:
-        return np.abs(time - timestep * (np.array(story.at) + 1.0)[: len(time)])
-    stamps = timestep * story.skip * np.arange(len(time))
-    starts = {*range(story.skip + 1), *((-story.lag, 1 - story.lag) if story.lag < 0 else ())}
+    if origin.at:
+        return np.abs(time - timestep * (np.array(origin.at) + 1.0)[: len(time)])
+    stamps = timestep * origin.skip * np.arange(len(time))
+    starts = {*range(origin.skip + 1), *((-origin.lag, 1 - origin.lag) if origin.lag < 0 else ())}
     errors = [np.abs(time - stamps - timestep * first) for first in sorted(starts)]
     return min(errors, key=lambda error: float(np.max(error, initial=0.0)))

@@ -1,4 +1,4 @@
-"""The stories of recorded rows, and the facts about a recorder, made by hand."""
+"""The row_origins of recorded rows, and the facts about a recorder, made by hand."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from grader.labs.imu.answers import SENSORS, Array, Collection
-from grader.labs.imu.data_collection import measure, stories
+from grader.labs.imu.data_collection import measure, row_origins
 from grader.labs.imu.data_collection.explain import Explained, counting_fault, has_timestep
 from grader.labs.imu.data_collection.measure import CLAIMED_WORLD, TRUE_WORLD, Claim, Facts, Run
-from grader.labs.imu.data_collection.stories import Story
+from grader.labs.imu.data_collection.row_origins import RowOrigin
 
 pytestmark = pytest.mark.quick
 _STEPS, _DT = 200, 0.002
@@ -45,17 +45,17 @@ def _taken(rows: object, world: str = TRUE_WORLD, time: Array | None = None) -> 
     exchanged=st.booleans(),
     how=st.sampled_from(
         [
-            Story(),
-            Story(lag=1),
-            Story(lag=-1),
-            Story(lag=-7),
-            Story(skip=2),
-            Story(skip=5, first=4),
-            Story(aliased=True),
+            RowOrigin(),
+            RowOrigin(lag=1),
+            RowOrigin(lag=-1),
+            RowOrigin(lag=-7),
+            RowOrigin(skip=2),
+            RowOrigin(skip=5, first=4),
+            RowOrigin(aliased=True),
         ]
     ),
 )
-def test_rows_are_told_by_the_story_that_they_were_made_by(world: str, exchanged: bool, how: Story) -> None:
+def test_rows_are_told_by_the_story_that_they_were_made_by(world: str, exchanged: bool, how: RowOrigin) -> None:
     assume(not exchanged or how.lag > -7)  # where the first sample is looked for, sensors are not exchanged
     made = replace(how, world=world, exchanged=exchanged)
     rows = how.skip * np.arange(_STEPS // how.skip) + how.first - how.lag
@@ -64,29 +64,29 @@ def test_rows_are_told_by_the_story_that_they_were_made_by(world: str, exchanged
     accel, gyro = run.series.sensors
     if exchanged:
         run = replace(run, series=Collection(None, gyro, accel))
-    assert stories.explain(run) == made
+    assert row_origins.explain(run) == made
 
 
 def test_rows_at_uneven_steps_are_told_by_their_stamps() -> None:
     at = np.flatnonzero(np.random.default_rng(3).random(_STEPS) < 0.4)
-    found = stories.explain(_taken(at, time=_STAMPS[at]))
+    found = row_origins.explain(_taken(at, time=_STAMPS[at]))
     assert found is not None
     assert found.at == tuple(at)
     assert found.covers(len(at), _STEPS)
 
 
-@pytest.mark.parametrize(("by", "told"), [(0.9, Story()), (1.1, None)])
-def test_rows_within_the_tolerance_are_right(by: float, told: Story | None) -> None:
+@pytest.mark.parametrize(("by", "told"), [(0.9, RowOrigin()), (1.1, None)])
+def test_rows_within_the_tolerance_are_right(by: float, told: RowOrigin | None) -> None:
     accel, gyro = _WORLDS[TRUE_WORLD]
-    assert stories.explain(_run(accel + by * 2e-3, gyro)) == told
-    assert stories.explain(_run(accel, gyro - by * 2e-4)) == told
+    assert row_origins.explain(_run(accel + by * 2e-3, gyro)) == told
+    assert row_origins.explain(_run(accel, gyro - by * 2e-4)) == told
 
 
 def test_a_few_rows_do_not_tell_late_from_early() -> None:
     late = np.maximum(np.arange(21) - 1, 0)
-    assert stories.explain(_taken(late)) == Story(lag=1)
-    assert stories.explain(_taken(late[:20])) is None
-    assert stories.explain(_taken(slice(1))) == Story()
+    assert row_origins.explain(_taken(late)) == RowOrigin(lag=1)
+    assert row_origins.explain(_taken(late[:20])) is None
+    assert row_origins.explain(_taken(slice(1))) == RowOrigin()
 
 
 def _turned(rows: Array) -> Array:
@@ -106,24 +106,24 @@ def _turned(rows: Array) -> Array:
 )
 def test_altered_rows_of_one_sensor_are_told_beside_the_other(change, found: str | None) -> None:  # type: ignore[no-untyped-def]
     accel, gyro = _WORLDS[TRUE_WORLD]
-    story = stories.explain_altered(_run(change(accel), gyro))
-    assert story == Story(altered=SENSORS[:1])
-    assert stories.treatment(SENSORS[0], change(accel), accel) == found
+    origin = row_origins.explain_altered(_run(change(accel), gyro))
+    assert origin == RowOrigin(altered=SENSORS[:1])
+    assert row_origins.treatment(SENSORS[0], change(accel), accel) == found
 
 
 @pytest.mark.parametrize(
-    ("stamps", "story", "worst"),
+    ("stamps", "origin", "worst"),
     [
-        (_STAMPS, Story(), 0.0),
-        (_STAMPS - _DT, Story(), 0.0),
-        (_STAMPS + _DT, Story(), _DT),
-        (_STAMPS[:100] * 2, Story(skip=2), 0.0),
-        (_STAMPS[7:], Story(lag=-7), 0.0),
-        (_STAMPS[[1, 4]], Story(at=(1, 4)), 0.0),
+        (_STAMPS, RowOrigin(), 0.0),
+        (_STAMPS - _DT, RowOrigin(), 0.0),
+        (_STAMPS + _DT, RowOrigin(), _DT),
+        (_STAMPS[:100] * 2, RowOrigin(skip=2), 0.0),
+        (_STAMPS[7:], RowOrigin(lag=-7), 0.0),
+        (_STAMPS[[1, 4]], RowOrigin(at=(1, 4)), 0.0),
     ],
 )
-def test_stamps_are_right_from_the_first_step_or_from_zero_on(stamps: Array, story: Story, worst: float) -> None:
-    assert stories.time_error(stamps, _DT, story).max() == pytest.approx(worst, abs=1e-12)
+def test_stamps_are_right_from_the_first_step_or_from_zero_on(stamps: Array, origin: RowOrigin, worst: float) -> None:
+    assert row_origins.time_error(stamps, _DT, origin).max() == pytest.approx(worst, abs=1e-12)
 
 
 @pytest.mark.parametrize(("timestep", "usual", "kept"), [(0.004, _DT, True), (_DT, _DT, False), (0.004, 0.004, False)])
@@ -203,7 +203,7 @@ def test_rows_follow_a_simulation_whatever_is_done_to_their_numbers() -> None:
 def test_a_run_goes_on_where_its_first_stamp_is_near_to_where_time_was_left(left_at: float, goes_on: bool) -> None:
     run = _taken(slice(None), time=_STAMPS)
     facts = Facts(run, run, np.zeros(3), np.zeros(3), _DT, left_at)
-    assert Explained(facts, Story(), Story()).goes_on is goes_on
+    assert Explained(facts, RowOrigin(), RowOrigin()).goes_on is goes_on
 
 
 class _Scenario(dict):  # type: ignore[type-arg]
