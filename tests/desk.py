@@ -79,7 +79,7 @@ def make_class(out: Path, students: Sequence[Student], told: Mapping[str, Sequen
             store.keep_hand_in(student.id, student.hand_in)
             if student.files is not None:
                 store.keep_files(student.id * 3, lambda files=student.files: pack(files))  # type: ignore[misc]
-        store.keep_told(told or {})
+        store.keep_notices(told or {})
         for final_grade in publish_class(out, store, LAB).values():
             publish(out, final_grade, store, LAB)
     return out

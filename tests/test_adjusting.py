@@ -299,12 +299,12 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
 def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     from dataclasses import replace
 
-    from grader.course.differences import told
+    from grader.course.differences import lines_of
     from grader.people.final_grade import FinalGrade
 
     old = result(lost(), name="a")
     new = replace(result(name="a"), provenance={**old.provenance, "rubric_sha256": "other", "submission_sha256": "x"})
-    lines = list(told({"a": FinalGrade("a", old)}, {"a": FinalGrade("a", new)}))
+    lines = list(lines_of({"a": FinalGrade("a", old)}, {"a": FinalGrade("a", new)}))
     assert lines[:2] == ["a  0 → 20", "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6"]
     assert lines[-2:] == ["  changed: the submission, the rubric", "1 of 1 moved; mean of graded 0.0 → 20.0"]
 

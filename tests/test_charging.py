@@ -143,7 +143,7 @@ def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_s
         "a that holds", "1.5", "do not cheap", ("cheap",)
     )  # fmt: skip
     assert (hidden.expected, hidden.got, hidden.hint, hidden.mistakes) == (
-        "this to hold in the hidden scenarios, too", "it is cheap; a is off by 0.01 to 0.1 m", "do not cheap", ("cheap",)
+        "the same result on the hidden scenarios", "it is cheap; a is off by 0.01 to 0.1 m", "do not cheap", ("cheap",)
     )  # fmt: skip
 
 

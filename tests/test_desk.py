@@ -357,8 +357,8 @@ def test_shared_lines_stand_side_by_side_and_the_sheet_is_never_among_them(tmp_p
 
 def test_an_appeal_stands_beside_its_check_and_its_answer_reaches_the_student(desk: Desk, out: Path) -> None:
     text = '{"student": "bob@x.edu", "check": "%s", "text": "My <script>ids</script> are right."}' % ADDRESS  # noqa: UP031
-    assert "told=1" in desk.post("/regrade-requests", {"text": text}).headers["location"]
-    assert "told=0" in desk.post("/regrade-requests", {"text": text}).headers["location"]  # dropped in twice is one
+    assert "message=1" in desk.post("/regrade-requests", {"text": text}).headers["location"]
+    assert "message=0" in desk.post("/regrade-requests", {"text": text}).headers["location"]  # dropped in twice is one
     assert "Request 1" in words(desk.get("/").text)
     page = desk.get("/submission/bob").text
     assert "My &lt;script&gt;ids&lt;/script&gt; are right." in page

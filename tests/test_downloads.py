@@ -61,7 +61,7 @@ def test_every_student_of_every_shape_is_found_with_their_own_files(shape: str, 
 )
 def test_the_shape_is_told_in_one_line(shape: str, title: str, tmp_path: Path) -> None:
     path = classes.SHAPES[shape](STUDENTS, tmp_path / "in")
-    assert read_class([path], LAB.files).told == (f"{path}: {title}, 7 submissions",)
+    assert read_class([path], LAB.files).notices == (f"{path}: {title}, 7 submissions",)
 
 
 @pytest.mark.parametrize("shape", ["canvas", "moodle", "gradescope"])
@@ -146,7 +146,7 @@ def test_whatever_lies_in_a_download_is_somebodys_or_is_listed(
     places = [place for entry in found.entries for place, _ in entry.sources]
     listed = {line.removeprefix(f"{tmp_path}/d.zip/").rpartition(": ")[0] for line in found.leftovers}
     known = {"submission_metadata.yml", "scores.csv"}  # the platform's own
-    if found.told:
+    if found.notices:
         assert {name.split("/")[0] for name in members} <= {p.split("/")[0] for p in (*places, *listed)} | known
         assert len(places) == len(set(places))
     for entry in found.entries:
@@ -298,7 +298,7 @@ def test_a_group_is_one_submission_of_all_its_people_in_any_order(tmp_path: Path
 @pytest.mark.parametrize("text", ["{", "- a", "!!python/object/apply:os.system ['true']", "\0", ""])
 def test_metadata_that_cannot_be_read_is_no_export(text: str, tmp_path: Path) -> None:
     found = export(tmp_path, text, "submission_1")
-    assert (found.told, [entry.id for entry in found.entries]) == ((), ["g"])
+    assert (found.notices, [entry.id for entry in found.entries]) == ((), ["g"])
 
 
 # ---- clones ----

@@ -41,9 +41,9 @@ def test_a_check_remembers_the_points_of_the_last_one(tmp_path: Path) -> None:
 
 def test_a_flood_is_cut_and_silence_is_said() -> None:
     prints = Prints()
-    assert [line.plain for line in prints.told(LAB)] == ["", "Your code printed nothing."]
-    prints.hear("filtering", "\n".join(map(str, range(100))))
-    assert [line.plain for line in prints.told(LAB)][-1] == "  … 70 more lines"
+    assert [line.plain for line in prints.lines(LAB)] == ["", "Your code printed nothing."]
+    prints.add("filtering", "\n".join(map(str, range(100))))
+    assert [line.plain for line in prints.lines(LAB)][-1] == "  … 70 more lines"
 
 
 # --- a real check -----------------------------------------------------------------------------------------------------

@@ -87,7 +87,7 @@ def check(
         printed = Prints()
         try:
             result = checking.check(
-                submission, chosen, bundle, sandbox, only=only, waiting=partial(print, flush=True), listen=printed.hear
+                submission, chosen, bundle, sandbox, only=only, waiting=partial(print, flush=True), listen=printed.add
             )
         except Stopped as stopped:
             print()  # below the terminal's own ^C
@@ -155,17 +155,17 @@ def _watch(wanted: _Wanted, rubric: Path | None, isolation_level: str | None) ->
 
     def begins() -> None:
         view.tell(_CHECKING)
-        printed.forget()
+        printed.clear()
 
     try:
         for result in checking.check_on_save(
             wanted.path, chosen, bundle, only=wanted.only, isolation_level=isolation_level, written=written,
             begins=begins, waits=view.refit,
-            waiting=view.tell, listen=printed.hear,
+            waiting=view.tell, listen=printed.add,
         ):  # fmt: skip
             known = history.recalled(wanted.path, result) if before is None else before
-            told = printed.told(LAB) if wanted.prints else []
-            view.show(partial(_lines, result, wanted, screen, known, told), _checked_at())
+            prints = printed.lines(LAB) if wanted.prints else []
+            view.show(partial(_lines, result, wanted, screen, known, prints), _checked_at())
             _write(result, wanted)
             before = history.remember(wanted.path, result, known)
     except KeyboardInterrupt:  # it is how one ends it
@@ -186,12 +186,12 @@ def _show(result: Result, wanted: _Wanted, before: Mapping[str, float], printed:
     from grader.report import terminal  # noqa: PLC0415
 
     screen = console()
-    for line in _lines(result, wanted, screen, before, printed.told(LAB) if wanted.prints else []):
+    for line in _lines(result, wanted, screen, before, printed.lines(LAB) if wanted.prints else []):
         terminal.show_line(line, screen)
 
 
 def _lines(
-    result: Result, wanted: _Wanted, screen: Console, before: Mapping[str, float], told: Sequence[Text]
+    result: Result, wanted: _Wanted, screen: Console, before: Mapping[str, float], prints: Sequence[Text]
 ) -> list[Text]:
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
@@ -200,7 +200,7 @@ def _lines(
         result, screen, LAB, only=wanted.only, before=before, command=wanted.command, repeat=wanted.repeat,
         verbose=wanted.verbose,
     )  # fmt: skip
-    return [*lines, *told]
+    return [*lines, *prints]
 
 
 def _write(result: Result, wanted: _Wanted) -> None:

@@ -35,6 +35,6 @@ def diff(
             raise RequestError(
                 f"{near(first)}: no change of the settings has changed a score; give two folders to compare"
             )
-        for line in differences.told(before, new.final_grades()):
+        for line in differences.lines_of(before, new.final_grades()):
             print(line)
     return 0

@@ -102,7 +102,7 @@ def grade(
         at_least=known.isolation if known and not change else "",
     )  # fmt: skip
     found = classroom.find(order)
-    for line in found.told:
+    for line in found.notices:
         say(line)
     if list_:
         for line in (*classroom.listing(found), *(f"Not placed: {left}" for left in found.leftovers)):
@@ -110,7 +110,7 @@ def grade(
         return 0
     changed = classroom.change(order, found)
     if dry_run:
-        for line in (*classroom.forecast(order, found), *([changed.told()] if changed else [])):
+        for line in (*classroom.forecast(order, found), *([changed.in_words()] if changed else [])):
             print(line)
         return 0
     if changed is not None:
@@ -138,6 +138,6 @@ def grade(
 def _agreed(changed: Change, change: bool) -> bool:
     """Print the effect of changed settings on the scores; return whether to change them, which a terminal is asked."""
     if changed.moves_scores and not change:
-        return sys.stdin.isatty() and typer.confirm(f"{changed.told()}. Change them?")
-    say(changed.told())
+        return sys.stdin.isatty() and typer.confirm(f"{changed.in_words()}. Change them?")
+    say(changed.in_words())
     return change

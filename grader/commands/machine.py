@@ -43,9 +43,9 @@ def packages_of(paths: Sequence[Path]) -> list[Finding]:
     with Reader() as reader:
         for entry, submission in reader.each(read_class(paths, LAB.files).entries):
             missing[entry.id] = missing_packages.imported(submission) - there
-    told = missing_packages.lines(missing)
+    lines = missing_packages.lines(missing)
     none = f"{len(missing)} submissions import no known package that is missing here"
-    return [Finding("missing", False, line) for line in told] or [Finding("missing", True, none)]
+    return [Finding("missing", False, line) for line in lines] or [Finding("missing", True, none)]
 
 
 def _isolation() -> list[Finding]:

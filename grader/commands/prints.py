@@ -21,16 +21,16 @@ class Prints:
     def __init__(self) -> None:
         self._lines: dict[str, Counter[str]] = {}
 
-    def hear(self, part: str, text: str) -> None:
+    def add(self, part: str, text: str) -> None:
         """Add text that was printed while a part was checked."""
         lines = [printable(line, _LONGEST) for line in text.splitlines() if line.strip()]
         self._lines.setdefault(part, Counter()).update(lines)
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Remove all lines."""
         self._lines.clear()
 
-    def told(self, lab: Lab) -> list[Text]:
+    def lines(self, lab: Lab) -> list[Text]:
         """Return the printed lines in the order in which each was first printed."""
         lines = [Text(), Text("Printed by your code")]
         for part, counted in self._lines.items():

@@ -97,7 +97,7 @@ def adjust(lab: Lab, out: Path, requests: Sequence[OverrideRequest], author: str
         write_class(out, after, store, lab)
         fresh = dict.fromkeys(each.id for each in made if each.fresh)
         publish_all(out, (after[id_] for id_ in fresh), store, lab)
-    return [_told(each, after[each.id]) for each in made]
+    return [_line_on(each, after[each.id]) for each in made]
 
 
 @dataclass(frozen=True)
@@ -131,9 +131,9 @@ def decide(
         raise RequestError("\n".join(problems))
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
     made = [(request.id, _adjustment(request, final_grades[request.id], author, now)) for request in requests]
-    told = [Made(id_, each, not _stands(each, final_grades[id_])) for id_, each in made]
-    store.adjust([(each.id, each.adjustment) for each in told if each.fresh], seen, what)
-    return told
+    recorded = [Made(id_, each, not _stands(each, final_grades[id_])) for id_, each in made]
+    store.adjust([(each.id, each.adjustment) for each in recorded if each.fresh], seen, what)
+    return recorded
 
 
 def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None) -> OverrideRequest:
@@ -294,7 +294,7 @@ def _stands(override: Adjustment, final_grade: FinalGrade) -> bool:
     return same_points and now.out_of in ({}, override.out_of)
 
 
-def _told(made: Made, final_grade: FinalGrade) -> str:
+def _line_on(made: Made, final_grade: FinalGrade) -> str:
     final = "open" if final_grade.final is None else words.number(final_grade.final)
     before = "" if made.fresh else " (as before)"
     return f"{printable(made.id, 80)} {made.adjustment.criterion} {said(made.adjustment)}{before}, final {final}"

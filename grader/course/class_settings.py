@@ -191,7 +191,7 @@ class Change:
         """Return whether a score on record changes or may change."""
         return bool(self.moved or self.regraded or self.chosen_anew or self.to_repair)
 
-    def told(self) -> str:
+    def in_words(self) -> str:
         """Return one line: what differs and what it does."""
         effects = [f"{self.moved} of {self.of} scores change" if self.moved else "no score changes"] if self.of else []
         if self.moved and self.means:

@@ -89,7 +89,7 @@ class Class:
 
     entries: tuple[Entry, ...]
     leftovers: tuple[str, ...]
-    told: tuple[str, ...]
+    notices: tuple[str, ...]
     absent: tuple[str, ...] = ()
     unknown: tuple[str, ...] = ()
     doubtful: tuple[str, ...] = ()
@@ -145,7 +145,7 @@ def find(order: Order) -> Class:
     submissions = _beside_out(found.entries, order)
     if not submissions:
         raise RequestError(
-            f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
+            f"{_in_words(order.paths)}: no submission found there; give a folder of submissions or an archive"
         )
     placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
     entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
@@ -158,7 +158,7 @@ def find(order: Order) -> Class:
     )
     doubtful = (*placed.doubtful, *_contradicted(entries, placed))
     named = {id_: each for id_, each in rest.hand_ins.items() if each != others[id_]}
-    return Class(dated, found.leftovers, found.told, absent, unknown, doubtful, named)
+    return Class(dated, found.leftovers, found.notices, absent, unknown, doubtful, named)
 
 
 def _recorded(out: Path) -> dict[str, HandIn]:
@@ -190,9 +190,9 @@ def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
 def _contradicted(entries: Sequence[Entry], placed: roster.Placed) -> Iterator[str]:
     """Yield a line for each submission whose times in the roster and on the platform differ."""
     for entry in entries:
-        told, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
-        if told and known and told != known:
-            yield f"{entry.id}: submitted {known} by the platform, which counts, and {told} by the roster"
+        by_roster, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
+        if by_roster and known and by_roster != known:
+            yield f"{entry.id}: submitted {known} by the platform, which counts, and {by_roster} by the roster"
 
 
 def listing(found: Class) -> Iterator[str]:
@@ -238,7 +238,7 @@ def change(order: Order, found: Class) -> Change | None:
     hand_ins = {entry.id: entry.hand_in if several[entry.id] == 1 else None for entry in found.entries}
     changed = class_settings.change(old, new, order.rubric, final_grades, hand_ins)
     if changed is not None and changed.moves_scores and order.only:
-        raise RequestError(f"--only cannot change the settings of the whole class; leave it out ({changed.told()})")
+        raise RequestError(f"--only cannot change the settings of the whole class; leave it out ({changed.in_words()})")
     return changed
 
 
@@ -289,15 +289,15 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     moves = changed is not None and changed.moves_scores
     if changed is not None and moves and not order.change:
         raise RequestError(
-            f"{changed.told()}; add --change to allow it, or choose another folder with -o. Nothing was changed"
+            f"{changed.in_words()}; add --change to allow it, or choose another folder with -o. Nothing was changed"
         )
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
         was, before = store.settings(), store.final_grades()
         store.keep_settings(replace(order.settings, isolation=was.isolation if was else ""), keep_before=moves)
-        told = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
-        remarked = store.told().get("remark", [])
-        store.keep_told({**told, "remark": remarked})
+        mismatches = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
+        remarked = store.notices().get("remark", [])
+        store.keep_notices({**mismatches, "remark": remarked})
         audience.begins(len(found.entries))
         with Publisher(order.out, store, order.rubric.lab, min(_WRITERS, _jobs(order))) as publisher:
             run = _Run(order, store, audience, outcome, publisher)
@@ -315,7 +315,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
             *(() if order.only else gone(final_grades, {entry.id for entry in found.entries})),
             *run.lost_repairs,
         )
-        store.keep_told({**told, "remark": now})
+        store.keep_notices({**mismatches, "remark": now})
     new = [line for line in now if line not in remarked]
     outcome.grades = graded(final_grades[id_] for id_ in outcome.results)
     outcome.remarks = (*replaced(before, final_grades), *outdated(final_grades), *new)
@@ -568,5 +568,5 @@ def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: Meant) -> li
     return [entry for entry in entries if not only or entry.id in wanted]
 
 
-def _told(paths: tuple[Path, ...]) -> str:
+def _in_words(paths: tuple[Path, ...]) -> str:
     return ", ".join(printable(str(path)) for path in paths[:3]) + (", …" if len(paths) > 3 else "")

@@ -96,7 +96,7 @@ class Database:
 
     def __init__(self, out: Path) -> None:
         self.path = out / FILE_NAME
-        with self._told():
+        with self._errors_in_one_line():
             out.mkdir(parents=True, exist_ok=True)
             self._writable = not self.path.exists() or all(os.access(each, os.W_OK) for each in (out, self.path))
             self._db = sqlite3.connect(self._address(), uri=True, timeout=30, isolation_level=None)
@@ -126,7 +126,7 @@ class Database:
 
     def changes(self) -> int:
         """Return a number that changes when another connection writes to the record."""
-        with self._told():
+        with self._errors_in_one_line():
             return int(self._db.execute("PRAGMA data_version").fetchone()[0])
 
     def _address(self) -> str:
@@ -189,7 +189,7 @@ class Database:
         self._db.execute("COMMIT")
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _errors_in_one_line(self) -> Iterator[None]:
         """Turn errors of the disk and of SQLite into a one-line RequestError that names OUT."""
         try:
             yield

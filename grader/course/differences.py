@@ -20,7 +20,7 @@ _CAUSES = {
 }
 
 
-def told(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterator[str]:
+def lines_of(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterator[str]:
     """Yield lines for a terminal: changed weights, a block for each submission whose points changed, and the means."""
     both = [id_ for id_ in old if id_ in new]
     causes = {id_: _changed(old[id_], new[id_]) for id_ in both}
@@ -73,8 +73,8 @@ def _checks(old: Result, new: Result) -> Iterator[str]:
     was, now = _by_id(old), _by_id(new)
     for id_ in {**was, **now}:
         before, after = was.get(id_), now.get(id_)
-        if _told(before) != _told(after) and not _is_same_share(before, after):
-            yield f"{id_}  {_told(before)} → {_told(after)}"
+        if _outcome_in_words(before) != _outcome_in_words(after) and not _is_same_share(before, after):
+            yield f"{id_}  {_outcome_in_words(before)} → {_outcome_in_words(after)}"
 
 
 def _worths(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade], both: list[str]) -> Iterator[str]:
@@ -101,7 +101,7 @@ def _by_id(result: Result) -> dict[str, CheckResult]:
     return {check.id: check for check in rows}
 
 
-def _told(check: CheckResult | None) -> str:
+def _outcome_in_words(check: CheckResult | None) -> str:
     return (
         "absent"
         if check is None

@@ -100,13 +100,13 @@ class Plan:
         order = self.order
         target = order.target or order.out / order.platform.gradebook
         write_whole(target, self.draft.data)
-        told = [f"{target}  {self.draft.graded} grade{'s' * (self.draft.graded != 1)}"]
+        lines = [f"{target}  {self.draft.graded} grade{'s' * (self.draft.graded != 1)}"]
         if order.feedback is None:
-            return told, []
+            return lines, []
         reports, absent = _feedback(order.out, self.final_grades)
         write_whole(order.feedback, reports)
-        told.append(f"{order.feedback}  {len(self.final_grades) - len(absent)} reports")
-        return told, [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
+        lines.append(f"{order.feedback}  {len(self.final_grades) - len(absent)} reports")
+        return lines, [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
 
 
 def plan(order: Export) -> Plan:

@@ -63,10 +63,10 @@ def lines(missing: Mapping[str, Iterable[str]]) -> list[str]:
             users.setdefault(name, []).append(printable(id_, 80))
     if not users:
         return []
-    told = [f"{name} is not installed for student code: {_who(ids)}" for name, ids in sorted(users.items())]
+    lines = [f"{name} is not installed for student code: {_who(ids)}" for name, ids in sorted(users.items())]
     wanted = [DISTRIBUTIONS[name] for name in sorted(users)]
     return [
-        *told,
+        *lines,
         f"{command(wanted)} installs {'them' if len(wanted) > 1 else 'it'}; then `imugrade grade` grades only these again",
     ]
 

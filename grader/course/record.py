@@ -123,7 +123,7 @@ class Store(Database):
 
     def keep(self, key: Key, result: Result) -> None:
         """Commit one result and make it the submission's present one."""
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
             self._db.execute(_KEEP, (*astuple(key), result.status, _text(result), *evidence))
             self._point_at(key)
@@ -132,7 +132,7 @@ class Store(Database):
         """Return the result recorded under this key and make it the present one; None if it is missing or incomplete."""
         present = "(SELECT class.seq FROM class WHERE class.id = results.id) IS seq"
         query = f"SELECT record, {present} FROM results {_WHERE} AND status != 'incomplete'"
-        with self._told():
+        with self._errors_in_one_line():
             row = self._db.execute(query, astuple(key)).fetchone()
             if row is None:
                 return None
@@ -143,7 +143,7 @@ class Store(Database):
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
         """Regrade a submission by another rubric from its record, and store the result; None if that needs another run."""
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             if (found := self._fitting(key, rubric)) is None:
                 return None
             seq, before = found
@@ -166,7 +166,7 @@ class Store(Database):
 
     def settings(self) -> ClassSettings | None:
         """Return the settings that the class is graded by; None if the record has none."""
-        with self._told():
+        with self._errors_in_one_line():
             row = self._db.execute("SELECT record FROM settings ORDER BY number DESC LIMIT 1").fetchone()
             return None if row is None else read(class_settings.from_json, row[0])
 
@@ -178,7 +178,7 @@ class Store(Database):
         """
         if settings == self.settings():
             return
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             self._keep_settings(settings, keep_before)
 
     def _keep_settings(self, settings: ClassSettings, keep_before: bool) -> None:
@@ -200,7 +200,7 @@ class Store(Database):
             "SELECT former.id, record, hand_in FROM former JOIN results USING (seq) "
             "WHERE number = (SELECT max(number) FROM former) ORDER BY former.id"
         )
-        with self._told():
+        with self._errors_in_one_line():
             return self._final_grades(
                 (id_, _result(record), read(_hand_in, hand_in) if hand_in else NOTHING_KNOWN)
                 for id_, record, hand_in in self._db.execute(query).fetchall()
@@ -216,7 +216,7 @@ class Store(Database):
     def has(self, key: Key, rubric: Rubric) -> bool:
         """Return whether a complete result is on record under this key, or one that can be regraded by its rubric."""
         query = f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'"
-        with self._told():
+        with self._errors_in_one_line():
             if self._db.execute(query, astuple(key)).fetchone() is not None:
                 return True
             return self._fitting(key, rubric) is not None
@@ -229,7 +229,7 @@ class Store(Database):
         One transaction covers reading and writing, so no other process can change a result in between.
         """
         query = "SELECT class.id, submission_sha256, traces_sha256, grader, seq FROM class JOIN results USING (seq)"
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             after = mark(self.final_grades())
             settings = self.settings()
             if settings is not None:
@@ -243,7 +243,7 @@ class Store(Database):
     def present(self) -> dict[str, Result]:
         """Return the present result of every submission, by id, in the order of the ids."""
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
-        with self._told():
+        with self._errors_in_one_line():
             return {id_: self._parsed(id_, record) for id_, record in self._db.execute(query)}
 
     def _parsed(self, id_: str, record: str) -> Result:
@@ -257,7 +257,7 @@ class Store(Database):
     def digest(self, id_: str) -> str:
         """Return a digest of the present result as it is recorded; "" if there is none."""
         query = "SELECT record FROM class JOIN results USING (seq) WHERE class.id = ?"
-        with self._told():
+        with self._errors_in_one_line():
             row = self._db.execute(query, (id_,)).fetchone()
             return "" if row is None else hashlib.sha256(read(str.encode, row[0])).hexdigest()
 
@@ -268,14 +268,14 @@ class Store(Database):
     def packed_charts(self, id_: str) -> bytes:
         """Return the charts of a submission's present result as recorded bytes; empty if there are none."""
         query = "SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?"
-        with self._told():
+        with self._errors_in_one_line():
             row = self._db.execute(query, (id_,)).fetchone()
             return b"" if row is None else read(_blob, row[0])
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
         """Return the fingerprint of every submission's code, by id."""
         query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
-        with self._told():
+        with self._errors_in_one_line():
             return {id_: read(_hashes, record) for id_, record in self._db.execute(query)}
 
     def final_grades(self) -> dict[str, FinalGrade]:
@@ -293,7 +293,7 @@ class Store(Database):
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
         """Record people and time of a submission in place of the earlier record."""
         row = (id_, _hand_in_text(hand_in))
-        with self._told():
+        with self._errors_in_one_line():
             if self._db.execute("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", row).fetchone() is None:
                 with self._transaction():
                     self._db.execute(_HAND_IN, row)
@@ -314,7 +314,7 @@ class Store(Database):
             If these submissions have an adjustment later than `seen`.
         """
         made = list(adjustments)
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             if seen is not None:
                 self._refuse_overtaken({id_ for id_, _ in made}, seen)
             number = self._decision(what, made[0][1]) if what and made else 0
@@ -341,7 +341,7 @@ class Store(Database):
 
     def history(self) -> list[tuple[str, Adjustment]]:
         """Return every adjustment on record with the id of its submission, oldest first, including withdrawals."""
-        with self._told():
+        with self._errors_in_one_line():
             rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
             return [
                 (
@@ -355,27 +355,27 @@ class Store(Database):
 
     def last_adjustment(self) -> int:
         """Return the number of the last adjustment on record; 0 if there is none."""
-        with self._told():
+        with self._errors_in_one_line():
             return int(self._db.execute("SELECT coalesce(max(seq), 0) FROM adjustments").fetchone()[0])
 
     def decisions(self) -> dict[int, str]:
         """Return the subject of each decision on several submissions, by its number."""
-        with self._told():
+        with self._errors_in_one_line():
             return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 
     def page_digest(self, id_: str) -> str:
         """Return the digests that `keep_page_digests` last recorded for a submission; "" if there are none."""
-        with self._told():
+        with self._errors_in_one_line():
             row = self._db.execute("SELECT digest FROM pages WHERE id = ?", (id_,)).fetchone()
         return "" if row is None else str(row[0])
 
     def keep_page_digests(self, digests: Mapping[str, str]) -> None:
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             self._db.executemany("INSERT OR REPLACE INTO pages VALUES (?, ?)", digests.items())
 
     def hand_ins(self) -> dict[str, HandIn]:
         """Return the last recorded hand-in of each submission, by id."""
-        with self._told():
+        with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
             return {id_: read(_hand_in, record) for id_, record in rows}
 
@@ -388,7 +388,7 @@ class Store(Database):
 
     def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
         """Record submitted files unless they are already on record; `pack` is called only if they are not."""
-        with self._told():
+        with self._errors_in_one_line():
             if (
                 self._db.execute("SELECT 1 FROM files WHERE submission_sha256 = ?", (submission_sha256,)).fetchone()
                 is None
@@ -398,36 +398,36 @@ class Store(Database):
 
     def files(self, submission_sha256: str) -> bytes:
         """Return the files that `keep_files` recorded, packed; empty if there are none."""
-        with self._told():
+        with self._errors_in_one_line():
             row = self._db.execute(
                 "SELECT packed FROM files WHERE submission_sha256 = ?", (submission_sha256,)
             ).fetchone()
         return b"" if row is None else bytes(row[0])
 
-    def keep_told(self, told: Mapping[str, Sequence[str]]) -> None:
+    def keep_notices(self, notices: Mapping[str, Sequence[str]]) -> None:
         """Record the messages of a run about the class, by kind, in place of those of the previous run."""
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             self._db.execute("DELETE FROM told")
             self._db.executemany(
-                "INSERT INTO told VALUES (?, ?)", [(kind, line) for kind in told for line in told[kind]]
+                "INSERT INTO told VALUES (?, ?)", [(kind, line) for kind in notices for line in notices[kind]]
             )
 
-    def told(self) -> dict[str, list[str]]:
+    def notices(self) -> dict[str, list[str]]:
         found: dict[str, list[str]] = {}
-        with self._told():
+        with self._errors_in_one_line():
             for kind, line in self._db.execute("SELECT kind, line FROM told ORDER BY rowid"):
                 found.setdefault(kind, []).append(line)
         return found
 
     def keep_reviews(self, reviews: Iterable[Review]) -> None:
         """Record that facts were reviewed, or are open again."""
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
             self._db.executemany(query, [astuple(each) for each in reviews])
 
     def reviews(self) -> dict[tuple[str, str, str], Review]:
         """Return the last review of each id, reason and fact, without those that were taken back."""
-        with self._told():
+        with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
         last = {
             (id_, reason, about): Review(id_, reason, about, bool(done), *who)
@@ -438,25 +438,25 @@ class Store(Database):
     def keep_regrade_requests(self, requests: Iterable[RegradeRequest]) -> int:
         """Record regrade requests and return how many are new. A request already on record is left unchanged."""
         query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in requests)
 
     def regrade_requests(self) -> list[RegradeRequest]:
         """Return all regrade requests in the order in which they were recorded."""
-        with self._told():
+        with self._errors_in_one_line():
             rows = self._db.execute(
                 "SELECT id, about, text, at, answer, author, answered, number FROM appeals ORDER BY number"
             )
             return [RegradeRequest(*row) for row in rows.fetchall()]
 
     def answer(self, number: int, answer: str, author: str, at: str) -> None:
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             query = "UPDATE appeals SET answer = ?, author = ?, answered = ? WHERE number = ?"
             self._db.execute(query, (answer, author, at, number))
 
     def point_at(self, key: Key) -> None:
         """Make a recorded result the submission's present one."""
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             self._point_at(key)
 
     def _point_at(self, key: Key) -> None:

@@ -29,7 +29,7 @@ def under(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, F
     others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:
         raise RequestError(
-            f"{rubric.source}: needs other measurements than those of {_told(others)} (limits, model or checks differ, or "
+            f"{rubric.source}: needs other measurements than those of {_in_words(others)} (limits, model or checks differ, or "
             "the record is older); grade the class again"
         )
     return {id_: _under(final_grade, rubric) for id_, final_grade in final_grades.items()}
@@ -56,6 +56,6 @@ def _judged(final_grade: FinalGrade, rubric: Rubric) -> HandIn:
     return late_policy.judged(final_grade.hand_in, rubric.late, (final_grade.id, final_grade.result.submission))
 
 
-def _told(ids: list[str]) -> str:
+def _in_words(ids: list[str]) -> str:
     more = f" and {len(ids) - _A_LINE} more" if len(ids) > _A_LINE else ""
     return ", ".join(printable(id_, 80) for id_ in ids[:_A_LINE]) + more

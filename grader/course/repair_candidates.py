@@ -268,8 +268,8 @@ def _values(body: Sequence[ast.stmt]) -> Iterator[str]:
     if isinstance(last, ast.Expr):
         call = last.value
         printed = isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "print"
-        told = call.args if printed and isinstance(call, ast.Call) else [call]
-        yield ", ".join(ast.unparse(each) for each in told if not isinstance(each, ast.Constant | ast.JoinedStr))
+        shown = call.args if printed and isinstance(call, ast.Call) else [call]
+        yield ", ".join(ast.unparse(each) for each in shown if not isinstance(each, ast.Constant | ast.JoinedStr))
     names = list(dict.fromkeys(_set_in(body)))
     if isinstance(last, ast.Assign | ast.AugAssign | ast.If):
         yield from (f"{names[-1]}.copy()", names[-1]) if names else ()

@@ -70,7 +70,7 @@ class RepairLog(Database):
 
     def all(self) -> list[LoggedRepair]:
         """Return every repair ever made, oldest first."""
-        with self._told():
+        with self._errors_in_one_line():
             return [_logged(row) for row in self._db.execute(f"SELECT {_FIELDS} FROM repairs ORDER BY number")]
 
     def in_force(self, id_: str = "") -> list[LoggedRepair]:
@@ -80,7 +80,7 @@ class RepairLog(Database):
     def add(self, made: LoggedRepair) -> None:
         """Record a repair; its number is given here."""
         row = (made.id, made.file, made.file_sha256, made.diff.encode("utf-8", "surrogateescape"), made.deduction)
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             self._db.execute(
                 "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
                 "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
@@ -89,13 +89,13 @@ class RepairLog(Database):
 
     def undo(self, number: int, author: str) -> None:
         """Record that somebody took a repair back."""
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
             self._db.execute(query, (author, timestamp(), number))
 
     def is_new(self, key: Key) -> bool:
         """Record that a repair was searched for, and return whether it is the first search."""
-        with self._told(), self._transaction():
+        with self._errors_in_one_line(), self._transaction():
             what = json.dumps(astuple(key))
             return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
 
@@ -106,7 +106,7 @@ class RepairLog(Database):
             "AND traces_sha256 = ? AND grader = ?"
         )
         row = (key.id, key.submission_sha256, key.rubric_sha256, key.traces_sha256, key.grader)
-        with self._told():
+        with self._errors_in_one_line():
             found = self._db.execute(query, row).fetchone()
             return None if found is None else read(lambda text: from_dict(json.loads(text)), found[0])
 

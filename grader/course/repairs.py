@@ -229,7 +229,7 @@ def _refusal(id_: str, made: Result, original: Result) -> str:
 def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepair]) -> Result:
     """Return the result of a repaired copy with the name and digest of the original submission."""
     checks = [check for criterion in original.criteria for check in criterion.checks]
-    told = tuple(
+    given = tuple(
         Repair(each.file, each.diff, each.deduction, each.author, each.at, each.comment, original.score)
         for each in repairs
     )
@@ -237,7 +237,7 @@ def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepa
         result,
         submission=original.submission,
         provenance={**result.provenance, "submission_sha256": original.provenance["submission_sha256"]},
-        repairs=told,
+        repairs=given,
         unrepaired={check.id: Unrepaired(check.keeps, check.misconceptions) for check in checks},
     )
 

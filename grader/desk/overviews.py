@@ -20,7 +20,7 @@ from grader.report import overview
 
 def queue(book: Classbook) -> list[Item]:
     """Return the review queue. It is computed again only after the record has changed."""
-    facts = (book.final_grades(), book.similar().groups, book.store.told(), book.requests(), book.store.reviews())
+    facts = (book.final_grades(), book.similar().groups, book.store.notices(), book.requests(), book.store.reviews())
     return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
 
 
@@ -38,7 +38,7 @@ def review_queue(book: Classbook, ask: Ask) -> Response:
         kind=kind,
         kinds=KINDS,
         counts=Counter(each.reason.kind for each in open_),
-        absent=book.store.told().get("absent", []),
+        absent=book.store.notices().get("absent", []),
     )
 
 

@@ -70,7 +70,7 @@ def _page(book: Classbook, ask: Ask, problem: str = "", code: int = 200) -> Resp
         open=[each for each in requests if not each.answered and each.id in final_grades],
         answered=[each for each in reversed(requests) if each.answered and each.id in final_grades],
         about=about,
-        told=ask.text("told"),
+        message=ask.text("message"),
         typed={name: (ask.form.get(name) or [""])[0] for name in ("text", "who", "about")},
         errors={_field(problem): problem.replace(_NOBODY, "Choose a student.")} if problem else {},
     )
@@ -90,7 +90,7 @@ def add(book: Classbook, ask: Ask) -> Response:
         new = book.store.keep_regrade_requests(placed(dropped, book.final_grades()))
     except RequestError as problem:
         return _page(book, ask, str(problem), 400)
-    return RedirectResponse(f"/regrade-requests?told={quote(added(new, len(dropped)))}", 303)
+    return RedirectResponse(f"/regrade-requests?message={quote(added(new, len(dropped)))}", 303)
 
 
 def added(new: int, read: int) -> str:

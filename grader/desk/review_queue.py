@@ -98,18 +98,18 @@ class Item:
 def items(
     final_grades: Mapping[str, FinalGrade],
     groups: Sequence[SimilarityGroup],
-    told: Mapping[str, Sequence[str]],
+    notices: Mapping[str, Sequence[str]],
     requests: Iterable[RegradeRequest],
     reviews: Mapping[tuple[str, str, str], Review],
     lab: Lab,
 ) -> list[Item]:
     """Return the queue: in the order of `KINDS`, then in the order of the class."""
     found: list[tuple[tuple[str, ...], Reason]]
-    found = [(("",), Reason("not-placed", printable(line, 500))) for line in told.get("leftover", ())]
+    found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]
     found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each, lab)]
     found += _of_several(final_grades, groups)
     unknown = Reason("unknown-person", "Not in the roster, or the roster has several people who match.")
-    found += [((id_,), unknown) for id_ in told.get("unknown", ()) if id_ in final_grades]
+    found += [((id_,), unknown) for id_ in notices.get("unknown", ()) if id_ in final_grades]
     found += [((each.id,), _request(each)) for each in requests if not each.answered and each.id in final_grades]
     rank = {kind: place for place, kind in enumerate(KINDS)}
     order = {id_: place for place, id_ in enumerate(final_grades)}

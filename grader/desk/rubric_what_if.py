@@ -56,7 +56,7 @@ class Outlook:
 
 
 def show(book: Classbook, ask: Ask) -> Response:
-    return _page(book, ask, told=ask.text("told"))
+    return _page(book, ask, message=ask.text("message"))
 
 
 def save(book: Classbook, ask: Ask) -> Response:
@@ -67,14 +67,14 @@ def save(book: Classbook, ask: Ask) -> Response:
         return _page(book, ask, "", 400)
     target = book.out / f"rubric-{now()[:19].replace(':', '')}.yaml"
     write_whole(target, text)
-    told = f"Saved as {target}"
+    message = f"Saved as {target}"
     if ask.text("do") == "mark":
         book.mark_by(replace(changed, source=str(target)))
-        told += ", and the class is regraded by it"
-    return RedirectResponse(f"/what-if?told={quote(told)}", 303)
+        message += ", and the class is regraded by it"
+    return RedirectResponse(f"/what-if?message={quote(message)}", 303)
 
 
-def _page(book: Classbook, ask: Ask, told: str, code: int = 200) -> Response:
+def _page(book: Classbook, ask: Ask, message: str, code: int = 200) -> Response:
     final_grades = book.final_grades()
     base = book.rubric
     problem, outlook, changed = "", None, base
@@ -103,7 +103,7 @@ def _page(book: Classbook, ask: Ask, told: str, code: int = 200) -> Response:
         outlook=outlook,
         problem=problem,
         other=digests != {base.sha256},
-        told=told,
+        message=message,
         query=typed,
     )
 
@@ -198,8 +198,8 @@ def _errors(ask: Ask) -> dict[str, str]:
 
 def _without_places(problem: str) -> str:
     """Return what is wrong with a rubric without lines of the file that was made of the form, and in words."""
-    told = re.sub(r"^what was entered(:\d+)?: ", "", problem, flags=re.MULTILINE)
-    return re.sub(r"\b[a-z]+(-[a-z]+)+\b", lambda found: words.misconception(found[0]), told)
+    message = re.sub(r"^what was entered(:\d+)?: ", "", problem, flags=re.MULTILINE)
+    return re.sub(r"\b[a-z]+(-[a-z]+)+\b", lambda found: words.misconception(found[0]), message)
 
 
 def _number(text: str) -> float | int | str:

@@ -170,7 +170,7 @@ def _page(
         files=replace(files, listings=listings),
         items=[each for each in items if final_grade.id in each.ids],
         history=list(reversed(history)),
-        told=adjusting.said,
+        describe=adjusting.said,
         decisions=book.store.decisions(),
         seen=max((each.number for each in history), default=0),
         way=_way(list(book.final_grades()), final_grade.id, items),

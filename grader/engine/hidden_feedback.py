@@ -26,7 +26,7 @@ _TOLD_TYPES = (
     "ModuleNotFoundError",
 )
 _PUBLIC_LOAD = "`imugrade check` loads the file with public data and tells more."
-_HOLDS, _DOES_NOT = "this to hold in the hidden scenarios, too", "it does not"
+_HOLDS, _DOES_NOT = "the same result on the hidden scenarios", "a different result"
 _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
 

@@ -40,7 +40,7 @@ class Row:
     email: str = ""
     name: str = ""
 
-    def told(self) -> str:
+    def in_words(self) -> str:
         return self.name or self.email or next(filter(None, (*self.numbers, self.key)), "")
 
 

@@ -199,7 +199,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
         if theirs is None:
             absent.append(listed)
             why = directory.why_not(listed.who)
-            doubtful += [f"{listed.place}: {listed.who.told()} {why}"] if why else []
+            doubtful += [f"{listed.place}: {listed.who.in_words()} {why}"] if why else []
             continue
         known.add(theirs.id)
         with_row = _enriched if match else _joined

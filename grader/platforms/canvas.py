@@ -59,14 +59,14 @@ def fill(
 def _assignment(titles: list[str], section: int, wanted: str | None, source: str) -> int:
     after = range(section + 1, len(titles))
     found = [i for i in after if _ASSIGNMENT.fullmatch(titles[i]) and not _OF_ALL.search(titles[i])]
-    told = ", ".join(printable(titles[i], 80) for i in found[:20]) or "none"
+    columns = ", ".join(printable(titles[i], 80) for i in found[:20]) or "none"
     if wanted is not None:
         found = [i for i in found if wanted in (titles[i], *_ASSIGNMENT.findall(titles[i])[0])]
     if len(found) != 1:
         ask = "name the assignment" if wanted is None else f"{printable(wanted)} means none or several"
         how = "name the assignment with --column" if wanted is None else f"--column {ask}"
         raise RequestError(
-            f"{source}: {how}; columns found: {told}", option="column", why=f"{ask}; columns found: {told}"
+            f"{source}: {how}; columns found: {columns}", option="column", why=f"{ask}; columns found: {columns}"
         )
     return found[0]
 
@@ -138,13 +138,13 @@ class _Reading:
 
 def read(download: Download) -> Shape | None:
     """Read a Canvas download; None if it is none. Its files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`."""
-    told = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
-    if not mostly(bool(told.get(name)) for name in download.top):
+    readings_of = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
+    if not mostly(bool(readings_of.get(name)) for name in download.top):
         return None
-    sure = frozenset((each[0].name, each[0].user) for each in told.values() if len(each) == 1)
+    sure = frozenset((each[0].name, each[0].user) for each in readings_of.values() if len(each) == 1)
     files: defaultdict[str, list[tuple[str, _Reading]]] = defaultdict(list)
-    left = [(name, _NOT_OURS) for name in download.top if not told.get(name)]
-    for name, readings in told.items():
+    left = [(name, _NOT_OURS) for name in download.top if not readings_of.get(name)]
+    for name, readings in readings_of.items():
         meant = _meant(readings, sure, download.known)
         if meant is not None:
             files[meant.user].append((name, meant))

@@ -65,7 +65,7 @@ class Intake:
 
     entries: tuple[Entry, ...]
     leftovers: tuple[str, ...]
-    told: tuple[str, ...] = ()
+    notices: tuple[str, ...] = ()
 
 
 def _read_folders(download: Download) -> Shape:
@@ -114,7 +114,7 @@ def read_class(
     """
     found: dict[str, Found] = {}  # by real path and place: a submission that is named twice is graded once
     leftovers: list[str] = []
-    told: list[str] = []
+    notices: list[str] = []
     for path in paths:
         whole = _shape_at(path, shape, known)
         if whole is None:
@@ -124,12 +124,12 @@ def read_class(
                 else:
                     found.setdefault(os.path.realpath(place), _whole(place))
             continue
-        told.append(f"{printable(str(path), 500)}: {whole.title}, {_counted(whole)}")
+        notices.append(f"{printable(str(path), 500)}: {whole.title}, {_counted(whole)}")
         leftovers += [f"{printable(str(path / name), 500)}: {why}" for name, why in whole.left]
         for each in whole.found:
             found.setdefault(f"{os.path.realpath(path)}\0{each.sources}", each)
     chosen, earlier = _attempts(found.values(), attempts)
-    return Intake(_entries(chosen, required), tuple(sorted(leftovers + earlier)), tuple(told))
+    return Intake(_entries(chosen, required), tuple(sorted(leftovers + earlier)), tuple(notices))
 
 
 def _counted(shape: Shape) -> str:
@@ -180,11 +180,11 @@ def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[
     for own in people.values():
         in_order = sorted(own, key=lambda each: each.order)
         chosen += in_order if attempts == "best" else in_order[-1:]
-        earlier += [f"{_told(each)}: {SUPERSEDED}" for each in in_order[:-1] if attempts == "latest"]
+        earlier += [f"{_named_by_place(each)}: {SUPERSEDED}" for each in in_order[:-1] if attempts == "latest"]
     return chosen, earlier
 
 
-def _told(found: Found) -> str:
+def _named_by_place(found: Found) -> str:
     """Return the path of a submission; for several loose files, the path of each."""
     first, *others = [place for place, _ in found.sources] or [""]
     return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))

@@ -56,8 +56,8 @@ class Identity:
         owner = environ.get("OWNER") or environ.get("USERNAME") or ""
         missing = [name for name in _REQUIRED if not environ.get(name)] + ([] if owner else ["OWNER"])
         if missing:
-            told = ", ".join(missing)
-            raise RequestError(f"--format classroom50: {told} not set; run it from a Classroom 50 autograder")
+            missing_names = ", ".join(missing)
+            raise RequestError(f"--format classroom50: {missing_names} not set; run it from a Classroom 50 autograder")
         classroom, assignment, tag, commit, release = (environ[name] for name in _REQUIRED)
         kind, review = environ.get("ASSIGNMENT_TYPE") or "individual", environ.get("REVIEW_URL") or commit
         return cls(classroom, assignment, kind, owner, tag, commit, release, review)

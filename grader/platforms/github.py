@@ -31,8 +31,8 @@ def commands(result: Result, places: Places) -> str:
 
     GitHub shows ten of a kind for a step.
     """
-    told = sorted(_annotations(result, places), key=lambda each: -each.cause.lost)
-    return "".join(f"{command}\n" for command in [*(_command(each, result) for each in told), _closing(result)])
+    worst_first = sorted(_annotations(result, places), key=lambda each: -each.cause.lost)
+    return "".join(f"{command}\n" for command in [*(_command(each, result) for each in worst_first), _closing(result)])
 
 
 @dataclass(frozen=True)
@@ -62,14 +62,14 @@ def _causes(result: Result) -> list[Cause]:
     return [*causes.causes_of(checks), *([Cause(unjudged)] if unjudged else [])]
 
 
-def _command(told: _Annotation, result: Result) -> str:
-    checks, place = told.cause.checks, told.place
+def _command(annotation: _Annotation, result: Result) -> str:
+    checks, place = annotation.cause.checks, annotation.place
     kind = {"partial": "warning", "not_judged": "notice"}.get(checks[0].outcome, "error")
     where = [f"file={_property(place.file)}"] if place else []
     where += [f"line={place.line}"] if place and place.line else []
     where.append(f"title={_property(printable(_headline(checks), 250))}")
     also = "".join(f"\nAlso      {printable(check.title, 300)} ({_points(check)})" for check in checks[1:])
-    message = rows.together(told.cause, result.lab)
+    message = rows.together(annotation.cause, result.lab)
     return f"::{kind} {','.join(where)}::{_data(f'{message}{also}'[:MESSAGE_LIMIT])}"
 
 

@@ -78,7 +78,7 @@ def _test(check: CheckResult, part: rows.Part, number: str, visibility: Visibili
         "name_format": "text",
         "number": number,
         "status": "passed" if check.outcome == "passed" else "failed",
-        "output": _told(check, part, lab),
+        "output": _output_of(check, part, lab),
         "output_format": "html",
         "tags": [part.id],
         "visibility": visibility,
@@ -94,11 +94,11 @@ def _extra_credit(result: Result, visibility: Visibility) -> list[dict[str, Any]
     if result.extra_credit_cap is None:
         return []
     test = {"name": "Extra credit", "score": result.extra_credit, "max_score": 0.0, "status": "passed"}
-    told = f"At most {words.number(result.extra_credit_cap)}, beside the score."
-    return [{**test, "output": told, "output_format": "text", "tags": ["extensions"], "visibility": visibility}]
+    limit = f"At most {words.number(result.extra_credit_cap)}, beside the score."
+    return [{**test, "output": limit, "output_format": "text", "tags": ["extensions"], "visibility": visibility}]
 
 
-def _told(check: CheckResult, part: rows.Part, lab: LabName) -> str:
+def _output_of(check: CheckResult, part: rows.Part, lab: LabName) -> str:
     """Return the lines of a check as HTML: labels, and text of fixed width. Gradescope sanitises it again."""
     set_lines = [_line(line) for line in rows.lines(check, part, lab)]
     return "".join(set_lines) or f"<p>{words.row(check, part.id, lab).outcome.word}</p>"
@@ -208,10 +208,10 @@ def read(download: Download) -> Shape | None:
         return None
     if not isinstance(records, dict):
         return None
-    told = {str(folder): record if isinstance(record, dict) else {} for folder, record in records.items()}
-    left = [(name, _NOT_OURS) for name in download.top if name not in told and name != METADATA]
-    left += [(folder, _NO_FILES) for folder in told if folder not in download.top]
-    return Shape(TITLE, tuple(_found(download, f, told[f]) for f in told if f in download.top), tuple(left))
+    known = {str(folder): record if isinstance(record, dict) else {} for folder, record in records.items()}
+    left = [(name, _NOT_OURS) for name in download.top if name not in known and name != METADATA]
+    left += [(folder, _NO_FILES) for folder in known if folder not in download.top]
+    return Shape(TITLE, tuple(_found(download, f, known[f]) for f in known if f in download.top), tuple(left))
 
 
 def _found(download: Download, folder: str, record: Mapping[str, Any]) -> Found:

@@ -82,8 +82,8 @@ def _case(suite: Element, check: CheckResult, part: rows.Part, result: Result) -
     case = SubElement(suite, "testcase", classname=f"imugrade.{part.id}", name=_name(check), time=time)
     verdict = _verdict(check)
     if verdict:
-        told = rows.plain(check, part, result.lab)
-        SubElement(case, verdict, message=_headline(check, told), type=check.outcome).text = told
+        text = rows.plain(check, part, result.lab)
+        SubElement(case, verdict, message=_headline(check, text), type=check.outcome).text = text
 
 
 def _name(check: CheckResult) -> str:
@@ -113,9 +113,9 @@ def _verdict(check: CheckResult) -> str:
     return {"passed": "", "not_judged": "error", "skipped": "skipped"}.get(check.outcome, "failure")
 
 
-def _headline(check: CheckResult, told: str) -> str:
+def _headline(check: CheckResult, text: str) -> str:
     points = words.fraction(check.points, check.max_points)
-    return f"{points} points: {printable(check.title, 300)}" if told else f"{points} points"
+    return f"{points} points: {printable(check.title, 300)}" if text else f"{points} points"
 
 
 PLATFORM = Platform(

@@ -159,12 +159,12 @@ def read(download: Download) -> Shape | None:
 
     Each is a folder or loose files named `<full name>_<number>_assignsubmission_file[_]`.
     """
-    told = {name: _NAME.fullmatch(name) for name in download.top}
-    if not mostly(match is not None for match in told.values()):
+    matches = {name: _NAME.fullmatch(name) for name in download.top}
+    if not mostly(match is not None for match in matches.values()):
         return None
-    left = [(name, _NOT_OURS) for name, match in told.items() if match is None]
+    left = [(name, _NOT_OURS) for name, match in matches.items() if match is None]
     own: defaultdict[str, list[re.Match[str]]] = defaultdict(list)
-    for name, match in told.items():
+    for name, match in matches.items():
         if match is not None and not _is_plain(name, download.known):
             left.append((name, AMBIGUOUS))
         elif match is not None and match["plugin"].startswith("assignfeedback"):

@@ -50,7 +50,7 @@ def plain(check: CheckResult, part: Part, lab: LabName) -> str:
 
 def together(cause: Cause, lab: LabName) -> str:
     """Return the text of the checks of one cause, each sentence once."""
-    said = [line for _, lines in causes.told(cause) for line in lines]
+    said = [line for _, lines in causes.lines_by_check(cause) for line in lines]
     again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
     return "\n".join(_plain_line(line) for line in [*said, *causes.going_on(cause, lab), *again])
 
@@ -62,9 +62,9 @@ def _plain_line(line: words.Line) -> str:
 
 def notes(result: Result) -> list[str]:
     """Return the repairs and notes, at most `NOTES_LIMIT`, and the number of further ones."""
-    told = [*words.repairs(result), *words.notes(result)]
-    more = [f"… and {len(told) - NOTES_LIMIT} more"] if len(told) > NOTES_LIMIT else []
-    return told[:NOTES_LIMIT] + more
+    lines = [*words.repairs(result), *words.notes(result)]
+    more = [f"… and {len(lines) - NOTES_LIMIT} more"] if len(lines) > NOTES_LIMIT else []
+    return lines[:NOTES_LIMIT] + more
 
 
 def lost(check: CheckResult) -> bool:

@@ -37,7 +37,7 @@ class Cause:
     @property
     def mistakes(self) -> tuple[str, ...]:
         """Return the ids of the faults for `imugrade explain`."""
-        return told_mistakes(self.checks[0])
+        return mistakes_of(self.checks[0])
 
     @property
     def steps(self) -> tuple[int, ...]:
@@ -90,7 +90,7 @@ def _stop(cause: Cause, lab: Lab) -> Stop:
     return Stop(printable(file or lab.homes.get(name, ""), 200), line, printable(said, 500), cause.lost)
 
 
-def told_mistakes(check: CheckResult) -> tuple[str, ...]:
+def mistakes_of(check: CheckResult) -> tuple[str, ...]:
     """Return the ids of the check's faults that a student may see."""
     return tuple(each for each in check.misconceptions if each not in words.FOR_THE_INSTRUCTOR)
 
@@ -118,7 +118,7 @@ def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
     skipped: dict[str, list[CheckResult]] = {}
     for check in sorted(checks, key=lambda check: (not _does_not_run(check), _step(check))):
         if words.tells(check):
-            found.setdefault(told_mistakes(check) or (check.outcome, check.message), []).append(check)
+            found.setdefault(mistakes_of(check) or (check.outcome, check.message), []).append(check)
         elif check.outcome == "skipped":
             skipped.setdefault(part_of(check), []).append(check)
     causes = []
@@ -144,7 +144,7 @@ def cost_now(cause: Cause) -> list[words.Line]:
     return [words.Line("Costs", f"{points}{waiting}. Everything else was graded without it.")]
 
 
-def told(cause: Cause) -> list[tuple[CheckResult, list[words.Line]]]:
+def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.Line]]]:
     """Return each check of a cause with the lines that no earlier check of it has. Hints are left out: see `going_on`."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]

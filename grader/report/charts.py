@@ -39,7 +39,7 @@ class Stroke:
 
 @dataclass(frozen=True)
 class View:
-    """One panel in SVG units; `told` describes it for screen readers."""
+    """One panel in SVG units; `alt_text` describes it for screen readers."""
 
     title: str
     x_label: str
@@ -52,7 +52,7 @@ class View:
     y_ticks: tuple[Tick, ...]
     strokes: tuple[Stroke, ...]
     legend: tuple[Stroke, ...]
-    told: str
+    alt_text: str
     as_drawn: bool
 
 
@@ -81,7 +81,7 @@ def _view(panel: Panel) -> View:
         y_ticks=_ticks(up(y.ticks), y_texts),
         strokes=strokes,
         legend=_legend(strokes),
-        told=_told(panel, curves, x, y),
+        alt_text=_alt_text(panel, curves, x, y),
         as_drawn=any(curve.role in ("drawn", "not-seen") for curve in curves),
     )
 
@@ -183,7 +183,7 @@ def _legend(strokes: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
     return tuple((truth | named).values())
 
 
-def _told(panel: Panel, curves: list[Curve], x: _Scale, y: _Scale) -> str:
+def _alt_text(panel: Panel, curves: list[Curve], x: _Scale, y: _Scale) -> str:
     kinds = [f"{curve.name} ({_SPOKEN[curve.role]})" if curve.role in _SPOKEN else curve.name for curve in curves]
     names = ", ".join(kind for kind in kinds if kind)
     of = f" of {names}" if names else f" of {len(curves)} curves"

@@ -285,10 +285,10 @@ def _criterion(criterion: CriterionResult, final_grade: FinalGrade, figures: Dra
     points = final_grade.points(criterion)
     share = 100 * (criterion.points if points is None else points) / (criterion.max_points or 1.0)
     rows, folded = _rows(criterion.checks, criterion.id, final_grade.result.lab)
-    told = words.fraction(points, criterion.max_points)
+    shown_points = words.fraction(points, criterion.max_points)
     title = printable(criterion.title, 300)
     set_ = Markup(figures.get(criterion.id, ""))
-    return Part(criterion.id, title, told, round(share, 1), points is None, rows, folded, set_)
+    return Part(criterion.id, title, shown_points, round(share, 1), points is None, rows, folded, set_)
 
 
 def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part:
@@ -339,17 +339,17 @@ def _deductions(result: Result, catalogue: Mapping[str, Mistake]) -> list[Deduct
 def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, Mistake]) -> Deduction:
     named = [catalogue[each] for each in cause.mistakes if each in catalogue]
     title = _title(cause, named)
-    told = tuple(
+    shown = tuple(
         DeductedCheck(
             _anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines)
         )
-        for check, lines in causes.told(cause)
+        for check, lines in causes.lines_by_check(cause)
     )
     return Deduction(
         words.minus(cause.lost),
         title,
         tuple(mistake.explanation.strip() for mistake in named),
-        told,
+        shown,
         _count(cause.waiting),
         (*causes.going_on(cause, lab), causes.again(cause)),
     )

@@ -11,7 +11,7 @@ from grader.engine.results import Result
 from grader.report import words
 
 
-def told(id_: str, result: Result) -> str:
+def result_line(id_: str, result: Result) -> str:
     """Return a submission's id and score as ``alice 87.5``."""
     score = "not judged" if result.status == "incomplete" else words.number(result.score)
     status = f" ({result.status})" if result.status in ("empty", "unreadable") else ""
@@ -37,7 +37,7 @@ class Lines:
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
         self._count += 1
         if not resumed:
-            print(f"{self._count}/{self._total} {told(id_, result)}", flush=True)
+            print(f"{self._count}/{self._total} {result_line(id_, result)}", flush=True)
 
 
 class Bar:
@@ -66,7 +66,7 @@ class Bar:
         self._progress.update(self._task, total=total)
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
-        self._progress.update(self._task, description=told(id_, result)[:40])
+        self._progress.update(self._task, description=result_line(id_, result)[:40])
         self._progress.advance(self._task)
 
 

@@ -228,7 +228,7 @@ def _outcome(check: CheckResult) -> Text:
 def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change, *, read: bool = True) -> list[Text]:
     """Return the first check with all its lines, of the others what came, then what to try and, if `read`, to read."""
     lines: list[Text] = []
-    for check, news in causes.told(cause):
+    for check, news in causes.lines_by_check(cause):
         lines += _head(check, setting, change.was(check))
         lines += [line for text in news for line in setting.labelled(text.label, text.text)]
     for line in causes.going_on(cause, lab):
