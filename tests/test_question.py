@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from grader.engine.question import Question, key_of
-from grader.engine.submission_session import found_once
 from grader.labs.imu.bonuses import questions as bonuses
 from grader.labs.imu.replies import RULES
 from grader.labs.imu.robot import robot_of
@@ -117,26 +116,3 @@ def test_every_question_has_a_handler_a_rule_and_its_place_here() -> None:
         "a handler without a rule"
     )  # which no student's code runs beside
     assert RULES.keys() <= HANDLERS.keys()
-
-
-def test_what_is_found_out_is_found_out_once_for_the_same_arguments_by_the_same_function() -> None:
-    class Remembering(Noting):
-        def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-            self.keys.append(key)
-            return known.setdefault(key, ask())
-
-    @found_once
-    def first(student: Student, truth: str, key: str = "a") -> str:
-        return f"first of {truth} by {key}"
-
-    @found_once
-    def second(student: Student, truth: str, key: str = "a") -> str:
-        return f"second of {truth} by {key}"
-
-    known: dict[Any, Any] = {}
-    student = Remembering()
-    said = [first(student, "t", "b"), first(student, "t", "b"), first(student, "t", "c"), first(student, "t", key="d")]
-    assert [*said, second(student, "t", "b")] == [
-        "first of t by b", "first of t by b", "first of t by c", "first of t by d", "second of t by b"
-    ]  # fmt: skip
-    assert len(set(student.keys)) == len(known) == 4

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Iterable, Mapping
-from functools import wraps
+from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, TypeVar
 
 from grader.base.errors import NoAnswer, TimedOut
 from grader.base.text import printable
@@ -194,21 +193,6 @@ class SubmissionSession(SandboxSession):
         shown = printable(said if self.secret else text, _LONGEST_NOTE)
         if shown not in self.notes:
             self.notes.append(shown)
-
-
-C = TypeVar("C", bound=SubmissionSession)
-Truth = TypeVar("Truth")
-More = ParamSpec("More")
-
-
-def found_once(find: Callable[Concatenate[C, Truth, More], T]) -> Callable[Concatenate[C, Truth, More], T]:
-    """Decorate a function of a session and the truth: its result is cached in the session for each set of further arguments."""
-
-    @wraps(find)
-    def known(student: C, truth: Truth, /, *more: More.args, **named: More.kwargs) -> T:
-        return student.once((find, more, tuple(named.items())), lambda: find(student, truth, *more, **named))
-
-    return known
 
 
 def _refused(name: str, fault: Fault, path: str) -> Missing:
