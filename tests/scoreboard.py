@@ -14,7 +14,7 @@ import tempfile
 import time
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -26,14 +26,9 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.report.words import tells
 from tests.castings import CASTINGS, can_be_cast
-from tests.corpus.broken import ALL, BROKEN, Broken
-from tests.corpus.extensions import FAULTY_EXTENSIONS, FILES, SOUND_EXTENSIONS, FaultyExtension
-from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS, Faulty, Pair
-from tests.corpus.module_level import EDITS, LAYOUTS, Edit
-from tests.corpus.nothing import NOTHING, Nothing
-from tests.corpus.pieces import verbatim
-from tests.corpus.sound import SOUND, WRAPPED
-from tests.corpus.writing import Files, write
+from tests.corpus.cases import CRITERIA, Case, of
+from tests.corpus.layouts import LAYOUTS
+from tests.corpus.writing import write
 from tests.recordings import Marking
 
 PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
@@ -51,21 +46,6 @@ MORE_THAN_ONE: Mapping[str, str] = {
     "saved-before-the-gyroscope": _HALF_A_PICTURE,
 }
 """Single faults that cost more than one check, and why a marker would take both."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """One submission of the corpus and how it is handed in."""
-
-    part: str
-    name: str
-    files: Files
-    as_: str = "folder"
-    only: str | None = None
-
-    @property
-    def id(self) -> str:
-        return f"{self.part}/{self.name}"
 
 
 @dataclass
@@ -95,29 +75,20 @@ def cases() -> Iterator[Case]:
 
 def as_written() -> Iterator[Case]:
     """The corpus in the layout that it is written in."""
-    yield from (Case("sound", name, files, WRAPPED.get(name, "folder")) for name, files in SOUND.items())
-    yield from (Case("faulty", fault.name, fault.files) for fault in FAULTY)
-    yield from (Case("lookalikes", fault.name, fault.files) for fault in LOOKALIKES)
-    yield from (Case("pairs", pair.name, pair.files) for pair in PAIRS)
-    yield from (Case("broken", broken.name, broken.files, broken.as_) for broken in BROKEN)
+    for part in ("sound", "faulty", "lookalikes", "pairs", "broken"):
+        yield from of(part)
     for layout, put in LAYOUTS.items():
-        yield from (Case("module level", f"{edit.name} in {layout}", put(edit.steps)) for edit in EDITS)
-    yield from (Case("nothing", nothing.name, nothing.files) for nothing in NOTHING)
-    for part, styles in SOUND_EXTENSIONS.items():
-        yield from (extension(part, f"{part}-{style}", source) for style, source in styles.items())
-    quick = [fault for fault in FAULTY_EXTENSIONS if fault.mistake != "never-returns"]
-    yield from (extension(fault.extension, fault.name, fault.source) for fault in quick)
+        for edit in of("module level"):
+            yield replace(edit, name=f"{edit.name} in {layout}", files=put(edit.files))  # type: ignore[arg-type]
+    yield from of("nothing")
+    yield from (case for case in of("extensions") if case.fault != "never-returns")
 
 
 def recast(only: Container[str] | None = None) -> Iterator[Case]:
     """Styles and single faults that are also asked for in other layouts; to tell which can be takes seconds for all of them."""
-    styles_and_faults = (*SOUND.items(), *((fault.name, fault.files) for fault in (*FAULTY, *LOOKALIKES)))
-    wanted = ((name, files) for name, files in styles_and_faults if only is None or name in only)
-    yield from (Case("recast", name, files) for name, files in wanted if can_be_cast(files))
-
-
-def extension(part: str, name: str, source: str) -> Case:
-    return Case("extensions", name, {**verbatim(), FILES[part]: source}, only=part)
+    styles_and_faults = (*of("sound"), *of("faulty"), *of("lookalikes"))
+    wanted = (case for case in styles_and_faults if only is None or case.name in only)
+    yield from (Case("recast", case.name, case.files) for case in wanted if can_be_cast(case.files))
 
 
 # ---------------------------------------------------------------- judging a result
@@ -151,18 +122,18 @@ def look_at_sound(verdict: Verdict, result: Result) -> None:
         verdict.trouble("named wrong", ", ".join(result.misconceptions))
 
 
-def look_at_fault(verdict: Verdict, result: Result, fault: Faulty) -> None:
+def look_at_fault(verdict: Verdict, result: Result, fault: Case) -> None:
     gone = lost(result)
     inside = [c for c in gone if criterion_of(c) == fault.criterion]
     outside = [c for c in gone if criterion_of(c) not in (fault.criterion, *fault.elsewhere)]
     if fault.criterion and not inside:
-        verdict.trouble("missed", f"{fault.mistake} costs nothing in {fault.criterion}")
+        verdict.trouble("missed", f"{fault.fault} costs nothing in {fault.criterion}")
     if outside:
         verdict.trouble("cascade", words(outside))
     if fault.loses and (more := [c for c in inside if c.id not in fault.loses]):
         verdict.trouble("too much", f"only {', '.join(fault.loses)} should be lost, but also {words(more)}")
     names = named(result, without=fault.elsewhere)  # a missing file may be named again where it is missed
-    _look_at_names(verdict, result, names, {fault.mistake}, {fault.mistake, *fault.also}, fault.never)
+    _look_at_names(verdict, result, names, {fault.fault}, {fault.fault, *fault.also}, fault.never)
 
 
 _VECTOR = re.compile(r"\[[^\]]*\.[^\]]*\]")
@@ -186,9 +157,9 @@ def look_at_charges(verdict: Verdict) -> None:
         verdict.trouble("charged twice", words(charged))
 
 
-def look_at_nothing(verdict: Verdict, result: Result, nothing: Nothing) -> None:
+def look_at_nothing(verdict: Verdict, result: Result, nothing: Case) -> None:
     for criterion in result.criteria:
-        if criterion.id == nothing.criterion and criterion.points > nothing.most:
+        if criterion.id == nothing.criterion and criterion.points > nothing.earns:
             verdict.trouble("earns too much", f"{criterion.points} for {criterion.title}; lost: {words(lost(result))}")
         if criterion.id != nothing.criterion and criterion.points < criterion.max_points:
             verdict.trouble("cascade", words(c for c in lost(result) if criterion_of(c) == criterion.id))
@@ -202,15 +173,14 @@ def look_at_casting(verdict: Verdict, result: Result, cast: Result, layout: str)
         verdict.trouble("another mark", f"{layout}: {words(moved)}; was {was}")
 
 
-def look_at_pair(verdict: Verdict, result: Result, pair: Pair) -> None:
-    gone = lost(result)
-    for mistake, criterion in pair.faults:
+def look_at_pair(verdict: Verdict, result: Result, pair: Case) -> None:
+    gone, faults = lost(result), pair.faults or {}
+    for mistake, criterion in faults.items():
         if not any(criterion_of(c) == criterion for c in gone):
             verdict.trouble("missed", f"{mistake} costs nothing in {criterion}")
-    if outside := [c for c in gone if criterion_of(c) not in {criterion for _, criterion in pair.faults}]:
+    if outside := [c for c in gone if criterion_of(c) not in faults.values()]:
         verdict.trouble("cascade", words(outside))
-    wanted = {mistake for mistake, _ in pair.faults}
-    _look_at_names(verdict, result, named(result), wanted, {*wanted, *pair.also}, ())
+    _look_at_names(verdict, result, named(result), set(faults), {*faults, *pair.also}, ())
 
 
 def named(result: Result, without: Sequence[str] = ()) -> set[str]:
@@ -236,7 +206,7 @@ def _look_at_names(
         verdict.trouble("named wrong", f"{', '.join(sorted(wrong))}{looks} in place of {', '.join(sorted(right))}")
 
 
-def look_at_broken(verdict: Verdict, result: Result, broken: Broken) -> None:
+def look_at_broken(verdict: Verdict, result: Result, broken: Case) -> None:
     if result.status not in broken.status:
         verdict.trouble("status", f"{result.status}, not {' or '.join(broken.status)}")
     for criterion in result.criteria:
@@ -247,32 +217,33 @@ def look_at_broken(verdict: Verdict, result: Result, broken: Broken) -> None:
     if any(check.points is None for criterion in result.criteria for check in criterion.checks):
         verdict.trouble("not judged", words(c for c in lost(result) if c.points is None))
     if broken.names:
-        names = named(result, without=[criterion for criterion in ALL if criterion != broken.costs])
+        names = named(result, without=[criterion for criterion in CRITERIA if criterion != broken.costs])
         _look_at_names(verdict, result, names, {broken.names[0]}, set(broken.names), ())
 
 
-def look_atextension(verdict: Verdict, result: Result, fault: FaultyExtension | None) -> None:
+def look_at_extension(verdict: Verdict, result: Result, case: Case) -> None:
     """A sound one passes every check; a faulty one loses what it gets wrong and no more, but for filters of tilt."""
     (extension,) = result.extensions
     gone = {check.id for check in extension.checks if check.outcome != "passed"}
-    wanted = set(fault.loses) if fault else set()
+    wanted = set(case.loses)
     if not extension.attempted or gone < wanted:
         verdict.trouble("missed", f"{', '.join(sorted(wanted - gone)) or 'not attempted'} kept")
-    if gone - wanted and not (fault and fault.extension == "complementary_filter"):
+    if gone - wanted and not (wanted and case.criterion == "complementary_filter"):
         verdict.trouble(
-            "cascade" if fault else "false deduction", words(c for c in extension.checks if c.id in gone - wanted)
+            "cascade" if wanted else "false deduction", words(c for c in extension.checks if c.id in gone - wanted)
         )
-    named = (fault.mistake,) if fault and fault.mistake else ()
+    named = (case.fault,) if case.fault else ()
     if result.misconceptions != named:
         verdict.trouble(
             "named wrong", f"{', '.join(result.misconceptions) or 'none'} in place of {', '.join(named) or 'none'}"
         )
 
 
-def look_at_edit(verdict: Verdict, result: Result, edit: Edit) -> None:
+def look_at_edit(verdict: Verdict, result: Result, edit: Case) -> None:
+    takes = edit.takes or {}
     for criterion in result.criteria:
         taken = sum(check.max_points - (check.points or 0.0) for check in criterion.checks)
-        if taken > edit.takes.get(criterion.id, 0.0) + 1e-6:
+        if taken > takes.get(criterion.id, 0.0) + 1e-6:
             verdict.trouble("too much", words(c for c in lost(result) if criterion_of(c) == criterion.id))
         if criterion.id in edit.must and not taken:
             verdict.trouble("missed", f"costs nothing in {criterion.id}")
@@ -325,19 +296,19 @@ def look_at(verdict: Verdict, result: Result) -> None:
     if case.part == "recast":
         return  # it is held against its own castings
     if case.part == "nothing":
-        look_at_nothing(verdict, result, next(n for n in NOTHING if n.name == case.name))
+        look_at_nothing(verdict, result, case)
     elif case.part == "sound":
         look_at_sound(verdict, result)
     elif case.part == "pairs":
-        look_at_pair(verdict, result, next(p for p in PAIRS if p.name == case.name))
+        look_at_pair(verdict, result, case)
     elif case.part == "module level":
-        look_at_edit(verdict, result, next(e for e in EDITS if e.name == case.name.split(" in ")[0]))
+        look_at_edit(verdict, result, case)
     elif case.part == "broken":
-        look_at_broken(verdict, result, next(b for b in BROKEN if b.name == case.name))
+        look_at_broken(verdict, result, case)
     elif case.part == "extensions":
-        look_atextension(verdict, result, next((f for f in FAULTY_EXTENSIONS if f.name == case.name), None))
+        look_at_extension(verdict, result, case)
     else:
-        look_at_fault(verdict, result, next(f for f in (*FAULTY, *LOOKALIKES) if f.name == case.name))
+        look_at_fault(verdict, result, case)
 
 
 def grade_all(chosen: Sequence[Case], jobs: int) -> Iterator[Verdict]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.castings import CASTINGS, can_be_cast
-from tests.corpus.faulty import FAULTY
+from tests.corpus.cases import of
 from tests.recordings import Marking
 from tests.scoreboard import Case, graded_by, recast
 
@@ -24,5 +24,5 @@ def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case
 
 
 def test_nearly_all_of_the_single_faults_can_be_cast() -> None:
-    assert sum(can_be_cast(fault.files) for fault in FAULTY) >= 0.9 * len(FAULTY)
+    assert sum(can_be_cast(fault.files) for fault in of("faulty")) >= 0.9 * len(of("faulty"))
     assert len(CASTINGS) == 2

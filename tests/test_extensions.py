@@ -27,14 +27,14 @@ from reference.allan_variance import allan_deviation
 from reference.complementary_filter import ComplementaryFilter, tilt_of
 from reference.extension_scenarios import tilt_drifting, tilt_shaken, tilt_steep, true_tilt
 from reference.scene import Recording, generator
-from tests.corpus import extensions as corpus
+from tests.corpus.cases import EXTENSIONS, Case, case, of
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import write
 from tests.sandboxes import Opened
 
 FOLDER = Path(reference.__file__).parent
-SOUND = [(part, name) for part, styles in corpus.SOUND_EXTENSIONS.items() for name in styles]
-ENDLESS = [faulty for faulty in corpus.FAULTY_EXTENSIONS if faulty.mistake == "never-returns"]
+FAULTY = [case for case in of("extensions") if case.loses]
+ENDLESS = [case for case in FAULTY if case.fault == "never-returns"]
 
 
 @pytest.fixture(scope="module")
@@ -63,21 +63,21 @@ def lost(result: ExtensionResult) -> set[str]:
 
 @pytest.mark.parametrize("faulty", ENDLESS, ids=lambda faulty: faulty.name)
 def test_an_extension_that_never_returns_is_stopped(
-    faulty: corpus.FaultyExtension, mark: Mark, truth: traces.Traces, opened: Opened
+    faulty: Case, mark: Mark, truth: traces.Traces, opened: Opened
 ) -> None:
     with opened(truth, replace(rubric.load(LAB), limits=rubric.Limits(1.0, 20.0))) as impatient:
-        result = mark({corpus.FILES[faulty.extension]: faulty.source}, only=faulty.extension, by=impatient)
+        result = mark(faulty.files, only=faulty.only, by=impatient)
     assert lost(result.extensions[0]) == set(faulty.loses)
     assert result.extensions[0].checks[0].outcome == "timeout"
-    assert result.misconceptions == (faulty.mistake,)
+    assert result.misconceptions == (faulty.fault,)
 
 
 def test_every_mistake_of_an_extension_has_a_faulty_one() -> None:
     from grader.engine.faults import catalogue
 
     named = {id_ for id_, mistake in catalogue(LAB).items() if mistake.group == "extensions"}
-    assert named <= {faulty.mistake for faulty in corpus.FAULTY_EXTENSIONS}
-    assert {faulty.extension for faulty in corpus.FAULTY_EXTENSIONS} == {bonus.id for bonus in LAB.bonuses}
+    assert named <= {faulty.fault for faulty in FAULTY}
+    assert {faulty.only for faulty in FAULTY} == {bonus.id for bonus in LAB.bonuses}
 
 
 def test_the_reference_passes_all_of_its_own_extensions(marker: Marker) -> None:
@@ -109,7 +109,7 @@ def test_without_extensions_no_question_is_asked_about_them(mark: Mark, monkeypa
 
 def test_extensions_that_crash_hang_or_meddle_leave_the_five_criteria_alone(mark: Mark) -> None:
     meddling = "import imu_reader\nimu_reader.get_imu_readings = None\nimport os\nos._exit(3)\n"
-    files = dict.fromkeys(corpus.FILES.values(), meddling)
+    files = dict.fromkeys(EXTENSIONS.values(), meddling)
     result = mark(files)
     assert [criterion.points for criterion in result.criteria] == [20.0] * 5
     assert all(extension.attempted and lost(extension) for extension in result.extensions)
@@ -117,7 +117,9 @@ def test_extensions_that_crash_hang_or_meddle_leave_the_five_criteria_alone(mark
 
 
 def test_an_extension_in_another_file_counts_and_the_note_says_where(mark: Mark) -> None:
-    result = mark({"extras.py": corpus.ALLAN_BLOCKS}, only="allan_variance")
+    result = mark(
+        {"extras.py": case("extensions", "allan_variance-blocks").files["allan_variance.py"]}, only="allan_variance"
+    )
     assert lost(result.extensions[0]) == set()
     assert result.notes == ("allan_deviation was found in extras.py; the sheet expects it in allan_variance.py",)
 
@@ -161,8 +163,7 @@ def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces
 
 def test_an_extension_that_is_partly_right_earns_a_part(mark: Mark, truth: traces.Traces, opened: Opened) -> None:
     with opened(truth, granted()) as marker:
-        files = {"allan_variance.py": corpus.FAULTY_ALLAN[1].source}
-        result = mark(files, by=marker)
+        result = mark(case("extensions", "no-half").files, by=marker)
     assert result.score == 100.0
     assert result.extra_credit == result.extensions[1].points == pytest.approx(5.0 * 8 / 14, abs=0.01)
 

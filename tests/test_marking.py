@@ -12,7 +12,7 @@ from grader.engine.results import Result
 from grader.engine.traces import Traces
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from tests.corpus.sound import SOUND
+from tests.corpus.cases import case
 from tests.corpus.writing import as_bytes, write
 from tests.sandboxes import Opened
 
@@ -21,15 +21,14 @@ _ZERO_READER = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    ret
 
 
 def _mark(marker: Marker, folder: Path, **changed: str) -> Result:
-    base = {
-        name: as_bytes(content) for name, content in SOUND["tidy_functions"].items() if isinstance(content, str | bytes)
-    }
+    sound = case("sound", "tidy_functions").files
+    base = {name: as_bytes(content) for name, content in sound.items() if isinstance(content, str | bytes)}
     more = {name.replace("__", "."): as_bytes(text) for name, text in changed.items()}
     return marker.mark(read_submission(write({**base, **more}, folder), LAB.files))
 
 
 def _source(name: str) -> str:
-    content = SOUND["tidy_functions"][name]
+    content = case("sound", "tidy_functions").files[name]
     assert isinstance(content, str | bytes)
     return as_bytes(content).decode()
 

@@ -7,10 +7,11 @@ import pytest
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
-from tests.corpus.module_level import EDITS, LAYOUTS, Edit, above
+from tests.corpus.cases import Case, of
+from tests.corpus.layouts import LAYOUTS, above
 from tests.corpus.writing import as_bytes
 from tests.recordings import Marking
-from tests.scoreboard import Case, Verdict, look_at_edit
+from tests.scoreboard import Verdict, look_at_edit
 
 _WAITING = (
     "loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard",
@@ -18,7 +19,11 @@ _WAITING = (
 _ALIKE = ("sys-exit-in-", "segfault-in-", "abort-in-")
 """The first are waited for, some seconds each, the others end like `exit-in-`; `tests.scoreboard` has them all."""
 _ALSO_WAITED_FOR = ("loop-between",)
-QUICK = [edit for edit in EDITS if not edit.name.startswith((*_WAITING, *_ALIKE)) or edit.name in _ALSO_WAITED_FOR]
+QUICK = [
+    edit
+    for edit in of("module level")
+    if not edit.name.startswith((*_WAITING, *_ALIKE)) or edit.name in _ALSO_WAITED_FOR
+]
 ELSEWHERE = (
     "exit-in-reader",
     "exit-between",
@@ -30,9 +35,9 @@ ELSEWHERE = (
 )
 
 
-def marked(marker: Marking, edit: Edit, layout: str) -> Result:
+def marked(marker: Marking, edit: Case, layout: str) -> Result:
     files = {
-        name: as_bytes(content) for name, content in LAYOUTS[layout](edit.steps).items() if isinstance(content, str)
+        name: as_bytes(content) for name, content in LAYOUTS[layout](edit.files).items() if isinstance(content, str)
     }
     return marker.mark(Submission("s", "s", files, (), "ready", ""))
 
@@ -43,14 +48,14 @@ def marked(marker: Marking, edit: Edit, layout: str) -> Result:
         *(pytest.param(edit, "three-files", id=edit.name) for edit in QUICK),
         *(
             pytest.param(edit, layout, id=f"{edit.name}-{layout}")
-            for edit in EDITS
+            for edit in of("module level")
             for layout in ("one-file", "notebook")
             if edit.name in ELSEWHERE
         ),
     ],
 )
-def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Edit, layout: str) -> None:
-    verdict = Verdict(Case("module level", edit.name, {}))
+def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Case, layout: str) -> None:
+    verdict = Verdict(edit)
     look_at_edit(verdict, marked(player, edit, layout), edit)
     assert verdict.troubles == []
 
@@ -68,15 +73,15 @@ def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Edit, lay
     ],
 )  # fmt: skip
 def test_what_is_stepped_over_is_a_note_with_file_and_line(player: Marking, code: str, said: str) -> None:
-    result = marked(player, Edit("one", above("recorder", code)), "three-files")
+    result = marked(player, Case("module level", "one", above("recorder", code)), "three-files")
     assert (result.score, result.notes) == (100.0, (said,))
 
 
 def test_who_waits_is_told_for_what(marker: Marker) -> None:
-    edit = next(each for each in EDITS if each.name == "loop-between")
+    edit = next(each for each in of("module level") if each.name == "loop-between")
     files = {
         name: as_bytes(content)
-        for name, content in LAYOUTS["three-files"](edit.steps).items()
+        for name, content in LAYOUTS["three-files"](edit.files).items()
         if isinstance(content, str)
     }
     said: list[str] = []

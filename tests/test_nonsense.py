@@ -19,8 +19,8 @@ from grader.engine.grader import Marker
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.noise_model import checks
-from tests.corpus import nothing
-from tests.corpus.nothing import Nothing
+from tests.corpus.cases import Case
+from tests.corpus.pieces import verbatim
 from tests.corpus.writing import as_bytes
 from tests.judging.made import Made, truth
 
@@ -35,9 +35,40 @@ _HEAD = (
 )
 
 
-def filters() -> list[Nothing]:
+_IMPORTS = {
+    "imu_reader.py": "import mujoco\nimport numpy as np\nimport matplotlib.pyplot as plt\n",
+    "filters.py": "import numpy as np\n",
+}
+_FILTER = """\
+class LowPassFilter:
+    def __init__(self, alpha=0.1, initial_value=None):
+        self.alpha, self.value = alpha, initial_value
+    def update(self, measurement):
+        {body}
+"""
+_PLOT = """\
+def plot_imu_data(imu_data):
+    fig, axes = plt.subplots(2, 1, figsize=(12, 8), sharex=True)
+    {body}
+    axes[0].set_title('Accelerometer'); axes[1].set_title('Gyroscope')
+    axes[0].set_ylabel('Acceleration (m/s²)'); axes[1].set_ylabel('Angular velocity (rad/s)')
+    axes[1].set_xlabel('Time (s)')
+    plt.savefig('imu_data.png', dpi=150)
+"""
+
+
+def _nothing(name: str, criterion: str, file: str, source: str, earns: float) -> Case:
+    """The sheet's code, with a part below it that takes the place of its own."""
+    files = {**verbatim(), file: f"{verbatim()[file]}\n\n{_IMPORTS[file]}{source}"}
+    return Case("nothing", name, files, criterion=criterion, earns=earns)
+
+
+def filters() -> list[Case]:
     bodies = dict.fromkeys(each.format(x=x) for each, x in itertools.product(_WITHOUT_MEMORY, ("m", "first")))
-    return [nothing._filter(body, f"{_HEAD}{body}") for body in bodies]
+    return [
+        _nothing(f"filter-{body}", "filtering", "filters.py", _FILTER.format(body=f"{_HEAD}{body}"), 4)
+        for body in bodies
+    ]
 
 
 _COUNTING = "import itertools\n_count = itertools.count(1.0)\n"
@@ -57,15 +88,15 @@ _STAMPS = ("np.zeros(n)", "(np.arange(n) + 1) * model.opt.timestep", "np.arange(
 _SIMULATED = "mujoco.mj_resetData(model, data); data.qvel[0] = 0.5; [mujoco.mj_step(model, data) for _ in range(n)]"  # and nothing read
 
 
-def readers() -> list[Nothing]:
+def readers() -> list[Case]:
     head = f"{_COUNTING}def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
     return [
-        Nothing(f"{a} and {g}", "sensor_access", "imu_reader.py", f"{head}    return {a}, {g}\n", 4)
+        _nothing(f"{a} and {g}", "sensor_access", "imu_reader.py", f"{head}    return {a}, {g}\n", 4)
         for a, g in itertools.product(_VECTORS, repeat=2)
     ]
 
 
-def recorders() -> list[Nothing]:
+def recorders() -> list[Case]:
     def written(n: str, stamps: str, rows: str, before: str) -> str:
         return (
             f"def simulate_and_collect(model, data, duration_seconds=5.0):\n    n = {n}\n    {before}\n"
@@ -77,7 +108,7 @@ def recorders() -> list[Nothing]:
         *itertools.product(_LENGTHS, _STAMPS[1:2], _ROWS, (_SIMULATED,)),
     ]
     return [
-        Nothing(
+        _nothing(
             f"{'steps and ' * (before == _SIMULATED)}{n} of {rows} at {stamps}",
             "data_collection",
             "imu_reader.py",
@@ -96,12 +127,17 @@ _CURVES = (
 _AGAINST = ("", "np.linspace(0, 1, 300), ")
 
 
-def plots() -> list[Nothing]:
+def plots() -> list[Case]:
     ways = [*itertools.product(_CURVES, (1, 3, 6), _AGAINST[:1]), *itertools.product(_CURVES[1:4], (3,), _AGAINST[1:])]
     return [
-        nothing._plot(
-            f"{x}{y}, {k} times",
-            f"[a.plot({x}{y}, label='XYZ'[i % 3]) for a in axes for i in range({k})]; [a.legend() for a in axes]",
+        _nothing(
+            f"plot-{x}{y}, {k} times",
+            "visualization",
+            "imu_reader.py",
+            _PLOT.format(
+                body=f"[a.plot({x}{y}, label='XYZ'[i % 3]) for a in axes for i in range({k})]; [a.legend() for a in axes]"
+            ),
+            6,
         )
         for y, k, x in ways
     ]
@@ -114,27 +150,27 @@ SAMPLE += [
 ]  # sums of chance once passed for data
 
 
-def name_of(part: Nothing) -> str:
+def name_of(part: Case) -> str:
     return part.name
 
 
-def earned(marker: Marker, part: Nothing) -> tuple[float, dict[str, float]]:
+def earned(marker: Marker, part: Case) -> tuple[float, dict[str, float]]:
     files = {path: as_bytes(content) for path, content in part.files.items()}
     (criterion,) = marker.mark(Submission("s", "s", files, (), "ready", ""), only=part.criterion).criteria
     return criterion.points, {check.id: check.points for check in criterion.checks if check.points}
 
 
 @pytest.mark.parametrize("part", SAMPLE, ids=name_of)
-def test_a_sampled_part_that_does_nothing_earns_its_form_at_most(part: Nothing, marker: Marker) -> None:
+def test_a_sampled_part_that_does_nothing_earns_its_form_at_most(part: Case, marker: Marker) -> None:
     points, kept = earned(marker, part)
-    assert points <= part.most, kept
+    assert points <= part.earns, kept
 
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("part", EVERY, ids=name_of)
-def test_no_part_that_does_nothing_earns_more_than_its_form(part: Nothing, marker: Marker) -> None:
+def test_no_part_that_does_nothing_earns_more_than_its_form(part: Case, marker: Marker) -> None:
     points, kept = earned(marker, part)
-    assert points <= part.most, kept
+    assert points <= part.earns, kept
 
 
 # --- noise models: made-up students in this process, so that hundreds take a minute -----------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.corpus.repairable import REPAIRABLE, Repairable
+from tests.corpus.cases import Case, of
 from tests.recordings import Marking
 from tests.slips import lost_by, marked
 
@@ -16,8 +16,8 @@ DEFINED_IN = {
 """The criteria whose definitions stand in each file."""
 
 
-@pytest.mark.parametrize("case", REPAIRABLE, ids=lambda case: case.name)
-def test_it_costs_what_needs_it_alone(case: Repairable, player: Marking) -> None:
+@pytest.mark.parametrize("case", of("repairable"), ids=lambda case: case.name)
+def test_it_costs_what_needs_it_alone(case: Case, player: Marking) -> None:
     lost = {check.partition(".")[0] for check in lost_by(marked(player, case.files))}
-    assert lost <= DEFINED_IN[case.path]
-    assert len(lost) == (len(DEFINED_IN[case.path]) if case.name.startswith("syntax") else 1)
+    assert lost <= DEFINED_IN[case.file]
+    assert len(lost) == (len(DEFINED_IN[case.file]) if case.name.startswith("syntax") else 1)

@@ -17,8 +17,8 @@ from grader.engine.findings import Where
 from grader.engine.results import CheckResult, CriterionResult, Result
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
+from tests.corpus.cases import Case, of
 from tests.corpus.pieces import tidy, verbatim
-from tests.corpus.repairable import REPAIRABLE, Repairable
 
 pytestmark = pytest.mark.quick
 DEFINED = {"imu_reader.py": "get_imu_readings", "noisy_imu.py": "NoisyIMU", "filters.py": "LowPassFilter"}
@@ -28,25 +28,25 @@ FOUND = {
 """Programs of each group whose sound version is a candidate: 45 of 113."""
 
 
-def _row(case: Repairable) -> int:
+def _row(case: Case) -> int:
     """The line that Python names, or the first one that differs from the sound program."""
     try:
         ast.parse(case.text)
     except SyntaxError as refused:
         return (refused.lineno or 0) - 1
-    sound = str((tidy() if "MODEL_PATH" in case.text else verbatim())[case.path]).split("\n")
+    sound = str((tidy() if "MODEL_PATH" in case.text else verbatim())[case.file]).split("\n")
     pairs = enumerate(zip(sound, case.text.split("\n"), strict=False))
     return next((row for row, (one, other) in pairs if one != other), -1)
 
 
-def _is_found(case: Repairable) -> bool:
-    sound = {ast.dump(ast.parse(str(base[case.path]))) for base in (verbatim(), tidy())}
-    made = itertools.islice(candidates(case.text.encode(), _row(case), DEFINED[case.path]), MOST)
+def _is_found(case: Case) -> bool:
+    sound = {ast.dump(ast.parse(str(base[case.file]))) for base in (verbatim(), tidy())}
+    made = itertools.islice(candidates(case.text.encode(), _row(case), DEFINED[case.file]), MOST)
     return any(ast.dump(ast.parse(each.decode())) in sound for each in made)
 
 
 def test_the_sound_program_is_among_the_candidates_of_as_many_as_before() -> None:
-    found = Counter(case.name.partition(":")[0] for case in REPAIRABLE if _is_found(case))
+    found = Counter(case.name.partition(":")[0] for case in of("repairable") if _is_found(case))
     assert {group: found[group] for group in FOUND} == FOUND
 
 

@@ -16,12 +16,16 @@ from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_graded_robot
-from tests.corpus import pieces, replays, sheet
+from tests.corpus import pieces, sheet
+from tests.corpus.cases import Case, of
 from tests.corpus.writing import Files, write
 
 MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
 SHEET_PATH = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
-COLLECTORS, READERS = replays.collectors(), replays.readers()
+COLLECTORS, READERS = (
+    [case for case in of("replays") if case.criterion == criterion]
+    for criterion in ("data_collection", "sensor_access")
+)
 
 
 @pytest.fixture(scope="module")
@@ -39,16 +43,16 @@ def lost(result: Result) -> set[str]:
     return {check.id.split(".")[1] for check in checks if check.points != check.max_points}
 
 
-@pytest.mark.parametrize("name", COLLECTORS)
-def test_a_recorded_push_earns_its_form_alone(marker: Marker, tmp_path: Path, name: str) -> None:
-    result = marked(marker, COLLECTORS[name], tmp_path, "data_collection")
+@pytest.mark.parametrize("case", COLLECTORS, ids=lambda case: case.name)
+def test_a_recorded_push_earns_its_form_alone(marker: Marker, tmp_path: Path, case: Case) -> None:
+    result = marked(marker, case.files, tmp_path, "data_collection")
     assert result.criteria[0].points <= MOST
     assert lost(result) == {"sample_count", "matches_truth", "starts_from_reset", "applies_push"}
 
 
-@pytest.mark.parametrize("name", READERS)
-def test_recorded_readings_earn_their_form_alone(marker: Marker, tmp_path: Path, name: str) -> None:
-    result = marked(marker, READERS[name], tmp_path, "sensor_access")
+@pytest.mark.parametrize("case", READERS, ids=lambda case: case.name)
+def test_recorded_readings_earn_their_form_alone(marker: Marker, tmp_path: Path, case: Case) -> None:
+    result = marked(marker, case.files, tmp_path, "sensor_access")
     assert result.criteria[0].points <= MOST
     assert {"matches_truth", "follows_address"} <= lost(result)
 

@@ -11,33 +11,38 @@ from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
 from grader.labs.imu.noise_model.reads import Reads
 from grader.labs.imu.number_format import distinct_texts
-from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
+from tests.corpus.cases import Case, of
 from tests.recordings import Marking
 
+FAULTY, SOUND = (
+    [case for case in of(part) if case.criterion in ("noise_model", "filtering")]
+    for part in ("unforeseen", "unforeseen sound")
+)
 
-def _marked(player: Marking, sample: Unforeseen) -> CriterionResult:
-    content = {name: text.encode() for name, text in sample.files.items()}
+
+def _marked(player: Marking, sample: Case) -> CriterionResult:
+    content = {name: str(text).encode() for name, text in sample.files.items()}
     return player.mark(Submission("s", "s", content, (), "ready", ""), only=sample.criterion).criteria[0]
 
 
 def _lost(criterion: CriterionResult) -> dict[str, CheckResult]:
-    return {c.id.partition(".")[2]: c for c in criterion.checks if c.points != c.max_points}
+    return {c.id: c for c in criterion.checks if c.points != c.max_points}
 
 
 @pytest.mark.parametrize("sample", SOUND, ids=lambda sample: sample.name)
-def test_a_sound_one_in_a_style_of_its_own_loses_nothing(sample: Unforeseen, player: Marking) -> None:
+def test_a_sound_one_in_a_style_of_its_own_loses_nothing(sample: Case, player: Marking) -> None:
     criterion = _marked(player, sample)
     assert {name: check.message for name, check in _lost(criterion).items()} == {}
     assert [m for check in criterion.checks for m in check.misconceptions] == []
 
 
 @pytest.mark.parametrize("sample", FAULTY, ids=lambda sample: sample.name)
-def test_a_faulty_one_loses_what_the_marker_said_and_is_told_why(sample: Unforeseen, player: Marking) -> None:
+def test_a_faulty_one_loses_what_the_marker_said_and_is_told_why(sample: Case, player: Marking) -> None:
     criterion = _marked(player, sample)
     lost = _lost(criterion)
     names = {mistake for check in lost.values() for mistake in check.misconceptions}
     assert lost
-    assert set(lost) <= set(sample.checks)
+    assert set(lost) <= set(sample.loses)
     assert sum(check.max_points - (check.points or 0.0) for check in lost.values()) <= sample.most + 1e-9
     assert names <= set(sample.names)
     assert bool(names) == bool(sample.names)

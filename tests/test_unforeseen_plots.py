@@ -6,25 +6,28 @@ import pytest
 
 from grader.engine.results import CheckResult
 from grader.intake import Submission
-from tests.corpus.unforeseen_plots import FAULTY, SOUND, Unforeseen
+from tests.corpus.cases import Case, of
 from tests.recordings import Marking
 
 CRITERION = "visualization"
+FAULTY, SOUND = (
+    [case for case in of(part) if case.criterion == CRITERION] for part in ("unforeseen", "unforeseen sound")
+)
 
 
-def lost(player: Marking, sample: Unforeseen) -> dict[str, CheckResult]:
-    content = {name: text.encode() for name, text in sample.files.items()}
+def lost(player: Marking, sample: Case) -> dict[str, CheckResult]:
+    content = {name: str(text).encode() for name, text in sample.files.items()}
     criterion = player.mark(Submission("s", "s", content, (), "ready", ""), only=CRITERION).criteria[0]
-    return {check.id.partition(".")[2]: check for check in criterion.checks if check.points != check.max_points}
+    return {check.id: check for check in criterion.checks if check.points != check.max_points}
 
 
 @pytest.mark.parametrize("sample", SOUND[::6], ids=lambda sample: sample.name)
-def test_a_sound_picture_loses_nothing(sample: Unforeseen, player: Marking) -> None:
+def test_a_sound_picture_loses_nothing(sample: Case, player: Marking) -> None:
     assert {name: check.message for name, check in lost(player, sample).items()} == {}
 
 
 @pytest.mark.parametrize("sample", FAULTY[::6], ids=lambda sample: sample.name)
-def test_a_picture_that_shows_less_loses_what_the_marker_said(sample: Unforeseen, player: Marking) -> None:
+def test_a_picture_that_shows_less_loses_what_the_marker_said(sample: Case, player: Marking) -> None:
     checks = lost(player, sample)
     names = {mistake for check in checks.values() for mistake in check.misconceptions}
     assert checks

@@ -9,9 +9,13 @@ import pytest
 
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
-from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
+from tests.corpus.cases import Case, of
 from tests.recordings import Marking
 
+FAULTY, SOUND = (
+    [case for case in of(part) if case.criterion in ("sensor_access", "data_collection")]
+    for part in ("unforeseen", "unforeseen sound")
+)
 EVERYWHERE = {  # faults that reach into other criteria: into the plot by the recording's form, into all by a shared class
     "class-with-the-id-as-address",
     "class-in-the-other-order",
@@ -24,7 +28,7 @@ EVERYWHERE = {  # faults that reach into other criteria: into the plot by the re
 }
 
 
-Marked = Callable[[Sample], Result]
+Marked = Callable[[Case], Result]
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +36,10 @@ def marked(player: Marking) -> Marked:
     """Marks a sample once."""
     results: dict[str, Result] = {}
 
-    def mark(sample: Sample) -> Result:
+    def mark(sample: Case) -> Result:
         if sample.name not in results:
-            content = {name: text.encode() for name, text in sample.files.items()}
-            only = None if sample.name in EVERYWHERE else sample.part
+            content = {name: str(text).encode() for name, text in sample.files.items()}
+            only = None if sample.name in EVERYWHERE else sample.criterion
             results[sample.name] = player.mark(Submission("s", "s", content, (), "ready", ""), only=only)
         return results[sample.name]
 
@@ -48,17 +52,17 @@ def lost(result: Result) -> list[CheckResult]:
 
 
 @pytest.mark.parametrize("sample", FAULTY, ids=lambda sample: sample.name)
-def test_a_fault_costs_what_the_marker_said_and_has_a_true_name_or_none(sample: Sample, marked: Marked) -> None:
+def test_a_fault_costs_what_the_marker_said_and_has_a_true_name_or_none(sample: Case, marked: Marked) -> None:
     result = marked(sample)
     taken = {check.id: check.max_points - (check.points or 0.0) for check in lost(result)}
     assert taken
-    assert {id_: points for id_, points in taken.items() if points > sample.takes.get(id_, 0.0) + 1e-6} == {}
-    assert set(result.misconceptions) <= {sample.mistake, *sample.also}
-    assert sample.mistake in ("", *result.misconceptions)
+    assert {id_: points for id_, points in taken.items() if points > (sample.takes or {}).get(id_, 0.0) + 1e-6} == {}
+    assert set(result.misconceptions) <= {sample.fault, *sample.also}
+    assert sample.fault in ("", *result.misconceptions)
 
 
 @pytest.mark.parametrize("sample", FAULTY, ids=lambda sample: sample.name)
-def test_every_lost_check_has_a_hint_and_never_the_same_words_twice(sample: Sample, marked: Marked) -> None:
+def test_every_lost_check_has_a_hint_and_never_the_same_words_twice(sample: Case, marked: Marked) -> None:
     for check in lost(marked(sample)):
         assert check.hint or check.outcome == "skipped", check.message
         vectors = re.findall(r"\[[-+\d.e ]{6,}\]", check.message)
@@ -66,7 +70,7 @@ def test_every_lost_check_has_a_hint_and_never_the_same_words_twice(sample: Samp
 
 
 @pytest.mark.parametrize("sample", SOUND, ids=lambda sample: sample.name)
-def test_sound_work_in_an_unusual_style_loses_nothing(sample: Sample, marked: Marked) -> None:
+def test_sound_work_in_an_unusual_style_loses_nothing(sample: Case, marked: Marked) -> None:
     result = marked(sample)
     assert [(check.id, check.message) for check in lost(result)] == []
     assert result.misconceptions == ()

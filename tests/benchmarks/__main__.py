@@ -31,20 +31,19 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.sandbox import Worker
 from tests.benchmarks.measuring import PLAIN_PYTEST, cost
-from tests.corpus.faulty import FAULTY
-from tests.corpus.sound import SOUND
+from tests.corpus.cases import case, of
 from tests.corpus.writing import Files, write
 
-SAMPLE = SOUND["tidy_functions"]
+SAMPLE = case("sound", "tidy_functions").files
 """Function style, and no library that takes long to import."""
-SHEET = SOUND["sheet_verbatim"]
+SHEET = case("sound", "sheet_verbatim").files
 """The sheet's own layout: its demos run at module level."""
 FAULTS = ("id-as-slice-start", "reset-forgotten", "labels-without-units", "std-taken-as-variance", "starts-from-zeros")
 """One of each criterion."""
 CLASSES: dict[str, Sequence[Files]] = {
     "sound": (SAMPLE,),
     "sheet": (SHEET,),
-    "faulty": [fault.files for fault in FAULTY if fault.name in FAULTS],
+    "faulty": [fault.files for fault in of("faulty") if fault.name in FAULTS],
 }
 
 

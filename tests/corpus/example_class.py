@@ -1,6 +1,6 @@
 """Writes the class of `submissions_example/`, with the pictures that its code draws: `python -m tests.corpus.example_class`.
 
-What each must get stands in `tests/examples.yaml`.
+Its submissions are the rows of `example_class.yaml`; what each must get stands in `tests/examples.yaml`.
 """
 
 from __future__ import annotations
@@ -15,52 +15,13 @@ from pathlib import Path
 
 from PIL import Image
 
-from tests.corpus import sheet
-from tests.corpus.extensions import FAULTY_EXTENSIONS, SOUND_EXTENSIONS
-from tests.corpus.faulty import FAULTY
+from tests.corpus.cases import table
 from tests.corpus.machine import REAL_MODEL, SHEET_MODEL
-from tests.corpus.pieces import READ_FANCY, edit, lab, listy, verbatim
-from tests.corpus.sound_layouts import NOTEBOOK
-from tests.corpus.sound_models import FILTER_LFILTER, NOISE_STANDARD_NORMAL
-from tests.corpus.sound_typed import TYPED
 from tests.corpus.writing import Files, zipped
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "submissions_example"
 PICTURES = ("imu_data.png", "filtered_imu.png")
 MOST_BYTES = 60_000
-
-
-def fault(name: str) -> Files:
-    return next(f.files for f in FAULTY if f.name == name)
-
-
-CLASS: dict[str, Files] = {
-    "s01-sheet-verbatim": verbatim(),
-    "s02-vectorised": lab(read=READ_FANCY, noise=NOISE_STANDARD_NORMAL, low_pass=FILTER_LFILTER),
-    "s03-notebook": {"lab-04-01.ipynb": NOTEBOOK},
-    "s04-object-oriented": TYPED,
-    "s05-zip": listy(),
-    "s06-id-as-address": fault("id-as-slice-start"),
-    "s07-no-units": fault("labels-without-units"),
-    "s08-no-reset": fault("reset-forgotten-tidy"),
-    "s09-variance-as-std": fault("std-taken-as-variance"),
-    "s10-zero-initial-state": fault("zeros-when-none"),
-    "s11-kills-its-interpreter": fault("filter-exits"),
-    "s12-endless-loop": edit(
-        lab(collect=sheet.COLLECT.replace("accel_id, gyro_id)", "*ids)"), noise=sheet.NOISY_IMU),
-        "imu_reader.py",
-        ("    for i in range(n_steps):\n", '    ids = model.sensor("torso_accelerometer").id, model.sensor("torso_gyroscope").id\n    i = 0\n    while i < n_steps:\n'),
-    ),
-    "s13-rows-all-the-same": fault("views-appended"),
-    "s14-empty": {".gitkeep": ""},
-    "s15-extensions": {
-        **lab(),
-        "complementary_filter.py": next(f.source for f in FAULTY_EXTENSIONS if f.mistake == "weights-swapped"),
-        "allan_variance.py": SOUND_EXTENSIONS["allan_variance"]["phase"],
-        "multi_imu.py": SOUND_EXTENSIONS["multiple_imus"]["named"],
-        "live_plot.py": SOUND_EXTENSIONS["realtime_visualization"]["func-animation"],
-    },
-}
 
 
 def drawn(files: Files) -> dict[str, bytes]:
@@ -86,7 +47,9 @@ def _scripts(folder: Path) -> list[list[str]]:
 def _run(script: list[str], folder: Path) -> None:
     environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(EXAMPLES.parent)}
     try:
-        subprocess.run([sys.executable, *script], cwd=folder, env=environment, stdout=subprocess.DEVNULL, timeout=30, check=False)
+        subprocess.run(
+            [sys.executable, *script], cwd=folder, env=environment, stdout=subprocess.DEVNULL, timeout=30, check=False
+        )
     except subprocess.TimeoutExpired:
         print(f"{script[0]} does not end")
 
@@ -103,7 +66,8 @@ def small(path: Path) -> bytes:
 
 def main() -> None:
     """All of the class, or those that are named on the command line."""
-    for name, files in CLASS.items():
+    for case in table("example_class"):
+        name, files = case.name, case.files
         if sys.argv[1:] and name not in sys.argv[1:]:
             continue
         folder = EXAMPLES / name

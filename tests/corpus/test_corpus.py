@@ -8,14 +8,13 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.corpus import unforeseen_plots, unforeseen_reader_collect
-from tests.corpus.broken import ALL, BROKEN, Broken
-from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS, Faulty, Pair
+from tests.corpus.cases import CRITERIA, ORIGINS, Case, every, of
+from tests.corpus.patches import patched
 from tests.corpus.pieces import edit
-from tests.corpus.sound import SOUND, WRAPPED
 
 MISTAKES = Path(__file__).resolve().parents[2] / "grader" / "labs" / "imu" / "faults.yaml"
 EXTENSIONS = "extensions"
+ONE_FAULT = (*of("faulty"), *of("lookalikes"))
 
 
 def known_ids() -> dict[str, set[str]]:
@@ -24,46 +23,45 @@ def known_ids() -> dict[str, set[str]]:
 
 
 def test_every_mistake_of_the_five_criteria_has_a_submission_that_makes_it() -> None:
-    made = {m for fault in FAULTY for m in (fault.mistake, *fault.also)}
-    made |= {m for sample in unforeseen_reader_collect.FAULTY for m in (sample.mistake, *sample.also)}
-    made |= {m for sample in unforeseen_plots.FAULTY for m in sample.names}
+    made = {id_ for case in (*of("faulty"), *of("unforeseen")) for id_ in (case.fault, *case.also)}
+    made |= {id_ for case in of("unforeseen") if case.criterion == "visualization" for id_ in case.names}
     wanted = {mistake for group, ids in known_ids().items() if group != EXTENSIONS for mistake in ids}
     assert wanted - made == set()
 
 
 def test_every_id_in_the_corpus_is_a_known_mistake() -> None:
     known = set().union(*known_ids().values())
-    used = {m for fault in (*FAULTY, *LOOKALIKES) for m in (fault.mistake, *fault.also, *fault.never)}
-    used |= {mistake for pair in PAIRS for mistake, _ in pair.faults} | {m for broken in BROKEN for m in broken.names}
+    used = {id_ for case in every() for id_ in (case.fault, *case.also, *case.never, *case.names, *(case.faults or ()))}
     assert used - known - {""} == set()
 
 
 def test_a_fault_is_never_named_by_an_id_that_it_also_excludes() -> None:
-    assert [f.name for f in (*FAULTY, *LOOKALIKES) if {f.mistake, *f.also} & set(f.never)] == []
+    assert [case.name for case in ONE_FAULT if {case.fault, *case.also} & set(case.never)] == []
 
 
 def test_names_are_unique() -> None:
-    cases: list[Faulty | Pair | Broken] = [*FAULTY, *LOOKALIKES, *PAIRS, *BROKEN]
-    names = Counter([*SOUND, *(case.name for case in cases)])
+    names = Counter(case.name for part in ("sound", "faulty", "lookalikes", "pairs", "broken") for case in of(part))
+    names += Counter(case.id for part in ("module level", "nothing", "extensions", "repairable") for case in of(part))
     assert [name for name, count in names.items() if count > 1] == []
 
 
+def content(case: Case) -> tuple[str, ...]:
+    return tuple(sorted(f"{name}\0{text!r}" for name, text in case.files.items()))
+
+
 def test_no_two_samples_are_the_same() -> None:
-    cases: list[Faulty | Pair] = [*FAULTY, *LOOKALIKES, *PAIRS]
-    contents = Counter(tuple(sorted((k, str(v)) for k, v in case.files.items())) for case in cases)
-    assert max(contents.values()) == 1
-    wrapped_again = {name for name in SOUND if name in WRAPPED}
-    plain = [
-        tuple(sorted((k, str(v)) for k, v in files.items()))
-        for name, files in SOUND.items()
-        if name not in wrapped_again
-    ]
+    assert max(Counter(content(case) for case in (*ONE_FAULT, *of("pairs"))).values()) == 1
+    plain = [content(case) for case in of("sound") if case.as_ == "folder"]
     assert len(set(plain)) == len(plain)
 
 
 def test_criteria_are_the_five_of_the_sheet() -> None:
-    named = {f.criterion for f in (*FAULTY, *LOOKALIKES)} | {c for pair in PAIRS for _, c in pair.faults}
-    assert named - {""} == set(ALL)
+    named = {case.criterion for case in ONE_FAULT} | {c for pair in of("pairs") for c in (pair.faults or {}).values()}
+    assert named - {""} == set(CRITERIA)
+
+
+def test_a_case_comes_from_a_place_that_is_described() -> None:
+    assert {case.origin for case in every()} == {"", *ORIGINS}
 
 
 def test_an_edit_that_does_not_apply_once_is_refused() -> None:
@@ -71,3 +69,24 @@ def test_an_edit_that_does_not_apply_once_is_refused() -> None:
         edit({"f": "aa"}, "f", ("a", "b"))
     with pytest.raises(ValueError, match="overlaps"):
         edit({"f": "abc"}, "f", ("ab", "x"), ("bc", "y"))
+
+
+def test_a_patch_takes_the_place_of_lines_that_are_there_once() -> None:
+    text = "one\n\ntwo\nthree\n"
+    assert patched(text, "-two\n+2\n") == "one\n\n2\nthree\n"
+    assert patched(text, "@@\n one\n\n+and\n@@\n three\n+four\n") == "one\n\nand\ntwo\nthree\nfour\n"
+    assert patched("a", "-a\n+b\n") == "b"
+
+
+@pytest.mark.parametrize(
+    ("patch", "why"),
+    [
+        ("-b\n", "there 2 times"),
+        ("-d\n", "there 0 times"),
+        ("-a\n b\n@@\n-b\n-c\n", "overlaps"),
+        ("b\n", "a line of a patch begins with"),
+    ],
+)
+def test_a_patch_that_does_not_apply_once_is_refused(patch: str, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        patched("a\nb\nc\nb\n", patch)

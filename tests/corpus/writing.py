@@ -21,6 +21,7 @@ class Link:
 Content = str | bytes | Link
 Files = Mapping[str, Content]
 
+
 class Late(Mapping[str, Content]):
     """Files of which some are made when they are asked for: bombs take seconds."""
 
@@ -129,7 +130,10 @@ def tarred(files: Files, kind: str = "tar.gz") -> bytes:
 
 def notebook(*cells: str | tuple[str, str], lines: bool = True) -> str:
     """A Jupyter notebook; a cell is its code, or (kind, text) for another kind. Its outputs are as after a run."""
-    body = [_cell(*(("code", cell) if isinstance(cell, str) else cell), lines=lines, number=i) for i, cell in enumerate(cells)]
+    body = [
+        _cell(*(("code", cell) if isinstance(cell, str) else cell), lines=lines, number=i)
+        for i, cell in enumerate(cells)
+    ]
     kernel = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
     meta = {"kernelspec": kernel, "language_info": {"name": "python", "version": "3.11.7"}}
     return json.dumps({"cells": body, "metadata": meta, "nbformat": 4, "nbformat_minor": 5}, indent=1)

@@ -1,0 +1,88 @@
+"""Contents that are no text, and changes of whole submissions: what a row of the corpus names instead of writing it out."""
+
+from __future__ import annotations
+
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable, Mapping
+from io import BytesIO
+
+from tests.corpus.pieces import tidy
+from tests.corpus.writing import Content, Link, tarred, zipped
+
+GOOD_ZIP = zipped(tidy())
+WHITE = b"".join(b"\x00" + b"\xff" * (3 * 64) for _ in range(64))
+
+
+def crlf(text: str) -> str:
+    return text.replace("\n", "\r\n")
+
+
+def tabs(text: str) -> str:
+    """Return the text indented with tabs: four spaces at the start of a line become one."""
+
+    def line(text: str) -> str:
+        body = text.lstrip(" ")
+        return "\t" * ((len(text) - len(body)) // 4) + " " * ((len(text) - len(body)) % 4) + body
+
+    return "\n".join(map(line, text.split("\n")))
+
+
+def png(width: int, height: int, rows: bytes = b"") -> bytes:
+    """Return a PNG that claims a size and holds what it is given."""
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+def bomb() -> bytes:
+    """Return a small zip of two hundred megabytes of zeros beside a sound submission."""
+    buffer = BytesIO(GOOD_ZIP)
+    with zipfile.ZipFile(buffer, "a", zipfile.ZIP_DEFLATED) as archive, archive.open("zeros.bin", "w") as entry:
+        for _ in range(200):
+            entry.write(bytes(1 << 20))
+    return buffer.getvalue()
+
+
+def nested(levels: int) -> bytes:
+    inner = GOOD_ZIP
+    for level in range(levels):
+        inner = zipped({f"level{level}.zip": inner})
+    return inner
+
+
+def damaged(archive: bytes) -> bytes:
+    """Change bytes in the middle of an archive: its directory is whole, a file's checksum is not."""
+    middle = archive.index(b"imu_reader.py") + 200
+    return archive[:middle] + bytes(byte ^ 0xFF for byte in archive[middle : middle + 64]) + archive[middle + 64 :]
+
+
+def recorded_rows() -> bytes:
+    from tests.corpus.recorded_rows import rows  # loads MuJoCo and the grader
+
+    return rows()
+
+
+_OUTSIDE = {"../../outside.py": "print('outside')\n", "/tmp/absolute.py": "x = 1\n"}
+MADE: Mapping[str, Content | Callable[[], Content]] = {
+    "white picture": png(64, 64, WHITE),
+    "picture of 60000 by 60000": png(60000, 60000, WHITE),
+    "picture cut short": png(640, 480, WHITE)[:60],
+    "empty zip": zipped({}),
+    "zip cut short": GOOD_ZIP[: len(GOOD_ZIP) // 2],
+    "damaged zip": damaged(GOOD_ZIP),
+    "zip in a zip": nested(1),
+    "zip in three zips": nested(3),
+    "zip bomb": bomb,
+    "zip that climbs out": zipped({**tidy(), **_OUTSIDE}),
+    "tar cut short": tarred(tidy())[:900],
+    "tar with a link": tarred({**tidy(), "evil": Link("../../../etc/passwd")}),
+    "text named zip": b"this is no archive\n" * 20,
+    "text named tar.gz": b"\x1f\x8b" + b"nothing" * 30,
+    "every byte": bytes(range(256)) * 8,
+    "recorded rows": recorded_rows,
+}
