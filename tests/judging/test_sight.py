@@ -301,17 +301,7 @@ OFF = -np.array([0.0, 0.8, 0.8])
     ],
 )  # fmt: skip
 def test_a_pixel_is_on_the_way_to_a_colour_or_beside_it(off: Array, share: float) -> None:
-    assert visibility.share_of_way(off[None].astype(np.float32), OFF).tolist() == pytest.approx([share])
-
-
-def test_the_commonest_colour_is_that_of_most_pixels() -> None:
-    assert visibility.commonest(np.zeros(0, np.int32)) == 0xFFFFFF
-    assert visibility.commonest(np.array([5, 7, 7, 9], np.int32)) == 7
-    striped = np.where(np.arange(310) % 31 == 0, 1, 2).astype(np.int32)
-    assert visibility.commonest(striped) == 2
-    places = np.arange(310)
-    assert visibility.commonest(np.where((places % 31 == 0) | (places % 5 < 2), 1, 2).astype(np.int32)) == 2
-    assert visibility.commonest(np.repeat([3, 4], [60, 40]).astype(np.int32)) == 3
+    assert visibility.share_of_way(off[:, None].astype(np.float32), OFF).tolist() == pytest.approx([share])
 
 
 @pytest.mark.parametrize(
@@ -339,17 +329,3 @@ def test_a_part_is_seen_where_a_point_in_it_or_the_next_one_is(
     assert np.flatnonzero(found.seen).tolist() == list(parts)
     assert not nothing.inside.any()
     assert not nothing.seen.any()
-
-
-def test_curves_take_two_pixels_around_them() -> None:
-    inside, known = np.array([True, True, False, True]), True
-    place = visibility._Places(np.array([5, 0, 8, -1]), np.array([6, 11, 8, 3]), inside, known)
-    below = visibility._Places(np.array([12, 9]), np.array([3, 12]), inside[:2], known)
-    wanted = np.zeros((12, 12), bool)
-    wanted[3:8, 4:9] = wanted[:3, 9:] = wanted[8:, :3] = True
-    aside = visibility._Places(np.array([10]), np.array([0]), inside[:1], known)
-    assert np.array_equal(visibility._taken([place, below, aside], (12, 12)), wanted)
-    right = visibility._Places(np.array([5]), np.array([17]), inside[:1], known)
-    wide = np.zeros((12, 20), bool)
-    wide[3:8, 15:] = True
-    assert np.array_equal(visibility._taken([right], (12, 20)), wide)
