@@ -20,8 +20,7 @@ from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
 from grader.engine.submission_session import SubmissionSession
 from grader.intake import read_submission
 from grader.labs.imu import bundles
-from grader.labs.imu.bonuses import allan as allan_diagnosis
-from grader.labs.imu.bonuses import liveplot, tilting
+from grader.labs.imu.bonuses import allan_variance, complementary_filter, live_plot
 from grader.labs.imu.lab import LAB
 from reference.allan_variance import allan_deviation
 from reference.complementary_filter import ComplementaryFilter, tilt_of
@@ -236,14 +235,14 @@ def test_numbers_of_no_sense_are_judged_without_an_exception(odd: float, truth: 
     samples, watched = truth["allan"]["white"], truth["watched"]
     with np.errstate(all="ignore"):
         for taus, curve in ((np.full(20, odd), np.ones(20)), (np.arange(1.0, 21.0), np.full(20, odd))):
-            assert allan_diagnosis.unit_of_times([(taus, curve, samples)], 50.0) is None
-            allan_diagnosis.slopes((taus, curve, samples), allan_diagnosis.in_seconds, 50.0)
-            assert not any(holds([(taus, curve, samples)], 50.0) for holds in allan_diagnosis.FAULTS.values())
+            assert allan_variance.meaning([(taus, curve, samples)], 50.0).fault is None
+            allan_variance.slopes((taus, curve, samples), allan_variance.in_seconds, 50.0)
         for x, y in ((np.full(30, odd), np.arange(30.0)), (np.arange(30.0), np.full(30, odd) + np.arange(30.0))):
-            assert not liveplot.shows(x, y, watched["pushed"], 0.004)
-        events = np.full((5, 3), odd)
-        assert liveplot.updates(events) <= 1
-        liveplot.span(events), liveplot.changes_after(events)
-        outputs = [np.full((tilting.BEFORE + tilting.AFTER, 2), odd)] * 3
-        seen = tilting.response(outputs)
-        assert seen is None or not any(holds(seen) for holds in tilting.FAULTS.values())
+            assert not live_plot.shows(x, y, watched["pushed"], 0.004)
+        run = live_plot.LiveRun(np.full((5, 3), odd), (), 1.0)
+        assert run.updates <= 1
+        assert run.span >= 0 or np.isnan(run.span)
+        assert run.changes_after >= 0
+        outputs = [np.full((complementary_filter.BEFORE + complementary_filter.AFTER, 2), odd)] * 3
+        seen = complementary_filter.response(outputs)
+        assert seen is None or not any(holds(seen) for holds in complementary_filter.FAULTS.values())

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from grader.engine.question import Question, key_of
-from grader.labs.imu.bonuses import questions as bonuses
+from grader.labs.imu.bonuses.allan_variance import allan
+from grader.labs.imu.bonuses.complementary_filter import TiltCase, tilt
+from grader.labs.imu.bonuses.live_plot import live
+from grader.labs.imu.bonuses.multiple_imus import imus
 from grader.labs.imu.replies import RULES
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import FilterCase, Student
@@ -85,14 +88,14 @@ _ASKED: Mapping[Any, dict[str, Any]] = {
     Student.default_bias: {**_NOISE, "instances": 8},
     Student.filter: {"cases": [FilterCase(_VECTORS, alpha=0.3)]},
     Student.plot: {"data": {"time": _VECTORS + 1}, "sheet": {"time": _VECTORS + 1}, "ids": (1, 2), "own_form": False},
-    bonuses.tilt: {"cases": [bonuses.TiltCase(0.1, _VECTORS, _VECTORS)]},
-    bonuses.allan: {"samples": _VECTORS, "sample_rate_hz": 100.0},
-    bonuses.imus: {"model": "<m/>", **_STATE},
-    bonuses.live: {"model": "<m/>", "ids": (1, 2), "duration_s": 1.0, "timestep": 0.002, "push": 0.5},
+    tilt: {"cases": [TiltCase(0.1, _VECTORS, _VECTORS)]},
+    allan: {"samples": _VECTORS, "sample_rate_hz": 100.0},
+    imus: {"model": "<m/>", **_STATE},
+    live: {"model": "<m/>", "ids": (1, 2), "duration_s": 1.0, "timestep": 0.002, "push": 0.5},
 }
 _CHANGED: Mapping[Any, dict[str, Any]] = {
     Student.noise_twins: {"stds": [(0.1, 0.3)], "biases": np.ones((1, 2, 3)), "states": [1]},
-    bonuses.tilt: {"cases": [bonuses.TiltCase(0.2, _VECTORS, _VECTORS)]},
+    tilt: {"cases": [TiltCase(0.2, _VECTORS, _VECTORS)]},
 }
 
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from grader.engine.findings import Fault
-from grader.labs.imu.bonuses import checks
-from grader.labs.imu.bonuses.explain import TILT as TILT_PART
-from grader.labs.imu.bonuses.measure import PLACES, RIDES, measure_imus, measure_tilt
-from grader.labs.imu.bonuses.questions import LiveRun, SeenCurve
+from grader.labs.imu.bonuses import checks, complementary_filter, multiple_imus
+from grader.labs.imu.bonuses.complementary_filter import RIDES
+from grader.labs.imu.bonuses.live_plot import LiveRun
+from grader.labs.imu.bonuses.multiple_imus import PLACES
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
 from tests.judging.made import Case, Made, Marked, is_as_marked, truth
@@ -352,10 +352,10 @@ class Watched(Made):
         self.run = run
 
     def ask(self, *_: Any) -> Frame:
-        arrays = {f"{axis}{n}": getattr(c, axis) for n, c in enumerate(self.run.curves) for axis in "xy"}
-        curves = [
-            {"moment": c.moment, "label": c.label, "x": f"x{n}", "y": f"y{n}"} for n, c in enumerate(self.run.curves)
-        ]
+        arrays = {
+            f"{axis}{n}": its for n, curve in enumerate(self.run.curves) for axis, its in zip("xy", curve, strict=True)
+        }
+        curves = [{"moment": 1.0, "label": "x", "x": f"x{n}", "y": f"y{n}"} for n in range(len(self.run.curves))]
         error = asdict(self.run.fault) if self.run.fault else None
         fields = {"curves": curves, "simulated": self.run.simulated, "returned": True, "error": error}
         return Frame(fields, arrays | {"events": self.run.events})
@@ -368,9 +368,7 @@ def _seen(
     time = 0.004 * np.arange(1, len(pushed) + 1)
     shown = [(time, pushed[:, i]) for i in range(6)] if curves is None else curves
     events = np.array([(moment, 10.0 * n, n + 1.0) for n, moment in enumerate(moments)]).reshape(-1, 3)
-    return LiveRun(
-        events, tuple(SeenCurve(1.0, "x", np.array(x), np.array(y)) for x, y in shown), simulated, True, fault
-    )
+    return LiveRun(events, tuple((np.array(x), np.array(y)) for x, y in shown), simulated, fault)
 
 
 _T = 0.004 * np.arange(1, 253)
@@ -430,15 +428,15 @@ def test_where_another_robot_is_graded_on_the_labs_own_is_the_sheets() -> None:
     many = replace(truth()["reading_many"], name="reading_lab")
     scenarios = {**truth().scenarios, "reading_sheet": truth()["reading_lab"], "reading_lab": many}
     student = Made(read_all_imus=every)
-    assert set(measure_imus(student, replace(truth(), scenarios=scenarios)).lab.read) == set(PLACES)
+    assert set(multiple_imus.measure(student, replace(truth(), scenarios=scenarios)).lab.read) == set(PLACES)
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("single", ["accel_alone_rms", "gyro_alone_rms"])
 def test_a_steep_ride_is_to_beat_the_better_one_of_both_sensors(single: str) -> None:
-    facts = measure_tilt(Made(ComplementaryFilter=Tilt), truth())
+    facts = complementary_filter.measure(Made(ComplementaryFilter=Tilt), truth())
     alone = {check: {**each, single: 0.001} for check, each in facts.alone.items()}
     held = replace(facts, alone=alone)
-    off = [TILT_PART.checks[f"complementary_filter.{name}"][1](held) is not None for name in RIDES]
+    off = [complementary_filter.TILT.checks[f"complementary_filter.{name}"][1](held) is not None for name in RIDES]
     assert off[-1]
     assert sum(off) == 2

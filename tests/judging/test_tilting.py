@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.labs.imu.bonuses import tilting
-from grader.labs.imu.bonuses.tilting import Response
+from grader.labs.imu.bonuses import complementary_filter as tilting
+from grader.labs.imu.bonuses.complementary_filter import Response
 from grader.labs.imu.compare import Array
 
 pytestmark = pytest.mark.quick

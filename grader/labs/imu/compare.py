@@ -57,6 +57,18 @@ def same_where_known(got: Array, expected: Array, atol: float) -> bool:
     return bool(known.any()) and bool(np.all(np.abs(got[known] - expected[known]) <= atol))
 
 
+def share_among(values: Array, others: Array, atol: float) -> float:
+    """Return the share of the values that occur anywhere among the others, within `atol`."""
+    there, sought = np.sort(others, axis=None), values.ravel()
+    at = np.clip(np.searchsorted(there, sought), 1, len(there) - 1)
+    return float(np.mean(np.minimum(np.abs(there[at] - sought), np.abs(there[at - 1] - sought)) <= atol))
+
+
+def thinned(n: int, most: int = 200) -> NDArray[np.intp]:
+    """Indices of at most `most` of n points, first and last among them: so many show a curve as well as a million."""
+    return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(np.intp))
+
+
 def triple(rows: Array, first: int) -> Array:
     """Return columns ``first:first+3`` of (k, n), NaN where they run out of it."""
     out = np.full((len(rows), 3), np.nan)

@@ -10,6 +10,7 @@ Geary, R. C. (1936). Moments of the ratio of the mean deviation to the standard 
     Biometrika 28, 295-307, eq. (22): mean sqrt(2/pi), variance (1 - 3/pi) / n.
 Fisher, R. A. (1921). On the "probable error" of a coefficient of correlation. Metron 1, 3-32: atanh(r) has standard error
     1 / sqrt(n - 3).
+Riley, W. J. (2008). Handbook of Frequency Stability Analysis. NIST Special Publication 1065, eq. (11): overlapping Allan deviation.
 Cochran, W. G. (1934). The distribution of quadratic forms in a normal system: n s^2 / sigma^2 is chi-squared.
 """
 
@@ -87,6 +88,13 @@ def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float
     square, mean = inside - 2 * cut * edge, 2 * (top - edge)
     clipped = math.sqrt(square + 2 * cut**2 * beyond), mean + 2 * cut * beyond
     return clipped, (math.sqrt(square / inside), mean / inside)
+
+
+def allan_deviation(samples: Array, m: int) -> float:
+    """Overlapping Allan deviation of samples (n, …) at clusters of m, over all further axes together; NaN with too few samples."""
+    integral = np.concatenate([np.zeros_like(samples[:1]), np.cumsum(samples, axis=0)])
+    second = integral[2 * m :] - 2.0 * integral[m:-m] + integral[: -2 * m]
+    return float(np.sqrt(np.mean(second**2) / 2.0) / m) if second.size else float("nan")
 
 
 def correlations(columns: Array) -> Array:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from grader.engine.findings import Deviation, Size
-from grader.labs.imu.bonuses import allan, explain, liveplot, tilting
-from grader.labs.imu.bonuses.explain import ALLAN, IMUS, LIVE, SPAN, TILT, UPDATES
-from grader.labs.imu.bonuses.measure import KINDS, Allan, Imus, Live, Tilt
-from grader.labs.imu.compare import vector
+from grader.labs.imu.bonuses import allan_variance, live_plot
+from grader.labs.imu.bonuses.allan_variance import ALLAN, KINDS, Allan
+from grader.labs.imu.bonuses.complementary_filter import TILT, Tilt, wrapped
+from grader.labs.imu.bonuses.live_plot import LIVE, SPAN, UPDATES, Live
+from grader.labs.imu.bonuses.multiple_imus import IMUS, Imus
+from grader.labs.imu.compare import Array, thinned, vector
+from grader.labs.imu.statistics import allan_deviation
 
 # ---- the complementary filter ----
 
@@ -28,17 +31,17 @@ time step twice too long 0.7 where it is steep."""
 @TILT.check("complementary_filter.returns_roll_and_pitch")
 def check_returns_roll_and_pitch(facts: Tilt) -> Deviation | None:
     """update() returns roll and pitch, both 0 where the sensor is level and at rest"""
-    if explain.has_no_angles(facts):
+    if not facts.has_angles:
         came = facts.odd or "NaN or infinity"
         return Deviation({"form": "two numbers from update(), roll and pitch", "came": came})
-    worst = np.abs(tilting.wrapped(facts.level)).max()
+    worst = np.abs(wrapped(facts.level)).max()
     return None if worst <= _LEVEL_ATOL else _off_by(worst, came=vector(facts.level[-1]))
 
 
 @TILT.check("complementary_filter.settles_at_tilt")
 def check_settles_at_tilt(facts: Tilt) -> Deviation | None:
     """Held still at a tilt, the filter settles at the true roll and pitch, wherever it started"""
-    errors = np.abs(tilting.wrapped(facts.settled - facts.tilts)).max(axis=1)
+    errors = np.abs(wrapped(facts.settled - facts.tilts)).max(axis=1)
     worst = int(np.argmax(errors))
     share = 0.5 if errors[0] <= _SETTLED_ATOL else 1.0
     numbers = {"wanted": vector(facts.tilts[worst]), "came": vector(facts.settled[worst])}
@@ -54,7 +57,7 @@ def check_beats_gyroscope_alone(facts: Tilt) -> Deviation | None:
 @TILT.check("complementary_filter.beats_accelerometer_alone")
 def check_beats_accelerometer_alone(facts: Tilt) -> Deviation | None:
     """Where the sensor is shaken, the filter does not take the shaking for a tilt"""
-    if facts.response is not None and tilting.ignores_gyroscope(facts.response):
+    if facts.response is not None and facts.response.ignores_gyroscope:
         return Deviation({"limit": 0.0, "error": facts.errors["beats_accelerometer_alone"]})
     return _beats(facts, "beats_accelerometer_alone", "accel_alone_rms", _BETTER_THAN_ACCEL)
 
@@ -91,17 +94,17 @@ Neighbouring kinds differ by 0.5."""
 def check_returns_times_and_deviations(facts: Allan) -> Deviation | None:
     """allan_deviation returns averaging times and as many deviations"""
     if facts.odd is None:
-        return Deviation({"form": "two arrays of one length, (taus_s, adev)", "came": facts.shape})
+        return Deviation({"form": "two arrays of one length, (taus_s, adev)", "came": facts.white.shape})
     return Deviation({"came": f"{facts.odd} with NaN or infinity"}, share=0.5) if facts.odd else None
 
 
 @ALLAN.check("allan_variance.averaging_times")
 def check_averaging_times(facts: Allan) -> Deviation | None:
     """The averaging times are in seconds, from about a sample to a good part of the record"""
-    taus, _, samples = facts.curves["white"]
+    taus, _, samples = facts.records["white"]
     low, high, count = taus.min() * facts.rate, taus.max() * facts.rate, len(np.unique(taus))
     numbers = {"count": count, "low": taus.min(), "high": taus.max(), "longest": len(samples) / 2 / facts.rate}
-    if facts.meant and not facts.meant[0]:
+    if facts.is_deviation and not facts.meaning.seconds:
         return Deviation(numbers)
     fits = low >= 0.5 and high <= len(samples) / 2 * 1.01 + 1 and count >= 5 and high >= 10 * low
     return None if fits else Deviation(numbers, share=0.5)
@@ -110,19 +113,19 @@ def check_averaging_times(facts: Allan) -> Deviation | None:
 @ALLAN.check("allan_variance.matches_definition")
 def check_matches_definition(facts: Allan) -> Deviation | None:
     """The deviation is the root of half the mean square difference of neighbouring averages"""
-    if facts.meant:
+    if facts.is_deviation:
         return None  # whatever the unit of its averaging times, which another check measures
-    taus, curve, samples = next(r for r in facts.records if not allan.fits(allan.in_seconds(r[0], facts.rate), *r[1:]))
-    size = int(np.clip(allan.in_seconds(taus, facts.rate)[0], 1, len(samples) // 2))
-    return Deviation({"ratio": curve[0] / allan.overlapping(samples, size), "tau": taus[0]})
+    taus, curve, samples = facts.worst
+    size = int(np.clip(allan_variance.in_seconds(taus, facts.rate)[0], 1, len(samples) // 2))
+    return Deviation({"ratio": curve[0] / allan_deviation(samples, size), "tau": taus[0]})
 
 
 @ALLAN.check("allan_variance.shows_kinds_of_noise")
 def check_shows_kinds_of_noise(facts: Allan) -> Deviation | None:
     """Its slope is −1/2 for white noise, +1/2 for a random walk, −1 for quantisation and +1 for drift"""
-    size = facts.meant[1] if facts.meant else allan.in_seconds
+    size = facts.meaning.size if facts.is_deviation else allan_variance.in_seconds
     for kind, nominal in _NOMINAL.items():
-        wanted, got = allan.slopes(facts.curves[kind], size, facts.rate)
+        wanted, got = allan_variance.slopes(facts.records[kind], size, facts.rate)
         if not abs(got - wanted) <= _SLOPE_ATOL:
             return Deviation({"nominal": nominal, "kind": _WORDS[kind], "came": got})
     return None
@@ -131,14 +134,18 @@ def check_shows_kinds_of_noise(facts: Allan) -> Deviation | None:
 @ALLAN.check("allan_variance.takes_three_axes")
 def check_takes_three_axes(facts: Allan) -> Deviation | None:
     """Samples of three axes, (n, 3), give a curve for each axis"""
-    if facts.axes is None:
-        return Deviation({"came": facts.axes_shape})
-    known = facts.axes[np.isfinite(facts.axes).all(axis=1)]
-    for axis, curve in enumerate(facts.alone):
-        its = allan.thinned(np.arange(float(len(known))), known[:, axis])[1]
-        if len(curve) != len(its) or not np.allclose(its, curve, rtol=1e-9, atol=0.0):
+    if facts.together.adev is None:
+        return Deviation({"came": facts.together.shape})
+    known = facts.together.adev[np.isfinite(facts.together.adev).all(axis=1)]
+    together = known[thinned(len(known))]
+    for axis, run in enumerate(facts.alone):
+        if run.curve is None or not _is_same(together[:, axis], run.curve[1]):
             return Deviation({"came": f"another curve for axis {'xyz'[axis]} than when it is the only one"})
     return None
+
+
+def _is_same(curve: Array, other: Array) -> bool:
+    return len(curve) == len(other) and np.allclose(curve, other, rtol=1e-9, atol=0.0)
 
 
 # ---- all IMUs ----
@@ -147,7 +154,7 @@ def check_takes_three_axes(facts: Allan) -> Deviation | None:
 @IMUS.check("multiple_imus.finds_every_place")
 def check_finds_every_place(facts: Imus) -> Deviation | None:
     """read_all_imus has an entry for every place of the model that has an accelerometer and a gyroscope"""
-    if explain.is_no_dictionary(facts):
+    if facts.has_no_dictionary:
         shape = next((world.got.shape for world in facts.worlds if not world.read), "")
         return Deviation({"form": "a dictionary of readings by place, such as 'torso'", "came": shape})
     missing = [[place for place in world.true if place not in world.read] for world in facts.worlds]
@@ -194,19 +201,19 @@ def check_returns(facts: Live) -> Deviation | None:
 @LIVE.check("realtime_visualization.grows_while_stepping")
 def check_grows_while_stepping(facts: Live) -> Deviation | None:
     """The curves grow while the simulation goes on, not after it"""
-    updates = liveplot.updates(facts.run.events)
-    if updates >= UPDATES and liveplot.span(facts.run.events) >= SPAN * facts.duration_s:
+    updates = facts.run.updates
+    if updates >= UPDATES and facts.run.span >= SPAN * facts.duration_s:
         return None
-    replayed = liveplot.changes_after(facts.run.events) >= UPDATES
-    share = 0.5 if updates >= UPDATES - 2 and not explain.shows_once(facts) and not replayed else 1.0
+    replayed = facts.run.changes_after >= UPDATES
+    share = 0.5 if updates >= UPDATES - 2 and not facts.shows_once and not replayed else 1.0
     return Deviation({"least": UPDATES, "wanted": facts.duration_s, "came": updates}, share)
 
 
 @LIVE.check("realtime_visualization.shows_true_data")
 def check_shows_true_data(facts: Live) -> Deviation | None:
     """The curves show what the IMU reads"""
-    judged = [curve for curve in facts.run.curves if len(curve.y) >= _JUDGED][-_MOST:]
-    right = sum(any(liveplot.shows(each.x, each.y, its, facts.timestep) for its in facts.channels) for each in judged)
+    judged = [(x, y) for x, y in facts.run.curves if len(y) >= _JUDGED][-_MOST:]
+    right = sum(any(live_plot.shows(x, y, its, facts.timestep) for its in facts.channels) for x, y in judged)
     if judged and right * 2 >= len(judged):
         return None
     return Deviation({"right": right, "judged": len(judged)}, share=0.5 if right else 1.0)

@@ -12,8 +12,8 @@ from grader.engine import figures
 from grader.engine.chart_data import Chart, Curve, Panel
 from grader.engine.figures import Axes, Entry, Figure, Mask
 from grader.labs.imu.answers import Drawing
-from grader.labs.imu.charts.points import curve, thinned
-from grader.labs.imu.compare import Array
+from grader.labs.imu.charts.points import curve
+from grader.labs.imu.compare import Array, thinned
 
 _FIGURES = 3
 _PANELS = 6

@@ -1,9 +1,4 @@
-"""The noise of the submission's own `NoisyIMU`: its distribution, and its Allan deviation over averaging times.
-
-References
-----------
-Riley, W. J. (2008). Handbook of Frequency Stability Analysis. NIST Special Publication 1065, equation (11).
-"""
+"""The noise of the submission's own `NoisyIMU`: its distribution, and its Allan deviation over averaging times."""
 
 from __future__ import annotations
 
@@ -16,6 +11,7 @@ from grader.engine.traces import Traces
 from grader.labs.imu.answers import NoiseRun
 from grader.labs.imu.charts.points import curve
 from grader.labs.imu.compare import Array
+from grader.labs.imu.statistics import allan_deviation
 
 _BINS = 32
 _TIMES = 12
@@ -89,7 +85,8 @@ def _allan(sensors: tuple[_Sensor, ...], dt: float) -> Chart:
 def _deviation(sensor: _Sensor, dt: float) -> Panel:
     reads = sensor.noise.shape[1]
     sizes = np.unique(np.geomspace(1, max(reads // 10, 1), _TIMES).round().astype(int))
-    found = np.array([_overlapping(sensor.noise, int(m)) for m in sizes])
+    in_turn = np.moveaxis(sensor.noise, 1, 0)
+    found = np.nan_to_num([allan_deviation(in_turn, int(m)) for m in sizes])
     some = found > 1e-9 * sensor.asked
     return Panel(
         sensor.name,
@@ -101,11 +98,3 @@ def _deviation(sensor: _Sensor, dt: float) -> Panel:
         ),
         log=True,
     )
-
-
-def _overlapping(noise: Array, m: int) -> float:
-    """Root mean square over states and axes of the overlapping estimate, from (states, reads, 3)."""
-    start = np.zeros_like(noise[:, :1])
-    integral = np.concatenate([start, np.cumsum(noise, axis=1)], axis=1)
-    second = integral[:, 2 * m :] - 2.0 * integral[:, m:-m] + integral[:, : -2 * m]
-    return float(np.sqrt(np.mean(second**2) / 2.0) / m) if second.size else 0.0

@@ -17,11 +17,6 @@ def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
     return Curve(name, role, _single(x[fine]), _single(y[fine]), colour)
 
 
-def thinned(n: int, most: int = MOST) -> np.ndarray:
-    """Indices of at most `most` of n points, first and last among them."""
-    return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
-
-
 def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
     """Indices of at most `most` of the errors (n,): the largest of each stretch, so that thinning hides none."""
     n = len(error)

@@ -11,7 +11,7 @@ import numpy as np
 from grader.base.errors import NoAnswer
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import SENSORS, Collection
-from grader.labs.imu.compare import Array, triple
+from grader.labs.imu.compare import Array, share_among, triple
 from grader.labs.imu.lab_copies import learnt_ids, learnt_timestep
 from grader.labs.imu.robot import torso_ids
 from grader.labs.imu.student import Student
@@ -351,7 +351,7 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
     n, m = min(len(rows), len(true)), min(len(other_rows), len(other_true), len(rows), len(true))
     if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):
         return False
-    if _found_among(other_true[:m], other_rows[:m]) >= _NEARLY_ALL:
+    if share_among(other_true[:m], other_rows[:m], _SAME_NUMBER) >= _NEARLY_ALL:
         return True
     first, second = (np.column_stack([one, np.ones(len(one))]) for one in (true[:n], other_true[:m]))
     treatment = np.linalg.lstsq(first, rows[:n], rcond=None)[0]
@@ -365,11 +365,3 @@ _NEARLY_ALL = 0.9
 _SAME_NUMBER = 1e-7
 """m/s². Largest difference of equal numbers. Among some thousand values within 20 m/s², a wrong number is that close to one of
 them once in ten thousand."""
-
-
-def _found_among(true: Array, rows: Array) -> float:
-    """Return the share of the true numbers that occurs anywhere in the rows."""
-    there = np.sort(rows, axis=None)
-    at = np.clip(np.searchsorted(there, true.ravel()), 1, len(there) - 1)
-    gaps = np.minimum(np.abs(there[at] - true.ravel()), np.abs(there[at - 1] - true.ravel()))
-    return float(np.mean(gaps <= _SAME_NUMBER))

@@ -1,0 +1,266 @@
+"""Facts about an `allan_deviation`: its curves for five records, and what a curve over averaging times may be.
+
+References
+----------
+Riley, W. J. (2008). Handbook of Frequency Stability Analysis. NIST Special Publication 1065, equations (7) and (11).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+
+import numpy as np
+
+from grader.engine.charging import Part
+from grader.engine.findings import Fault, Raised, Skipped
+from grader.engine.hypothesis import Reason
+from grader.engine.question import Question
+from grader.engine.traces import Traces
+from grader.labs.imu.answers import Arrays, Node, numbers, shape_in_words
+from grader.labs.imu.compare import Array, thinned
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.statistics import allan_deviation
+from grader.labs.imu.student import Student
+from grader.sandbox.wire import Frame
+
+KINDS = ("white", "walk", "quantised", "drift")
+"""Kinds of noise whose slopes are compared."""
+_RECORDS = ("white", "walk", "quantised", "mixed")
+"""Records whose curves are compared; a drift has no chance in it."""
+_SCATTER = 5.0
+"""Standard errors that a sound estimate may differ by at one averaging time: 5 / √(number of clusters)."""
+_MEAN_LOG = 0.1
+"""Largest mean of log(estimate / truth), weighted by clusters. Sound estimates differ by 0.02;
+without the factor one half it is 0.35."""
+_CLUSTERS = 30
+"""Fewest clusters of an averaging time that is compared. With fewer, two sound estimates may be far apart."""
+_FEWEST = 3  # averaging times that tell a curve
+
+# ---- the question
+
+
+@dataclass(frozen=True)
+class AllanRun:
+    """Averaging times (k,) in s and deviations (k, c), c columns as in the input; None where they could not be made out."""
+
+    taus: Array | None
+    adev: Array | None
+    shape: str
+    fault: Fault | None
+
+    @cached_property
+    def curve(self) -> tuple[Array, Array] | None:
+        """Averaging times and deviations (k,) of the first column, finite ones alone, by increasing time; 200 at most."""
+        if self.taus is None or self.adev is None:
+            return None
+        known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
+        chosen = known[np.argsort(self.taus[known], kind="stable")]
+        chosen = chosen[thinned(len(chosen))]
+        return self.taus[chosen], self.adev[chosen, 0]
+
+    @property
+    def stop(self) -> Exception | None:
+        """What keeps the curve from being judged, if anything."""
+        if self.fault:
+            return Raised(self.fault, "computing the Allan deviation")
+        if self.curve is None:
+            return Skipped("averaging times and deviations")
+        return None if len(self.curve[0]) >= _FEWEST else Skipped("three averaging times or more")
+
+
+def allan(student: Student, samples: Array, sample_rate_hz: float) -> AllanRun:
+    """Return the result of `allan_deviation` for samples (n,) or (n, 3)."""
+    becomes = partial(_run, columns=1 if samples.ndim == 1 else samples.shape[1])
+    fields = {"sample_rate_hz": sample_rate_hz}
+    return student.answer(Question("allan", "allan_deviation", becomes, fields, {"samples": samples}))
+
+
+def _run(frame: Frame, columns: int) -> AllanRun:
+    node = frame.fields["value"]
+    taus, adev = _curve(node, frame.arrays, columns)
+    return AllanRun(taus, adev, shape_in_words(node, frame.arrays), Fault.of(frame.fields.get("error")))
+
+
+def _curve(node: Node | None, arrays: Arrays, columns: int) -> tuple[Array | None, Array | None]:
+    taus, adev = _two(node, arrays)
+    if taus is None or adev is None or adev.size != taus.size * columns:
+        return None, None
+    upright = adev if adev.shape[:1] == (taus.size,) else adev.T
+    return taus.ravel(), upright.reshape(taus.size, columns)
+
+
+def _two(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None]:
+    """The two parts of a pair, or of an array with two rows."""
+    if node is None or node["kind"] in ("dict", "object"):
+        return None, None
+    if "key" in node:
+        whole = arrays[node["key"]]
+        return (whole[0], whole[1]) if whole.ndim == 2 and len(whole) == 2 else (None, None)
+    items = node.get("items", ())
+    return (numbers(items[0], arrays), numbers(items[1], arrays)) if len(items) >= 2 else (None, None)
+
+
+# ---- what a curve may be
+
+Estimate = Callable[[Array, int], float]
+Sized = Callable[[Array, float], Array]
+Record = tuple[Array, Array, Array]
+"""Averaging times (k,), curve (k,) and samples (n,)."""
+
+
+def _clusters(samples: Array, m: int) -> Array:
+    """Return the averages of the runs of m samples."""
+    count = len(samples) // m
+    return np.asarray(samples[: count * m].reshape(count, m).mean(axis=1))
+
+
+_CURVES: Mapping[str, Estimate] = {
+    "": allan_deviation,
+    "returns-variance": lambda samples, m: allan_deviation(samples, m) ** 2,
+    "allan-factor-missing": lambda samples, m: 2**0.5 * allan_deviation(samples, m),
+    "std-not-allan": lambda samples, m: float(np.std(_clusters(samples, m))),
+}
+"""What a curve shows, by fault; the Allan deviation has none. Of two that fit, the first counts."""
+
+
+def in_seconds(taus: Array, rate: float) -> Array:
+    """Cluster sizes of averaging times in seconds."""
+    return np.round(taus * rate)
+
+
+_SIZES: tuple[tuple[bool, Sized], ...] = (
+    (True, in_seconds),
+    (True, lambda taus, rate: np.floor(taus * rate + 1e-9)),
+    (True, lambda taus, rate: np.ceil(taus * rate - 1e-9)),
+    (False, lambda taus, rate: np.round(taus)),
+    (False, lambda taus, rate: np.round(taus / rate)),
+    (False, lambda taus, rate: np.round(taus * rate**2)),
+)
+"""Cluster sizes of averaging times, in seconds or wrongly in something else."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What all curves show: an Allan deviation (""), something else by a `fault`, or nothing known (None)."""
+
+    fault: str | None
+    seconds: bool = True
+    size: Sized = in_seconds
+
+
+def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_deviation) -> bool:
+    """Return whether a curve (k,) is this estimate at these cluster sizes (k,), or one that differs by chance alone."""
+    usable = (sizes >= 1) & (sizes <= len(samples) / _CLUSTERS)
+    if usable.sum() < _FEWEST or not curve[usable].min() > 0:
+        return False
+    clusters = len(samples) / sizes[usable]
+    wanted = np.array([estimate(samples, int(m)) for m in sizes[usable]])
+    gap = np.log(curve[usable] / wanted)
+    mean = float(np.average(gap, weights=clusters))
+    return abs(mean) <= _MEAN_LOG and bool(np.all(np.abs(gap) <= _SCATTER / np.sqrt(clusters)))
+
+
+def meaning(records: Sequence[Record], rate: float) -> Meaning:
+    """Return what all curves show.
+
+    One meaning must fit all records: without the factor one half, white noise alone looks as if times were twice too long.
+    """
+    for fault, estimate in _CURVES.items():
+        for seconds, size in _SIZES:
+            if all(fits(size(taus, rate), curve, samples, estimate) for taus, curve, samples in records):
+                return Meaning(fault, seconds, size)
+    return Meaning(None)
+
+
+def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
+    """Return the slope of the overlapping estimate and that of a curve, where the record has thirty clusters or more."""
+    taus, curve, samples = record
+    sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
+    wanted = np.array([allan_deviation(samples, int(m)) for m in sizes])
+    some = sizes <= len(samples) / _CLUSTERS
+    return _slope(taus[some], wanted[some]), _slope(taus[some], curve[some])
+
+
+def _slope(taus: Array, curve: Array) -> float:
+    """Return the slope of a curve (k,) on double logarithmic axes; NaN with fewer than three such times."""
+    known = (taus > 0) & (curve > 0) & np.isfinite(curve)
+    if len(np.unique(taus[known])) < _FEWEST:
+        return np.nan
+    return float(np.polyfit(np.log(taus[known]), np.log(curve[known]), 1)[0])
+
+
+# ---- the facts, and the faults
+
+
+@dataclass(frozen=True)
+class Allan:
+    """Facts about an `allan_deviation`.
+
+    Attributes
+    ----------
+    rate : of the samples, in Hz
+    white : the run for white noise; together : for three axes at once; alone : for each axis by itself
+    records : by kind of noise, averaging times (k,), deviations (k,) and the samples (n,); empty if one of them has no curve
+    stopped : by check, what kept its property from being measured
+    """
+
+    rate: float
+    white: AllanRun
+    together: AllanRun
+    alone: Sequence[AllanRun] = ()
+    records: Mapping[str, Record] = field(default_factory=dict)
+    stopped: Mapping[str, Exception] = field(default_factory=dict)
+
+    @cached_property
+    def odd(self) -> int | None:
+        """How many numbers for white noise are not finite; None where they could not be made out."""
+        taus, adev = self.white.taus, self.white.adev
+        return None if taus is None or adev is None else int((~np.isfinite(taus)).sum() + (~np.isfinite(adev)).sum())
+
+    @cached_property
+    def meaning(self) -> Meaning:
+        return meaning([self.records[kind] for kind in _RECORDS], self.rate)
+
+    @property
+    def is_deviation(self) -> bool:
+        """Return whether the curves are Allan deviations, also where their averaging times are not seconds."""
+        return self.meaning.fault == ""
+
+    @property
+    def worst(self) -> Record:
+        """The first record whose curve is no Allan deviation over seconds."""
+        records = (self.records[kind] for kind in _RECORDS)
+        return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
+
+
+def measure(student: Student, truth: Traces) -> Allan:
+    """Ask for the deviation of five records, of three axes at once, and of each of these alone."""
+    scenario = truth["allan"]
+    rate = float(scenario.scalars["sample_rate_hz"])
+    runs = {kind: allan(student, scenario[kind], rate) for kind in dict.fromkeys((*_RECORDS, *KINDS))}
+    together = allan(student, scenario["axes"], rate)
+    alone = [allan(student, scenario["axes"][:, axis], rate) for axis in range(3)]
+    stop = next(filter(None, (run.stop for run in runs.values())), None)
+    compared = ("averaging_times", "matches_definition", "shows_kinds_of_noise")
+    stops: dict[str, Exception | None] = dict.fromkeys(compared, stop)
+    stops["returns_times_and_deviations"] = runs["white"].stop if runs["white"].fault else None
+    one = None if together.adev is None else next(filter(None, (run.stop for run in alone)), None)
+    stops["takes_three_axes"] = together.stop if together.fault else one
+    records = {} if stop else {kind: (*run.curve, scenario[kind]) for kind, run in runs.items() if run.curve}
+    stopped = {check: stop for check, stop in stops.items() if stop}
+    return Allan(rate, runs["white"], together, alone, records, stopped)
+
+
+_REASONS: tuple[Reason[Allan], ...] = (
+    Reason("returns_times_and_deviations", 1, "wrong-return-type", lambda facts: facts.odd is None),
+    Reason("returns_times_and_deviations", 2, "not-finite", lambda _: True),
+    Reason("averaging_times", 1, "tau-wrong", lambda facts: facts.is_deviation and not facts.meaning.seconds),
+    *(
+        Reason(check, 1, fault, lambda facts, its=fault: facts.meaning.fault == its)  # type: ignore[misc]
+        for check in ("matches_definition", "shows_kinds_of_noise")
+        for fault in filter(None, _CURVES)
+    ),
+)
+ALLAN: Part[Allan] = Part(LAB, "allan_variance", measure, _REASONS, only_names=True)

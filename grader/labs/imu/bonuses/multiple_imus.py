@@ -1,0 +1,159 @@
+"""Facts about a `read_all_imus`: its readings in the lab's model and in one with other places, beside the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from grader.engine.charging import Part
+from grader.engine.findings import Fault, Raised, Skipped
+from grader.engine.hypothesis import Reason
+from grader.engine.question import Question
+from grader.engine.traces import Scenario, Traces
+from grader.labs.imu.answers import Arrays, Node, Reading, as_reading, shape_in_words, three
+from grader.labs.imu.compare import Array, same
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.student import Student
+from grader.sandbox.wire import Frame
+
+ATOL = 1e-5
+"""m/s² and rad/s, between a reading and the truth: single precision errs by 1e-6 at 10 m/s²."""
+PLACES = ("torso", "head", "left_foot", "right_foot")
+_STATES = 3
+_FINDS, _MATCHES, _COPIES = "finds_every_place", "matches_truth", "readings_are_copies"
+
+# ---- the question
+
+
+@dataclass(frozen=True)
+class ImuReadings:
+    """The results of `read_all_imus` in each state, by place; `later` is the first result, examined after the next step."""
+
+    calls: tuple[Mapping[str, Reading], ...]
+    later: Mapping[str, Reading]
+    shape: str
+    fault: Fault | None
+
+
+def imus(student: Student, *, model: str, qpos: Array, qvel: Array) -> ImuReadings:
+    """Readings of all IMUs of a model in states (k, nq), (k, nv)."""
+    states = {"qpos": qpos, "qvel": qvel}
+    return student.answer(Question("imus", "read_all_imus", _readings, {"model": model}, states))
+
+
+def _readings(frame: Frame) -> ImuReadings:
+    nodes = frame.fields["calls"]
+    shape = shape_in_words(nodes[0], frame.arrays) if nodes else "nothing"
+    calls = tuple(_by_place(node, frame.arrays) for node in nodes)
+    return ImuReadings(
+        calls, _by_place(frame.fields["later"], frame.arrays), shape, Fault.of(frame.fields.get("error"))
+    )
+
+
+def _by_place(node: Node | None, arrays: Arrays) -> dict[str, Reading]:
+    """Readings by place; capitals and an ending ``_imu`` do not matter."""
+    if node is None or node["kind"] not in ("dict", "object"):
+        return {}
+    return {name.lower().removesuffix("_imu"): as_reading(item, arrays) for name, item in node["items"]}
+
+
+# ---- the facts
+
+
+@dataclass(frozen=True)
+class World:
+    """The readings in one model, and the truth there: (k, 6) acceleration and angular velocity in k states, by place."""
+
+    got: ImuReadings
+    true: Mapping[str, Array]
+
+    @cached_property
+    def read(self) -> Mapping[str, Array]:
+        """The readings like the truth, of the places that the first call returned; NaN where a number is missing."""
+        first = self.got.calls[0] if self.got.calls else {}
+        calls = {place: [_six(call.get(place)) for call in self.got.calls] for place in self.true if place in first}
+        return {place: np.array(rows) for place, rows in calls.items()}
+
+    @property
+    def wrong(self) -> list[str]:
+        return [place for place, rows in self.read.items() if not same(rows, self.true[place], ATOL)]
+
+    @property
+    def with_numbers(self) -> Mapping[str, Array]:
+        """The first readings that have numbers in them."""
+        return {place: rows[0] for place, rows in self.read.items() if np.isfinite(rows[0]).any()}
+
+    @property
+    def changed(self) -> list[str]:
+        """The places with numbers whose first readings changed with the next step."""
+        later = self.got.later
+        return [
+            p for p, row in self.with_numbers.items() if not np.array_equal(_six(later.get(p)), row, equal_nan=True)
+        ]
+
+    @property
+    def repeats_one(self) -> bool:
+        """Return whether every place has the readings of the first."""
+        rows = list(self.read.values())
+        return len(rows) > 1 and all(same(each, rows[0], 1e-9) for each in rows[1:])
+
+    @property
+    def has_no_dictionary(self) -> bool:
+        return not self.got.calls or not (self.got.calls[0] or self.got.shape.startswith("a dictionary"))
+
+
+def _six(reading: Reading | None) -> Array:
+    """Return acceleration and angular velocity (6,), NaN where they are missing."""
+    return np.concatenate([three(reading.accel), three(reading.gyro)]) if reading else np.full(6, np.nan)
+
+
+@dataclass(frozen=True)
+class Imus:
+    """Facts about a `read_all_imus`: its readings in the lab's model and in one with other places."""
+
+    lab: World
+    other: World
+    stopped: Mapping[str, Exception] = field(default_factory=dict)
+
+    @property
+    def worlds(self) -> tuple[World, World]:
+        return self.lab, self.other
+
+    @property
+    def has_no_dictionary(self) -> bool:
+        return any(world.has_no_dictionary for world in self.worlds)
+
+
+def measure(student: Student, truth: Traces) -> Imus:
+    """Read all IMUs of the lab's own robot, also where another one is graded on, and of a model with other places."""
+    sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
+    many = truth["reading_many"]
+    lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))
+    stops: dict[str, Exception] = {}
+    if not (lab.read or other.read):
+        stops[_MATCHES] = Skipped("a reading by place")
+    if not lab.with_numbers:
+        stops[_COPIES] = Skipped("a reading by place, with numbers in it")
+    for checks, fault in (((_FINDS, _MATCHES), lab.got.fault or other.got.fault), ((_COPIES,), lab.got.fault)):
+        if fault:
+            stops |= dict.fromkeys(checks, Raised(fault, "reading all IMUs"))
+    return Imus(lab, other, stops)
+
+
+def _world(student: Student, truth: Traces, scenario: Scenario, places: Sequence[str]) -> World:
+    qpos, qvel = scenario["qpos"][:_STATES], scenario["qvel"][:_STATES]
+    got = imus(student, model=truth.models[scenario.model or ""], qpos=qpos, qvel=qvel)
+    columns = (scenario["sensor_adr"][scenario["pairs"]][:, :, None] + np.arange(3)).reshape(-1, 6)
+    true = {place: scenario["sensordata"][:_STATES, its] for place, its in zip(places, columns, strict=False)}
+    return World(got, true)
+
+
+_REASONS: tuple[Reason[Imus], ...] = (
+    Reason(_FINDS, 1, "wrong-return-type", lambda facts: facts.has_no_dictionary),
+    Reason(_FINDS, 2, "imu-missing", lambda _: True),
+    Reason(_MATCHES, 1, "same-imu-repeated", lambda facts: any(world.repeats_one for world in facts.worlds)),
+)
+IMUS: Part[Imus] = Part(LAB, "multiple_imus", measure, _REASONS, only_names=True)
