@@ -8,9 +8,8 @@ import pytest
 from grader.engine.results import CheckResult, CriterionResult
 from grader.intake import Submission
 from grader.labs.imu import statistics as st
-from grader.labs.imu.compare import Array
+from grader.labs.imu.compare import Array, distinct_texts
 from grader.labs.imu.noise_model.reads import Reads
-from grader.labs.imu.number_format import distinct_texts
 from tests.corpus.cases import Case, of
 from tests.recordings import Marking
 

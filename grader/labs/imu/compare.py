@@ -13,6 +13,12 @@ SHEETS_NOISE = (0.05, 0.0051)
 """m/s², rad/s: the standard deviations of Step 5; the second with room for the last digit of what was rounded to 0.01 rad/s."""
 
 
+NO_CHANGE = 1e-12
+"""Largest change of the simulation's data by a read, in its own units. Nothing has to change; the margin is for an mj_forward."""
+SENSOR_NAMES, BOTH = ("accel", "gyro"), (0, 1)
+"""Short names and indices of the accelerometer and the gyroscope."""
+
+
 @dataclass(frozen=True)
 class Deviation:
     """The distance of ``got`` from ``expected``.
@@ -84,3 +90,21 @@ def vector(values: Array, digits: int = 3) -> str:
         np.max(np.abs(array), initial=0.0) >= 10.0 ** (1 - digits)
     )  # at least two digits of the largest are left
     return np.array2string(array, precision=digits, suppress_small=plain, floatmode="fixed", max_line_width=100)
+
+
+def distinct_texts(wanted: Array, got: Array) -> tuple[str, str]:
+    """Format both vectors with the fewest decimals, at least three, in which they differ."""
+    pairs = ((vector(wanted, decimals), vector(got, decimals)) for decimals in range(3, 17))
+    return next((pair for pair in pairs if pair[0] != pair[1]), (vector(wanted), vector(got)))
+
+
+def changed(disturbance: Array) -> NDArray[np.bool_]:
+    """Return a mask (4,) of what a call changed, among time, qpos, qvel and sensordata; NaN is a change, too."""
+    return np.asarray(~(disturbance <= NO_CHANGE))
+
+
+def changes_in_words(disturbance: Array) -> str:
+    """Say which of them a call changed, and by how much; "" if none."""
+    names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
+    every = zip(names, disturbance, changed(disturbance), strict=True)
+    return "; ".join(f"{name} changed by {size:.3g}" for name, size, is_changed in every if is_changed)

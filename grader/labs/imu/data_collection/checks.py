@@ -6,10 +6,9 @@ import numpy as np
 
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu.answers import SENSOR_UNITS, SENSORS
-from grader.labs.imu.compare import Array, deviation
+from grader.labs.imu.compare import Array, deviation, distinct_texts
 from grader.labs.imu.data_collection.explain import PART, Explained, row_fault
 from grader.labs.imu.data_collection.measure import FORM, TIME_ATOL
-from grader.labs.imu.number_format import distinct_texts
 
 
 @PART.check("data_collection.returns_named_arrays", lab_step=3)

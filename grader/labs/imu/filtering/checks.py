@@ -6,10 +6,9 @@ import numpy as np
 
 from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
-from grader.labs.imu.compare import Array, same, vector
+from grader.labs.imu.compare import Array, distinct_texts, same, vector
 from grader.labs.imu.filtering.explain import CONSTANT_ATOL, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR, PART
 from grader.labs.imu.filtering.measure import ATOL, FORM, Facts
-from grader.labs.imu.number_format import distinct_texts
 
 
 @PART.check("filtering.follows_recursion", lab_step=6)

@@ -7,23 +7,21 @@ import numpy as np
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
-from grader.labs.imu.compare import vector
+from grader.labs.imu.compare import BOTH, SENSOR_NAMES, changes_in_words, distinct_texts, vector
 from grader.labs.imu.noise_model import explain
 from grader.labs.imu.noise_model.explain import PART
 from grader.labs.imu.noise_model.measure import Facts
 from grader.labs.imu.noise_model.reads import Reads
-from grader.labs.imu.number_format import distinct_texts
 
-NAMES = ("accel", "gyro")
 _UNLIKE = 1.2
 """Ratio of the spreads of two axes, of 2,500 reads each, that have one size by a chance of `statistics.ALPHA` only."""
-CHANNELS = [f"{name} {axis}" for name in NAMES for axis in "xyz"]
+CHANNELS = [f"{name} {axis}" for name in SENSOR_NAMES for axis in "xyz"]
 
 
 @PART.check("noise_model.noise_size", lab_step=5)
 def check_noise_size(facts: Facts) -> Deviation | None:
     """The noise of each sensor has the standard deviation that was asked for"""
-    wrong = [*explain.BOTH] if not facts.follows else explain.sizes_off(facts)
+    wrong = [*BOTH] if not facts.follows else explain.sizes_off(facts)
     if not wrong:
         return None
     sensor, unit = facts.sensors[wrong[0]], SENSOR_UNITS[wrong[0]]
@@ -36,7 +34,7 @@ def check_noise_size(facts: Facts) -> Deviation | None:
 @PART.check("noise_model.given_bias", lab_step=5)
 def check_given_bias(facts: Facts) -> Deviation | None:
     """A bias that is given is added to every reading, zero included"""
-    both = [*explain.BOTH] if facts.exchanged or facts.one_twice else []
+    both = [*BOTH] if facts.exchanged or facts.one_twice else []
     missing = both or explain.missing_bias(facts)
     if not (wrong := missing or explain.bias_beside(facts)):
         return None
@@ -75,7 +73,7 @@ def check_white_and_gaussian(facts: Facts) -> Deviation | None:
 def check_axes_and_sensors_independent(facts: Facts) -> Deviation | None:
     """Each axis of each sensor has noise of its own"""
     if facts.still:
-        return Deviation({"one": NAMES[0], "other": NAMES[1], "came": 1.0, "reads": 0})
+        return Deviation({"one": SENSOR_NAMES[0], "other": SENSOR_NAMES[1], "came": 1.0, "reads": 0})
     values = explain.columns(facts)
     worst, i, j = explain.most_correlated(values)
     if worst <= st.correlation_bound(len(values)):
@@ -87,19 +85,15 @@ def check_axes_and_sensors_independent(facts: Facts) -> Deviation | None:
 @PART.check("noise_model.leaves_simulation_alone", lab_step=5)
 def check_leaves_simulation_alone(facts: Facts) -> Deviation | None:
     """A noisy read changes nothing in the simulator's own data"""
-    names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
-    off = explain.changed(facts)
-    changes = [
-        f"{name} changed by {by:.3g}" for name, by, is_ in zip(names, facts.disturbance, off, strict=True) if is_
-    ]
-    return Deviation({"came": "; ".join(changes)}) if changes else None
+    told = changes_in_words(facts.disturbance)
+    return Deviation({"came": told}) if told else None
 
 
 def _of(
     which: int, affected: float, numbers: dict[str, object], share: float = 1.0, size: Size | None = None
 ) -> Deviation:
     """Return a deviation with the name and unit of this sensor (0 accelerometer, 1 gyroscope)."""
-    named = {"sensor": NAMES[which], "unit": SENSOR_UNITS[which], **numbers}
+    named = {"sensor": SENSOR_NAMES[which], "unit": SENSOR_UNITS[which], **numbers}
     return Deviation(named, share, size, affected=affected)
 
 

@@ -17,7 +17,7 @@ from grader.engine.charging import Part
 from grader.engine.findings import Deviation
 from grader.engine.hypothesis import Reason
 from grader.labs.imu import statistics as st
-from grader.labs.imu.compare import Array, same
+from grader.labs.imu.compare import BOTH, Array, changed, same
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.noise_model.measure import ALL, FORM, Facts, Sensor, measure
 from grader.labs.imu.noise_model.reads import EXACT, TRUTH_ATOL, Reads
@@ -25,9 +25,6 @@ from grader.labs.imu.parameters import departure, reads_global
 
 SIZE, GIVEN, DEFAULT, LAW, APART = ALL
 ALONE = "leaves_simulation_alone"
-BOTH = (0, 1)
-NO_CHANGE = 1e-12
-"""Largest change of the simulation's data by a read, in its own units. Nothing has to change at all."""
 _ROUGHLY = 0.3
 """Largest relative error of the noise beside a drifting bias. It is estimated from 117 differences, to a tenth."""
 _NEAR = 0.07
@@ -294,11 +291,6 @@ def _one_for_axes(facts: Facts) -> bool:
     return bool(st.correlations(values)[first : first + 3, first : first + 3].min() > _THE_SAME)
 
 
-def changed(facts: Facts) -> Array:
-    """Return a mask (4,) of what a read changes, among time, qpos, qvel and sensordata."""
-    return np.asarray(~(facts.disturbance <= NO_CHANGE))
-
-
 # ---- the reasons
 
 
@@ -340,8 +332,8 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(LAW, 99, f"noise_model.{LAW}", lambda _: True),
     Reason(APART, 0, "one-sensor-twice", lambda f: f.one_twice),
     Reason(APART, 1, "same-noise-on-axes", _one_for_axes),
-    Reason(ALONE, 1, "mutates-sensordata", lambda f: not changed(f)[:3].any()),
-    Reason(ALONE, 2, "disturbs-simulation", lambda f: bool(changed(f)[:3].any())),
+    Reason(ALONE, 1, "mutates-sensordata", lambda f: not changed(f.disturbance)[:3].any()),
+    Reason(ALONE, 2, "disturbs-simulation", lambda f: bool(changed(f.disturbance)[:3].any())),
     Reason("form", 1, "wrong-return-type", lambda _: True),
     Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
     Reason("parameters", 2, "other-parameters", lambda _: True),

@@ -7,12 +7,9 @@ import numpy as np
 from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu.answers import SENSOR_UNITS
-from grader.labs.imu.compare import Array, deviation, vector
-from grader.labs.imu.number_format import distinct_texts
+from grader.labs.imu.compare import SENSOR_NAMES, Array, changes_in_words, deviation, distinct_texts, vector
 from grader.labs.imu.sensor_access.explain import PART, Explained
-from grader.labs.imu.sensor_access.measure import FORM, NO_CHANGE, Visit
-
-NAMES = ("accel", "gyro")
+from grader.labs.imu.sensor_access.measure import FORM, Visit
 
 
 @PART.check("sensor_access.returns_two_vectors", lab_step=2)
@@ -59,14 +56,13 @@ def check_reading_is_a_copy(found: Explained) -> Deviation | None:
 @PART.check("sensor_access.leaves_simulation_alone", lab_step=2)
 def check_leaves_simulation_alone(found: Explained) -> Deviation | None:
     """Reading the sensors changes nothing in the simulation"""
-    sizes = zip(("data.time", "data.qpos", "data.qvel", "data.sensordata"), found.facts.disturbance, strict=True)
-    changed = [f"{name} changed by {size:.3g}" for name, size in sizes if not size <= NO_CHANGE]
-    return Deviation({"came": "; ".join(changed)}) if changed else None
+    told = changes_in_words(found.facts.disturbance)
+    return Deviation({"came": told}) if told else None
 
 
 def _off(visit: Visit, sensor: int, true: Array, numbers: dict[str, object], affected: float = 1.0) -> Deviation:
     """Describe the row in which a sensor is furthest from what stands where it should be read."""
-    got, name, unit = visit.got[sensor], NAMES[sensor], SENSOR_UNITS[sensor]
+    got, name, unit = visit.got[sensor], SENSOR_NAMES[sensor], SENSOR_UNITS[sensor]
     gap = deviation(got, true)
     wanted, came = distinct_texts(true[gap.row], got[gap.row])
     steps = np.diff(np.unique(got[np.isfinite(got)]))

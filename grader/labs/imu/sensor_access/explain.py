@@ -17,11 +17,11 @@ from grader.engine.charging import Part
 from grader.engine.findings import Deviation, Skipped
 from grader.engine.hypothesis import Reason
 from grader.engine.traces import Traces
-from grader.labs.imu.compare import SHEETS_NOISE, Array, same_where_known, triple
+from grader.labs.imu.compare import BOTH, NO_CHANGE, SHEETS_NOISE, Array, same_where_known, triple
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.parameters import departure, reads_global
 from grader.labs.imu.sensor_access import measure as facts_of
-from grader.labs.imu.sensor_access.measure import ATOL, BOTH, NO_CHANGE, Facts, Scene, Visit
+from grader.labs.imu.sensor_access.measure import ATOL, Facts, Scene, Visit
 from grader.labs.imu.student import Student
 
 VALUES, PLACE, FORM, COPY, ALONE = facts_of.CHECKS[1], facts_of.CHECKS[2], facts_of.CHECKS[0], *facts_of.CHECKS[3:]

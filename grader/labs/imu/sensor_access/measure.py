@@ -15,12 +15,8 @@ from grader.labs.imu.student import Student
 
 ATOL = 1e-5
 """m/s², rad/s. A reader copies numbers: single precision keeps 1e-6 of 10 m/s², rounding to four decimals breaks 5e-5."""
-NO_CHANGE = 1e-12
-"""Reading takes numbers out and puts none in: any change is a change. The margin is for a harmless mj_forward."""
 FORM = "a tuple of two arrays of shape (3,)"
 CHECKS = ("returns_two_vectors", "matches_truth", "follows_address", "reading_is_a_copy", "leaves_simulation_alone")
-BOTH = (0, 1)
-"""The accelerometer and the gyroscope."""
 
 
 @dataclass(frozen=True)
