@@ -93,8 +93,9 @@ def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float
 def allan_deviation(samples: Array, m: int) -> float:
     """Overlapping Allan deviation of samples (n, …) at clusters of m, over all further axes together; NaN with too few samples."""
     integral = np.concatenate([np.zeros_like(samples[:1]), np.cumsum(samples, axis=0)])
-    second = integral[2 * m :] - 2.0 * integral[m:-m] + integral[: -2 * m]
-    return float(np.sqrt(np.mean(second**2) / 2.0) / m) if second.size else float("nan")
+    sums = integral[m:] - integral[:-m]
+    steps = sums[m:] - sums[:-m]
+    return float(np.sqrt(np.mean(steps**2) / 2.0) / m) if steps.size else float("nan")
 
 
 def correlations(columns: Array) -> Array:
