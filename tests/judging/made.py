@@ -1,14 +1,15 @@
 """Made-up students: their functions are in this process, and the lab's own questions are asked of them there, without a sandbox.
 
-A case is a check, a made-up student, and what a fair marker says: all points (None), or the share that is kept and the mistakes. The
-words of each finding stand in `words.yaml`, which `python -m tests.regenerate` writes.
+A case is a check, a made-up student, and what a fair marker says: all points (None), or the share that is kept and the mistakes. A row of
+a table is a student with what every check of a criterion says. The words of each finding stand in `words.yaml`, which
+`python -m tests.regenerate` writes.
 """
 
 from __future__ import annotations
 
 import importlib
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -119,6 +120,20 @@ class Case:
         return f"{self.check.check.id}: {self.name}"  # type: ignore[attr-defined]
 
 
+@dataclass(frozen=True)
+class Row:
+    """A made-up student with the checks of a criterion that a fair marker does not pass; all others are passed."""
+
+    name: str
+    student: Callable[[], Student]
+    marks: Mapping[Check, Marked]
+
+    def cases(self, checks: Sequence[Check]) -> list[Case]:
+        """Return a case for each check, all of one student, who is asked each question once."""
+        student = cache(self.student)
+        return [Case(self.name, check, student, self.marks.get(check)) for check in checks]
+
+
 def finding(case: Case) -> BaseException | None:
     """What the check says of the student."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
@@ -182,9 +197,13 @@ def pinned() -> Mapping[str, Mapping[str, str]]:
     return said
 
 
-def is_as_marked(case: Case) -> None:
-    """Assert that a check marks the student as the case says; other words than those pinned make the run fail once."""
-    found = finding(case)
-    assert marked(found) == case.marked, f"{case.id}: {found!r}"
-    if (said := words(found)) != (before := pinned().get(case.id, {})):
-        differs(WORDS, f"{case.id}: expected {before}, got {said}")
+def is_as_marked(*cases: Case) -> None:
+    """Assert that each check marks its student as the case says; other words than those pinned make the run fail once."""
+    wrong = []
+    for case in cases:
+        found = finding(case)
+        if (got := marked(found)) != case.marked:
+            wrong.append(f"{case.id}: expected {case.marked}, got {got}: {found!r}")
+        elif (said := words(found)) != (before := pinned().get(case.id, {})):
+            differs(WORDS, f"{case.id}: expected {before}, got {said}")
+    assert wrong == []

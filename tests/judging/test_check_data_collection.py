@@ -11,7 +11,7 @@ import pytest
 from mujoco import rollout
 
 from grader.labs.imu.data_collection import checks
-from tests.judging.made import Case, Made, finding, is_as_marked, marked, truth
+from tests.judging.made import Case, Made, Marked, Row, finding, is_as_marked, marked, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -316,10 +316,6 @@ def _recorded_as_it_was(*_: Any) -> tuple[Any, Any, Any]:
     return push["time"][:600], push["acceleration"][:600], push["angular_velocity"][:600]
 
 
-def _aliased(t: Any, a: Any, g: Any, _m: Any) -> Any:
-    return t, np.tile(a[-1], (len(a), 1)), np.tile(g[-1], (len(g), 1))
-
-
 def _noisy(t: Any, a: Any, g: Any, _m: Any) -> Any:
     rng = np.random.default_rng(3)
     return t, a + rng.normal(0, 0.05, a.shape), g + rng.normal(0, 0.005, g.shape)
@@ -390,371 +386,177 @@ NO_STEPS = of(steps=lambda *_: 0)
 ONE_MORE = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) + 1)
 WHOLE_SECONDS = counting(lambda duration, dt: int(duration) / dt)
 NO_RESET = of(begin=lambda *_: None)
+POSE = of(begin=_in_pose(2, 0.05))
 NO_PUSH = of(push=lambda *_: None)
 HALF = of(push=_pushed(0, 0.25))
-SIDEWAYS = of(push=_pushed(1, 0.5))
-WEAK = of(push=_pushed(0, 0.4))
 LATER = of(push=lambda *_: None, step=_later)
-TWICE = of(step=_later)
 NEVER = of(step=_constant)
 TWO_STEPS = of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2))
-SWAPPED = telling(lambda t, a, g, _m: (t, g, a))
-MILLISECONDS = telling(lambda t, a, g, _m: (1000 * t, a, g))
 COUNTED = telling(lambda t, a, g, _m: (np.arange(len(t)) * 0.002, a, g))
-SQUARED = telling(_squared)
-SMOOTHED = telling(_smoothed)
-TIME_ALONE = of(returned=lambda _s, t, _a, _g, _m: {"time": t})
 WITHOUT_GYRO = of(returned=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a})
 WITHOUT_TIME = of(returned=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
-NOTHING = of(returned=lambda *_: None)
-STILL = telling(lambda t, a, g, _m: (t, a * 0 + 1, g * 0 + 1))
-WITHOUT_ACCELERATION = telling(lambda t, a, g, _m: (t, a * 0, g))
-"""As the arrays are where a line that fills one of them is missing."""
 
-CASES = [
-    Case(name, check, lambda kind=kind: Made(simulate_and_collect=_function(kind())), marked)  # type: ignore[misc]
-    for check, rows in {
-        NAMED: [
-            ("sound", SOUND, None),
-            ("other keys", of(returned=lambda _s, t, a, g, _m: {"t": t, "acc": a, "gyro": g}), (0.0, ["wrong-keys"])),
-            ("a tuple", of(returned=lambda _s, t, a, g, _m: (t, a, g)), (0.0, ["wrong-return-type"])),
-            ("transposed", telling(lambda t, a, g, _m: (t, a.T, g)), (0.0, ["arrays-transposed"])),
-            ("without one", WITHOUT_GYRO, (0.0, ["wrong-keys"])),
-            ("unequal lengths", telling(lambda t, a, g, _m: (t[:-1], a, g)), (0.0, ["wrong-return-type"])),
-            ("nothing", NOTHING, (0.0, ["wrong-return-type"])),
-            ("lists", telling(lambda t, a, g, _m: (t.tolist(), a.tolist(), g.tolist())), None),
-            ("more beside them", of(returned=lambda s, *a: {**Recorder.returned(s, *a), "rate": 500.0}), None),
-            ("a list", of(returned=lambda _s, t, a, g, _m: [t, a, g]), (0.0, ["wrong-return-type"])),
-            ("without time", WITHOUT_TIME, (0.0, ["wrong-keys"])),
-            (
-                "no stamp under its name",
-                of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}),
-                (0.0, ["wrong-return-type"]),
-            ),
-            (
-                "None under a name",
-                of(returned=lambda _s, t, a, g, _m: {"time": t, "acceleration": None, "angular_velocity": g}),
-                (0.0, ["wrong-return-type"]),
-            ),
-            (
-                "nothing under all names",
-                of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": [], "angular_velocity": []}),
-                (0.0, []),
-            ),
-            ("a shorter one", telling(lambda t, a, g, _m: (t, a, g[:-2])), (0.0, ["wrong-return-type"])),
-            (
-                "magnitudes",
-                telling(lambda t, a, g, _m: (t, np.linalg.norm(a, axis=1), g)),
-                (0.0, ["wrong-return-type"]),
-            ),
-            ("two axes of both", telling(lambda t, a, g, _m: (t, a[:, :2], g[:, :2])), (0.0, ["wrong-return-type"])),
-            ("no rows", NO_STEPS, (0.0, [])),
-            (
-                "other keys, transposed",
-                of(returned=lambda _s, t, a, g, _m: {"t": t, "a": a.T, "w": g.T}),
-                (0.0, ["wrong-keys", "arrays-transposed"]),
-            ),
-            (
-                "all that can be odd",
-                of(returned=lambda _s, t, a, g, _m: {"t": t[:, None], "a": a.T, "w": g.T, "dt": 0.002}),
-                (0.0, ["wrong-keys", "wrong-return-type", "arrays-transposed"]),
-            ),
-            ("raises", of(begin=_raises), "raised"),
-        ],
-        COUNT: [
-            ("raises with another time step", of(begin=_raises_with_another_time_step), "raised"),
-            ("numbers of chance", telling(_of_chance), "skipped"),
-            ("squared, twenty too few", both(SQUARED, SHORT), (0.0, [])),
-            (
-                "the same time always, two rows more",
-                of(steps=lambda _s, m, _d: round(1.204 / m.opt.timestep)),
-                (0.0, ["ignores-duration"]),
-            ),
-            ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
-            ("rows that stand still", STILL, "skipped"),
-            ("sound", SOUND, None),
-            ("one more", ONE_MORE, None),
-            ("always as many", FIXED, (0.0, ["ignores-duration"])),
-            ("at a fixed rate", HUNDRED_HERTZ, (0.0, ["hard-coded-timestep"])),
-            ("twenty too few", SHORT, (0.0, [])),
-            ("every second", Skipping, (0.0, ["samples-skipped"])),
-            ("none", NO_STEPS, (0.0, [])),
-            ("no simulation", NEVER, "skipped"),
-            ("its own time step, which is the reset's", of(begin=_own_timestep), None),
-            ("one less", counting(lambda duration, dt: duration / dt - 1), None),
-            ("two less", counting(lambda duration, dt: duration / dt - 2), (0.0, [])),
-            ("two more", counting(lambda duration, dt: duration / dt + 2), (0.0, [])),
-            ("twice as many", counting(lambda duration, dt: 2 * duration / dt), (0.0, [])),
-            ("always five seconds", counting(lambda _duration, dt: 5 / dt), (0.0, ["ignores-duration"])),
-            ("always half a second", counting(lambda _duration, dt: 0.5 / dt), (0.0, ["ignores-duration"])),
-            ("fifty a second", FiftyHertz, (0.0, ["fixed-rate"])),
-            ("always five, which the rows are charged for", of(steps=lambda *_: 5), None),
-            ("room for more, which the rows are charged for", telling(_room), None),
-            ("two steps a row, for twice the time", TWO_STEPS, None),
-            ("twenty too few, without time", both(WITHOUT_TIME, SHORT), (0.0, [])),
-            ("twenty too few, with noise", both(telling(_noisy), SHORT), (0.0, [])),
-            ("a first row that is empty", telling(_first_row_empty), None),
-            ("exchanged", SWAPPED, None),
-            ("until the time, without a reset, which the reset is charged for", UntilTime, None),
-        ],
-        TIME: [
-            ("sound", SOUND, None),
-            ("and nothing else", TIME_ALONE, None),
-            ("a step and a half too late", stamped(lambda t, dt: t + 1.5 * dt), (0.0, ["time-axis-wrong"])),
-            (
-                "every third step, ten too late",
-                both(of(step=lambda s, m, d, n: mujoco.mj_step(m, d, 3)), stamped(lambda t, dt: t + 10 * dt)),
-                (0.0, ["time-axis-wrong"]),
-            ),
-            (
-                "two rows at a usual time step",
-                both(COUNTED, of(steps=lambda *_: 2)),
-                (0.5, ["hard-coded-timestep"]),
-            ),
-            (
-                "a usual time step, with room for more",
-                telling(lambda t, a, g, m: _room((1 + np.arange(len(t))) * 0.002, a, g, m)),
-                (0.5, ["hard-coded-timestep"]),
-            ),
-            (
-                "none in another time step",
-                of(
-                    returned=lambda s, t, a, g, m: (
-                        Recorder.returned(s, t, a, g, m) if m.opt.timestep == 0.002 else {KEYS[1]: a, KEYS[2]: g}
-                    )
-                ),
-                None,
-            ),
-            ("before each step", Before, None),
-            ("milliseconds", MILLISECONDS, (0.0, ["time-axis-wrong"])),
-            ("a step too late", telling(lambda t, a, g, _m: (t + 0.002, a, g)), (0.5, ["time-axis-wrong"])),
-            ("a usual time step", COUNTED, (0.5, ["hard-coded-timestep"])),
-            ("no numbers", telling(lambda t, a, g, _m: (t * np.nan, a, g)), (0.0, ["not-finite"])),
-            ("none, which the form is charged for", WITHOUT_TIME, None),
-            ("every second", Skipping, None),
-            ("five steps too late", telling(lambda t, a, g, _m: (t + 0.01, a, g)), (0.0, ["time-axis-wrong"])),
-            ("no rows", NO_STEPS, "skipped"),
-            ("from zero to the end", stamped(lambda t, _: np.linspace(0, t[-1], len(t))), (0.5, ["time-axis-wrong"])),
-            ("from zero on", stamped(lambda t, dt: np.arange(len(t)) * dt), None),
-            ("half a step too late", stamped(lambda t, dt: t + dt / 2), (0.5, ["time-axis-wrong"])),
-            ("numbers of rows", stamped(lambda t, _: np.arange(len(t))), (0.0, ["time-axis-wrong"])),
-            ("that begins after settling", Settling, (0.0, ["time-axis-wrong"])),
-            ("that stands still, which the push is charged for", ResetInTheLoop, None),
-            ("zeros", stamped(lambda t, _: 0 * t), (0.0, ["time-axis-wrong"])),
-            ("backward", stamped(lambda t, _: t[::-1]), (0.0, ["time-axis-wrong"])),
-            ("one late stamp", _late(0.7), (0.0, ["time-axis-wrong"])),
-            ("one stamp that is none", _late(np.nan), (0.0, ["not-finite"])),
-            (
-                "a usual time step, from one on",
-                stamped(lambda t, _: (1 + np.arange(len(t))) * 0.002),
-                (0.5, ["hard-coded-timestep"]),
-            ),
-            ("another time step than any", stamped(lambda t, _: np.arange(len(t)) * 0.001), (0.0, ["time-axis-wrong"])),
-            ("that goes on, which the reset is charged for", NO_RESET, None),
-            ("its own time step, which is the reset's", of(begin=_own_timestep), None),
-            ("its own time step, put back", _for_the_run(_own_timestep), (0.0, ["time-axis-wrong"])),
-            ("rows that are never filled", _empty(9), None),
-            ("a first row that is empty", telling(_first_row_empty), None),
-            ("a step before the loop, which the rows are charged for", StepBefore, None),
-            ("one row", of(steps=lambda *_: 1), None),
-            ("five rows", of(steps=lambda *_: 5), None),
-            ("twenty too few", SHORT, None),
-            ("beside noise", telling(_noisy), None),
-        ],
-        TRUTH: [
-            ("always the last row of a recording", telling(_last_row_of_a_recording), (0.0, [])),
-            ("squared", SQUARED, (0.0, [])),
-            ("smoothed", SMOOTHED, (0.0, [])),
-            ("zeros in one", WITHOUT_ACCELERATION, (0.0, [])),
-            ("rows that stand still", STILL, (0.0, [])),
-            ("sound", SOUND, None),
-            ("before each step", Before, (0.5, ["read-before-step"])),
-            (
-                "late with stamps after it",
-                type(
-                    "Late",
-                    (Before,),
-                    {"returned": lambda s, t, a, g, m: Recorder.returned(s, t + m.opt.timestep, a, g, m)},
-                ),
-                (0.5, ["read-before-step"]),
-            ),
-            ("exchanged", SWAPPED, (0.0, ["channels-swapped"])),
-            ("all like the last", telling(_aliased), (0.0, ["aliased-rows"])),
-            ("every second, as many as fit", Skipping, None),
-            ("every second, for twice the time", TWO_STEPS, (0.0, ["samples-skipped"])),
-            ("of the last sensor", of(row=_last), (0.0, ["sensor-not-found"])),
-            ("of the head", of(row=_head), (0.0, [])),
-            ("zeros at the end", telling(_zeros_at_the_end), (0.5, ["rows-left-zero"])),
-            ("without the first ones", telling(lambda t, a, g, _m: (t[30:], a[30:], g[30:])), (0.5, [])),
-            ("in g", telling(lambda t, a, g, _m: (t, a / 9.81, g)), (0.0, ["rows-altered"])),
-            ("both in other units", telling(lambda t, a, g, _m: (t, a / 9.81, np.degrees(g))), (0.0, ["rows-altered"])),
-            ("noise on both", telling(_noisy), (0.0, [])),
-            ("noise on one", telling(lambda t, a, g, m: (t, _noisy(t, a, g, m)[1], g)), (0.0, [])),
-            ("no numbers in one", telling(lambda t, a, g, _m: (t, a * np.nan, g)), (0.0, ["not-finite"])),
-            ("no numbers", telling(lambda t, a, g, _m: (t, a * np.nan, g * np.nan)), (0.0, ["not-finite"])),
-            ("no simulation", NEVER, (0.0, ["nothing-simulated"])),
-            ("without a push, which is another check's", NO_PUSH, None),
-            ("a recording, altered", telling(_recorded), (0.0, ["rows-altered"])),
-            ("without one sensor", WITHOUT_GYRO, (0.5, [])),
-            ("another gravity for the run", _for_the_run(_heavier), (0.0, ["modifies-model"])),
-            ("another gravity, which the reset is charged for", of(begin=_heavier), None),
-            (
-                "another time step for the run",
-                _for_the_run(_own_timestep, steps=lambda *_: 600),
-                (0.0, ["modifies-model"]),
-            ),
-            ("another pose, which the reset is charged for", of(begin=_in_pose(2, 0.05)), None),
-            ("other velocities, which the push is charged for", of(push=_with_velocities), None),
-            ("four rows", telling(lambda t, a, g, _m: (t[:4] * 0, a[:4] * 0 + 1, g[:4])), (0.0, [])),
-            ("one row", telling(lambda t, a, g, _m: (t[:1], a[:1], g[:1])), (0.0, [])),
-            ("three steps early", telling(lambda t, a, g, _m: (t[3:], a[3:], g[3:])), (0.5, [])),
-            ("a step early", telling(lambda t, a, g, _m: (t[1:], a[1:], g[1:])), (0.5, [])),
-            ("a step early, at the stamps of mj_forward", telling(lambda t, a, g, _m: (t[:-1], a[1:], g[1:])), None),
-            ("a step before the loop", StepBefore, (0.5, [])),
-            ("a first row that is empty", telling(_first_row_empty), (0.5, ["first-row-empty"])),
-            ("in another order of axes", telling(lambda t, a, g, _m: (t, a[:, [1, 0, 2]], g)), (0.0, ["rows-altered"])),
-            ("other signs", telling(lambda t, a, g, _m: (t, a, -g)), (0.0, ["rows-altered"])),
-            ("with digits cut off", telling(lambda t, a, g, _m: (t, a.round(2), g)), (0.5, ["rows-altered"])),
-            ("without gravity", telling(lambda t, a, g, _m: (t, a - [0, 0, 9.81], g)), (0.0, ["rows-altered"])),
-            (
-                "mixed",
-                telling(lambda t, a, g, _m: (t, a @ [[1, 0.3, 0], [0, 1, 0], [0, 0.2, 1]] + 0.7, g)),
-                (0.0, ["rows-altered"]),
-            ),
-            (
-                "without the other sensor",
-                of(returned=lambda _s, t, _a, g, _m: {"time": t, "angular_velocity": g}),
-                (0.5, []),
-            ),
-            ("noise on the gyroscope", telling(lambda t, a, g, m: (t, a, _noisy(t, a, g, m)[2])), (0.0, [])),
-            (
-                "noise without one sensor",
-                of(returned=lambda _s, t, a, g, m: {"time": t, "acceleration": _noisy(t, a, g, m)[1]}),
-                (0.0, []),
-            ),
-            ("noise, and one number that is none", telling(_noisy_with_a_gap), (0.0, ["not-finite"])),
-            ("five rows", telling(lambda t, a, g, _m: (t[:5], a[:5], g[:5])), (0.0, [])),
-            ("one row that is never filled", _empty(1), (0.75, ["rows-left-zero"])),
-            ("two rows that are never filled", _empty(2), (0.5, ["rows-left-zero"])),
-            ("room for more", telling(_room), (0.5, ["rows-left-zero"])),
-            ("fifty a second, which the count is charged for", FiftyHertz, None),
-            ("twenty too few, which the count is charged for", SHORT, None),
-            ("no reset, which is another check's", NO_RESET, None),
-            ("half a push, which is another check's", HALF, None),
-            ("a later push, which is another check's", LATER, None),
-            ("a force, which is another check's", of(push=_forced), None),
-            ("before each step, without time", both(WITHOUT_TIME, Before), (0.5, ["read-before-step"])),
-            ("two steps early", telling(lambda t, a, g, _m: (t[2:], a[2:], g[2:])), (0.5, [])),
-            (
-                "one sensor like its last row",
-                telling(lambda t, a, g, _m: (t, a, np.tile(g[-1], (len(g), 1)))),
-                (0.0, []),
-            ),
-        ],
-        RESET: [
-            ("none of a run of less than a second, which the count is charged for", WHOLE_SECONDS, None),
-            ("no rows at all", NO_STEPS, "skipped"),
-            ("a recording of the hidden run", telling(_recorded_as_it_was), "skipped"),
-            ("time alone", TIME_ALONE, "skipped"),
-            ("squared", SQUARED, None),
-            ("smoothed", SMOOTHED, None),
-            ("none, squared", both(SQUARED, NO_RESET), (0.0, ["no-reset"])),
-            ("of all but the pose, squared", both(SQUARED, of(begin=_keeps_pose)), (0.0, ["no-reset"])),
-            ("another pose, smoothed", both(SMOOTHED, of(begin=_in_pose(2, 0.05))), (0.0, ["no-reset"])),
-            ("numbers of chance", telling(_of_chance), "skipped"),
-            ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
-            ("rows that stand still", STILL, "skipped"),
-            ("sound", SOUND, None),
-            ("none", NO_RESET, (0.0, ["no-reset"])),
-            ("another gravity", of(begin=_heavier), (0.0, ["modifies-model"])),
-            ("another time step", of(begin=_own_timestep), (0.0, ["modifies-model"])),
-            ("another pose", of(begin=_in_pose(2, 0.05)), (0.0, ["no-reset"])),
-            ("a reset that leaves the velocities", of(begin=_keeps_velocities), (0.0, ["no-reset"])),
-            ("another gravity for the run", _for_the_run(_heavier), None),
-            ("lists that stay", Keeping, (0.0, ["keeps-old-rows"])),
-            ("without a push", NO_PUSH, None),
-            ("no simulation", NEVER, "skipped"),
-            ("noise on both", telling(_noisy), None),
-            ("without one sensor", WITHOUT_GYRO, None),
-            ("another push each time", Random, None),
-            ("another gravity and time step", of(begin=_other_gravity_and_timestep), (0.0, ["modifies-model"])),
-            ("of all but the time", of(begin=_keeps_time), (0.0, ["no-reset"])),
-            ("of all but the pose", of(begin=_keeps_pose), (0.0, ["no-reset"])),
-            ("none, without time", both(WITHOUT_TIME, NO_RESET), (0.0, ["no-reset"])),
-            ("none, with noise", both(telling(_noisy), NO_RESET), (0.0, ["no-reset"])),
-            ("none, with noise, without time", both(WITHOUT_TIME, telling(_noisy), NO_RESET), (0.0, ["no-reset"])),
-            ("none, and another push each time", both(Random, NO_RESET), (0.0, ["no-reset"])),
-            ("another pose, with noise", both(telling(_noisy), of(begin=_in_pose(2, 0.05))), (0.0, ["no-reset"])),
-            ("noise, and another push each time", both(telling(_noisy), Random), None),
-            ("noise, and half a push", both(telling(_noisy), HALF), None),
-            ("before each step", Before, None),
-            ("exchanged", SWAPPED, None),
-            ("a later push", LATER, None),
-            ("always as many", FIXED, None),
-        ],
-        PUSH: [
-            ("time alone", TIME_ALONE, "skipped"),
-            ("squared", SQUARED, None),
-            ("smoothed", SMOOTHED, None),
-            ("half of it, squared", both(SQUARED, HALF), (0.0, ["wrong-perturbation"])),
-            ("numbers of chance", telling(_of_chance), "skipped"),
-            ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
-            ("rows that stand still", STILL, "skipped"),
-            ("sound", SOUND, None),
-            ("none", NO_PUSH, (0.0, ["no-perturbation"])),
-            ("half of it", HALF, (0.0, ["wrong-perturbation"])),
-            ("sideways", SIDEWAYS, (0.0, ["wrong-perturbation"])),
-            ("somewhat weak", WEAK, (0.0, ["wrong-perturbation"])),
-            ("later", LATER, (0.0, ["wrong-perturbation"])),
-            ("once more", TWICE, (0.0, ["wrong-perturbation"])),
-            ("other velocities beside it", of(push=_with_velocities), (0.0, ["wrong-perturbation"])),
-            ("two other velocities beside it", of(push=_with_three_velocities), (0.0, ["wrong-perturbation"])),
-            ("twice more", of(step=_later_twice), (0.0, ["wrong-perturbation"])),
-            ("another pose, which the reset is charged for", of(begin=_in_pose(2, 0.05)), None),
-            (
-                "none, in a model that is changed for the run",
-                _for_the_run(_heavier, push=lambda *_: None),
-                (0.0, ["no-perturbation"]),
-            ),
-            (
-                "later, in a model that is changed for the run",
-                _for_the_run(_heavier, push=lambda *_: None, step=_later),
-                (0.0, ["wrong-perturbation"]),
-            ),
-            ("the sheet's, in a model that is changed for the run", _for_the_run(_heavier), None),
-            ("with a force", of(push=_forced), (0.0, ["wrong-perturbation"])),
-            ("in every step", ResetInTheLoop, (0.0, ["wrong-perturbation"])),
-            ("another each time", Random, (0.0, ["random-push"])),
-            ("noise on both", telling(_noisy), None),
-            ("no simulation", NEVER, "skipped"),
-            ("no reset, which is another check's", NO_RESET, None),
-            ("noise and none", type("Two", (telling(_noisy),), {"push": lambda *_: None}), "skipped"),
-            ("backward", of(push=_pushed(0, -0.5)), (0.0, ["wrong-perturbation"])),
-            ("twice as strong", of(push=_pushed(0, 1.0)), (0.0, ["wrong-perturbation"])),
-            ("upward", of(push=_pushed(2, 0.5)), (0.0, ["wrong-perturbation"])),
-            ("a turn", of(push=_pushed(3, 0.5)), (0.0, ["wrong-perturbation"])),
-            (
-                "a force alone",
-                of(push=lambda _s, d: d.qfrc_applied.__setitem__(0, 30.0)),
-                (0.0, ["wrong-perturbation"]),
-            ),
-            ("half of it, with noise", both(telling(_noisy), HALF), (0.0, ["wrong-perturbation"])),
-            ("sideways, with noise", both(telling(_noisy), SIDEWAYS), (0.0, ["wrong-perturbation"])),
-            ("somewhat weak, with noise", both(telling(_noisy), WEAK), (0.0, ["wrong-perturbation"])),
-            ("later, with noise", both(telling(_noisy), LATER), (0.0, ["wrong-perturbation"])),
-            ("another each time, with noise", both(telling(_noisy), Random), (0.0, ["random-push"])),
-            ("another pose, with noise", both(telling(_noisy), of(begin=_in_pose(2, 0.05))), None),
-            ("velocities that are left", of(begin=_keeps_velocities), None),
-            (
-                "none, of altered rows",
-                both(telling(lambda t, a, g, _m: (t, a * 1.01, g)), NO_PUSH),
-                (0.0, ["no-perturbation"]),
-            ),
-        ],
-    }.items()
-    for name, kind, marked in rows
+_NOT_REACHED = dict.fromkeys((TIME, TRUTH, RESET, PUSH), "skipped")
+"""Without rows nothing else can be asked."""
+_UNKNOWN = dict.fromkeys((COUNT, RESET, PUSH), "skipped")
+"""Where rows follow no simulation, nothing tells what was simulated."""
+_FORM, _KEYS, _PUSHED = (0.0, ["wrong-return-type"]), (0.0, ["wrong-keys"]), (0.0, ["wrong-perturbation"])
+_STAMPED, _HALF_A_STEP, _USUAL = (0.0, ["time-axis-wrong"]), (0.5, ["time-axis-wrong"]), (0.5, ["hard-coded-timestep"])
+_LENGTH, _ALTERED, _EMPTY = (0.0, ["ignores-duration"]), (0.0, ["rows-altered"]), (0.5, ["rows-left-zero"])
+_KEPT, _WORLD = (0.0, ["no-reset"]), (0.0, ["modifies-model"])
+
+KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
+    ("sound", SOUND, {}),
+    # the form
+    ("lists", telling(lambda t, a, g, _m: (t.tolist(), a.tolist(), g.tolist())), {}),
+    ("more beside them", of(returned=lambda s, *a: {**Recorder.returned(s, *a), "rate": 500.0}), {}),
+    ("other keys", of(returned=lambda _s, t, a, g, _m: {"t": t, "acc": a, "gyro": g}), {NAMED: _KEYS}),
+    ("a tuple", of(returned=lambda _s, t, a, g, _m: (t, a, g)), {NAMED: _FORM}),
+    ("a list", of(returned=lambda _s, t, a, g, _m: [t, a, g]), {NAMED: _FORM}),
+    ("transposed", telling(lambda t, a, g, _m: (t, a.T, g)), {NAMED: (0.0, ["arrays-transposed"])}),
+    ("all that can be odd", of(returned=lambda _s, t, a, g, _m: {"t": t[:, None], "a": a.T, "w": g.T, "dt": 0.002}), {NAMED: (0.0, ["wrong-keys", "wrong-return-type", "arrays-transposed"])}),
+    ("unequal lengths", telling(lambda t, a, g, _m: (t[:-1], a, g)), {NAMED: _FORM}),
+    ("a shorter one", telling(lambda t, a, g, _m: (t, a, g[:-2])), {NAMED: _FORM, TRUTH: _EMPTY}),
+    ("magnitudes", telling(lambda t, a, g, _m: (t, np.linalg.norm(a, axis=1), g)), {NAMED: _FORM, TRUTH: (0.5, [])}),
+    ("two axes of both", telling(lambda t, a, g, _m: (t, a[:, :2], g[:, :2])), {**_NOT_REACHED, NAMED: _FORM, TIME: None}),
+    ("nothing", of(returned=lambda *_: None), {**_NOT_REACHED, NAMED: _FORM, COUNT: (0.0, [])}),
+    ("no stamp under its name", of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}), {NAMED: _FORM}),
+    ("nothing under all names", of(returned=lambda *_: {key: [] for key in KEYS}), {**_NOT_REACHED, NAMED: (0.0, []), COUNT: (0.0, [])}),
+    ("no rows", NO_STEPS, {**_NOT_REACHED, NAMED: (0.0, []), COUNT: (0.0, [])}),
+    ("without the gyroscope", WITHOUT_GYRO, {NAMED: _KEYS, TRUTH: (0.5, [])}),
+    ("without the accelerometer", of(returned=lambda _s, t, _a, g, _m: {"time": t, "angular_velocity": g}), {NAMED: _KEYS, TRUTH: (0.5, [])}),
+    ("without the gyroscope, with noise", both(WITHOUT_GYRO, returned=lambda _s, t, a, g, m: {"time": t, "acceleration": _noisy(t, a, g, m)[1]}), {NAMED: _KEYS, TRUTH: (0.0, [])}),
+    ("without time", WITHOUT_TIME, {NAMED: _KEYS}),
+    ("time alone", of(returned=lambda _s, t, _a, _g, _m: {"time": t}), {**_NOT_REACHED, NAMED: _KEYS, TIME: None}),
+    ("raises", of(begin=_raises), dict.fromkeys((NAMED, COUNT, TIME, TRUTH, RESET, PUSH), "raised")),
+    ("raises with another time step", of(begin=_raises_with_another_time_step), dict.fromkeys((COUNT, TIME, RESET), "raised")),
+    # how many rows there are
+    ("one more", ONE_MORE, {}),
+    ("one less", counting(lambda duration, dt: duration / dt - 1), {}),
+    ("two less", counting(lambda duration, dt: duration / dt - 2), {COUNT: (0.0, [])}),
+    ("two more", counting(lambda duration, dt: duration / dt + 2), {COUNT: (0.0, [])}),
+    ("twenty too few", SHORT, {COUNT: (0.0, [])}),
+    ("always as many", FIXED, {COUNT: _LENGTH}),
+    ("always five seconds", counting(lambda _duration, dt: 5 / dt), {COUNT: _LENGTH}),
+    ("always half a second", counting(lambda _duration, dt: 0.5 / dt), {COUNT: _LENGTH}),
+    ("the same time always, two rows more", of(steps=lambda _s, m, _d: round(1.204 / m.opt.timestep)), {COUNT: _LENGTH}),
+    ("whole seconds", WHOLE_SECONDS, {COUNT: _LENGTH}),
+    ("at a fixed rate", HUNDRED_HERTZ, {COUNT: (0.0, ["hard-coded-timestep"])}),
+    ("fifty a second", FiftyHertz, {COUNT: (0.0, ["fixed-rate"])}),
+    ("every second", Skipping, {COUNT: (0.0, ["samples-skipped"])}),
+    ("two steps a row, for twice the time", TWO_STEPS, {TRUTH: (0.0, ["samples-skipped"])}),
+    # the stamps
+    ("before each step", Before, {TRUTH: (0.5, ["read-before-step"])}),
+    ("late with stamps after it", type("Late", (Before,), {"returned": lambda s, t, a, g, m: Recorder.returned(s, t + m.opt.timestep, a, g, m)}), {TRUTH: (0.5, ["read-before-step"])}),
+    ("stamps from zero on", stamped(lambda t, dt: np.arange(len(t)) * dt), {}),
+    ("stamps from zero to the end", stamped(lambda t, _: np.linspace(0, t[-1], len(t))), {TIME: _HALF_A_STEP}),
+    ("stamps half a step too late", stamped(lambda t, dt: t + dt / 2), {TIME: _HALF_A_STEP}),
+    ("stamps a step too late", stamped(lambda t, dt: t + dt), {TIME: _HALF_A_STEP}),
+    ("stamps a step and a half too late", stamped(lambda t, dt: t + 1.5 * dt), {TIME: _STAMPED}),
+    ("every third step, stamps ten too late", both(of(step=lambda s, m, d, n: mujoco.mj_step(m, d, 3)), stamped(lambda t, dt: t + 10 * dt)), {TIME: _STAMPED, TRUTH: (0.0, ["samples-skipped"])}),
+    ("milliseconds", stamped(lambda t, _: 1000 * t), {TIME: _STAMPED}),
+    ("numbers of rows", stamped(lambda t, _: np.arange(len(t))), {TIME: _STAMPED}),
+    ("stamps of zero", stamped(lambda t, _: 0 * t), {TIME: _STAMPED}),
+    ("backward stamps", stamped(lambda t, _: t[::-1]), {TIME: _STAMPED}),
+    ("one late stamp", _late(0.7), {TIME: _STAMPED}),
+    ("one stamp that is none", _late(np.nan), {TIME: (0.0, ["not-finite"])}),
+    ("stamps that begin after settling", Settling, {TIME: _STAMPED}),
+    ("a usual time step", COUNTED, {TIME: _USUAL}),
+    ("a usual time step, from one on", stamped(lambda t, _: (1 + np.arange(len(t))) * 0.002), {TIME: _USUAL}),
+    ("a usual time step, two rows", both(COUNTED, of(steps=lambda *_: 2)), {TIME: _USUAL, TRUTH: (0.0, [])}),
+    ("a usual time step, with room for more", telling(lambda t, a, g, m: _room((1 + np.arange(len(t))) * 0.002, a, g, m)), {TIME: _USUAL, TRUTH: _EMPTY}),
+    ("another time step than any", stamped(lambda t, _: np.arange(len(t)) * 0.001), {TIME: _STAMPED}),
+    ("no stamps in another time step", of(returned=lambda s, t, a, g, m: Recorder.returned(s, t, a, g, m) if m.opt.timestep == 0.002 else {KEYS[1]: a, KEYS[2]: g}), {}),
+    # the rows
+    ("five rows", of(steps=lambda *_: 5), {TRUTH: (0.0, [])}),
+    ("one row", of(steps=lambda *_: 1), {TRUTH: (0.0, [])}),
+    ("five of the rows", telling(lambda t, a, g, _m: (t[:5], a[:5], g[:5])), {TRUTH: (0.0, [])}),
+    ("four rows of ones", telling(lambda t, a, g, _m: (t[:4] * 0, a[:4] * 0 + 1, g[:4])), {TIME: _STAMPED, TRUTH: (0.0, [])}),
+    ("exchanged", telling(lambda t, a, g, _m: (t, g, a)), {TRUTH: (0.0, ["channels-swapped"])}),
+    ("all like the last", telling(lambda t, a, g, _m: (t, a[-1] + 0 * a, g[-1] + 0 * g)), {TRUTH: (0.0, ["aliased-rows"])}),
+    ("one sensor like its last row", telling(lambda t, a, g, _m: (t, a, g[-1] + 0 * g)), {TRUTH: (0.0, [])}),
+    ("of the last sensor", of(row=_last), {TRUTH: (0.0, ["sensor-not-found"])}),
+    ("of the head", of(row=_head), {TRUTH: (0.0, [])}),
+    ("room for more", telling(_room), {TRUTH: _EMPTY}),
+    ("zeros at the end", telling(_zeros_at_the_end), {TRUTH: _EMPTY}),
+    ("nine rows that are never filled", _empty(9), {TRUTH: _EMPTY}),
+    ("two rows that are never filled", _empty(2), {TRUTH: _EMPTY}),
+    ("one row that is never filled", _empty(1), {TRUTH: (0.75, ["rows-left-zero"])}),
+    ("a first row that is empty", telling(_first_row_empty), {TRUTH: (0.5, ["first-row-empty"])}),
+    ("a step early, at the stamps of mj_forward", telling(lambda t, a, g, _m: (t[:-1], a[1:], g[1:])), {}),
+    ("a step early", telling(lambda t, a, g, _m: (t[1:], a[1:], g[1:])), {TRUTH: (0.5, [])}),
+    ("three steps early", telling(lambda t, a, g, _m: (t[3:], a[3:], g[3:])), {COUNT: (0.0, []), TRUTH: (0.5, [])}),
+    ("without the first ones", telling(lambda t, a, g, _m: (t[30:], a[30:], g[30:])), {COUNT: (0.0, []), TRUTH: (0.5, []), RESET: _KEPT}),
+    ("a step before the loop", StepBefore, {TRUTH: (0.5, [])}),
+    ("both in other units", telling(lambda t, a, g, _m: (t, a / 9.81, np.degrees(g))), {TRUTH: _ALTERED}),
+    ("other signs", telling(lambda t, a, g, _m: (t, a, -g)), {TRUTH: _ALTERED}),
+    ("mixed", telling(lambda t, a, g, _m: (t, a @ [[1, 0.3, 0], [0, 1, 0], [0, 0.2, 1]] + 0.7, g)), {TRUTH: _ALTERED}),
+    ("with digits cut off", telling(lambda t, a, g, _m: (t, a.round(2), g)), {TRUTH: (0.5, ["rows-altered"])}),
+    ("zeros in one", telling(lambda t, a, g, _m: (t, a * 0, g)), {TRUTH: (0.0, [])}),
+    ("noise on the accelerometer", telling(lambda t, a, g, m: (t, _noisy(t, a, g, m)[1], g)), {TRUTH: (0.0, [])}),
+    ("noise on the gyroscope", telling(lambda t, a, g, m: (t, a, _noisy(t, a, g, m)[2])), {TRUTH: (0.0, [])}),
+    ("noise, and one number that is none", telling(_noisy_with_a_gap), {TRUTH: (0.0, ["not-finite"])}),
+    ("no numbers in one", telling(lambda t, a, g, _m: (t, a * np.nan, g)), {TRUTH: (0.0, ["not-finite"])}),
+    ("no numbers", telling(lambda t, a, g, _m: (t, a * np.nan, g * np.nan)), {**_UNKNOWN, TRUTH: (0.0, ["not-finite"])}),
+    ("numbers of chance", telling(_of_chance), {**_UNKNOWN, TRUTH: (0.0, [])}),
+    ("rows that stand still", telling(lambda t, a, g, _m: (t, a * 0 + 1, g * 0 + 1)), {**_UNKNOWN, TRUTH: (0.0, [])}),
+    ("always the last row of a recording", telling(_last_row_of_a_recording), {**_UNKNOWN, TRUTH: (0.0, [])}),
+    ("no simulation", NEVER, {**_UNKNOWN, TRUTH: (0.0, ["nothing-simulated"])}),
+    ("a recording of the hidden run", telling(_recorded_as_it_was), {COUNT: _LENGTH, TIME: _USUAL, RESET: "skipped"}),
+    ("a recording, altered", telling(_recorded), {COUNT: _LENGTH, TIME: _USUAL, TRUTH: _ALTERED, RESET: "skipped"}),
+    ("another gravity for the run", _for_the_run(_heavier), {TRUTH: _WORLD}),
+    ("its own time step, put back", _for_the_run(_own_timestep), {COUNT: _LENGTH, TIME: _STAMPED, TRUTH: _WORLD}),
+    ("its own time step, put back, always as many", _for_the_run(_own_timestep, steps=lambda *_: 600), {COUNT: _LENGTH, TIME: _STAMPED, TRUTH: _WORLD}),
+    # the reset
+    ("no reset", NO_RESET, {RESET: _KEPT}),
+    ("until the time, without a reset", UntilTime, {RESET: _KEPT}),
+    ("a rollout without a reset", both(Rollout, NO_RESET), {RESET: _KEPT}),
+    ("a reset of all but the time", of(begin=_keeps_time), {RESET: _KEPT}),
+    ("a reset of all but the pose", of(begin=_keeps_pose), {RESET: _KEPT}),
+    ("a reset of all but the velocities", of(begin=_keeps_velocities), {RESET: _KEPT}),
+    ("another pose", POSE, {RESET: _KEPT}),
+    ("another gravity", of(begin=_heavier), {RESET: _WORLD}),
+    ("another time step", of(begin=_own_timestep), {RESET: _WORLD}),
+    ("another gravity and time step", of(begin=_other_gravity_and_timestep), {RESET: _WORLD}),
+    ("lists that stay", Keeping, {RESET: (0.0, ["keeps-old-rows"])}),
+    # the push
+    ("a rollout", Rollout, {}),
+    ("a rollout without a push", both(Rollout, NO_PUSH), {PUSH: (0.0, ["no-perturbation"])}),
+    ("a rollout with half of it", both(Rollout, HALF), {PUSH: _PUSHED}),
+    ("no push", NO_PUSH, {PUSH: (0.0, ["no-perturbation"])}),
+    ("no push, of altered rows", both(telling(lambda t, a, g, _m: (t, a * 1.01, g)), NO_PUSH), {TRUTH: (0.0, []), PUSH: (0.0, ["no-perturbation"])}),
+    ("no push, with noise", both(telling(_noisy), NO_PUSH), {**_UNKNOWN, TRUTH: (0.0, [])}),
+    ("no push, in a model that is changed for the run", _for_the_run(_heavier, push=lambda *_: None), {TRUTH: _WORLD, PUSH: (0.0, ["no-perturbation"])}),
+    ("a later push, in a model that is changed for the run", _for_the_run(_heavier, push=lambda *_: None, step=_later), {TRUTH: _WORLD, PUSH: _PUSHED}),
+    *((f"a push of {by} on {which}", of(push=_pushed(which, by)), {PUSH: _PUSHED}) for which, by in [(0, 0.25), (0, 0.4), (0, 1.0), (0, -0.5), (1, 0.5), (2, 0.5), (3, 0.5)]),
+    ("a later push", LATER, {PUSH: _PUSHED}),
+    ("one more push", of(step=_later), {PUSH: _PUSHED}),
+    ("two more pushes", of(step=_later_twice), {PUSH: _PUSHED}),
+    ("three other velocities beside it", of(push=_with_velocities), {PUSH: _PUSHED}),
+    ("two other velocities beside it", of(push=_with_three_velocities), {PUSH: _PUSHED}),
+    ("with a force", of(push=_forced), {PUSH: _PUSHED}),
+    ("a force alone", of(push=lambda _s, d: d.qfrc_applied.__setitem__(0, 30.0)), {PUSH: _PUSHED}),
+    ("in every step", ResetInTheLoop, {PUSH: _PUSHED}),
+    ("another push each time", Random, {PUSH: (0.0, ["random-push"])}),
+]  # fmt: skip
+TREATMENTS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
+    ("with noise", telling(_noisy), {TRUTH: (0.0, [])}),
+    ("squared", telling(_squared), {TRUTH: (0.0, [])}),
+    ("smoothed", telling(_smoothed), {TRUTH: (0.0, [])}),
+    ("without time", WITHOUT_TIME, {NAMED: _KEYS}),
 ]
-CASES.append(Case("in another order", NAMED, lambda: Made(simulate_and_collect=_turned), (0.0, ["other-parameters"])))
+"""What is done to the rows at the end, with what it costs alone."""
+FAULTS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
+    ("twenty too few", SHORT, {COUNT: (0.0, [])}),
+    ("no reset", NO_RESET, {RESET: _KEPT}),
+    ("a reset of all but the pose", of(begin=_keeps_pose), {RESET: _KEPT}),
+    ("another pose", POSE, {RESET: _KEPT}),
+    ("half a push", HALF, {PUSH: _PUSHED}),
+    ("a weak push", of(push=_pushed(0, 0.4)), {PUSH: _PUSHED}),
+    ("a push sideways", of(push=_pushed(1, 0.5)), {PUSH: _PUSHED}),
+    ("a later push", LATER, {PUSH: _PUSHED}),
+    ("another push each time", Random, {PUSH: (0.0, ["random-push"])}),
+]
 
 
 def _turned(data: Any, model: Any, duration_seconds: float = 5.0, accel_id: Any = None, gyro_id: Any = None) -> Any:
@@ -770,56 +572,30 @@ def _function(recorder: Recorder) -> Callable[..., Any]:
     return simulate_and_collect
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
-def test_a_made_up_recorder_is_marked_fairly(case: Case) -> None:
-    is_as_marked(case)
-
-
-CHARGED = [
-    (SOUND, []),
-    (ONE_MORE, []),
-    (FIXED, [COUNT]),
-    (HUNDRED_HERTZ, [COUNT]),
-    (SHORT, [COUNT]),
-    (Skipping, [COUNT]),
-    (FiftyHertz, [COUNT]),
-    (NO_RESET, [RESET]),
-    (UntilTime, [RESET]),
-    (Rollout, []),
-    (both(Rollout, NO_RESET), [RESET]),
-    (both(Rollout, NO_PUSH), [PUSH]),
-    (both(Rollout, HALF), [PUSH]),
-    (of(begin=_heavier), [RESET]),
-    (of(begin=_in_pose(2, 0.05)), [RESET]),
-    (NO_PUSH, [PUSH]),
-    (SIDEWAYS, [PUSH]),
-    (WEAK, [PUSH]),
-    (LATER, [PUSH]),
-    (Random, [PUSH]),
-    (TWO_STEPS, [TRUTH]),
-    (SWAPPED, [TRUTH]),
-    (Before, [TRUTH]),
-    (StepBefore, [TRUTH]),
-    (telling(_aliased), [TRUTH]),
-    (telling(_noisy), [TRUTH]),
-    (telling(_first_row_empty), [TRUTH]),
-    (_empty(9), [TRUTH]),
-    (_empty(1), [TRUTH]),
-    (Settling, [TIME]),
-    (_for_the_run(_heavier), [TRUTH]),
-    (of(row=_head), [TRUTH]),
-    (MILLISECONDS, [TIME]),
-    (COUNTED, [TIME]),
+OUT_OF_SIGHT = {("squared", "another pose"), ("squared", "another push each time"), ("smoothed", "half a push")}
+"""Rows that are altered so much that nothing tells what was simulated."""
+CHECKS = (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
+ROWS = [
+    *(Row(name, lambda kind=kind: Made(simulate_and_collect=_function(kind())), marks) for name, kind, marks in KINDS),  # type: ignore[misc]
+    Row("in another order", lambda: Made(simulate_and_collect=_turned), {NAMED: (0.0, ["other-parameters"])}),
 ]
+CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(("kind", "charged"), CHARGED)
-def test_one_fault_is_charged_by_one_check(kind: Callable[[], Recorder], charged: list[Any]) -> None:
-    student = Made(simulate_and_collect=_function(kind()))
-    cases = [Case("", check, lambda: student) for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)]
-    assert [case.check for case in cases if finding(case) is not None] == charged
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_a_made_up_recorder_is_marked_fairly(row: Row) -> None:
+    is_as_marked(*row.cases(CHECKS))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault[0])
+@pytest.mark.parametrize("treatment", TREATMENTS, ids=lambda treatment: treatment[0])
+def test_a_fault_costs_the_same_whatever_is_done_to_the_rows(treatment: Any, fault: Any) -> None:
+    recorder = both(treatment[1], fault[1])
+    marks = treatment[2] | (_UNKNOWN if (treatment[0], fault[0]) in OUT_OF_SIGHT else fault[2])
+    row = Row("both", lambda: Made(simulate_and_collect=_function(recorder())), marks)
+    assert {case.check: marked(finding(case)) for case in row.cases(CHECKS)} == dict.fromkeys(CHECKS) | marks
 
 
 def _squaring(model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
