@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine.findings import Charged
 from grader.labs.imu.noise_model import checks, measure
-from tests.judging.made import Case, Made, finding, is_as_marked, marked, truth, words
+from tests.judging.made import Case, Made, Marked, Row, finding, is_as_marked, truth, words
 from tests.test_nonsense import kept
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
@@ -249,11 +248,6 @@ def _larger(kind: type, by: float = 2.0) -> type:
     return both(kind, noise=lambda s, i: kind.noise(s, i) * by)  # type: ignore[attr-defined]
 
 
-def _of_gyro(kind: type) -> type:
-    """The noise of another kind on the gyroscope alone."""
-    return of(noise=lambda s, i: kind.noise(s, i) if i else Sound.noise(s, i))  # type: ignore[attr-defined]
-
-
 def _beside_its_own(*sensors: int) -> type:
     """The bias that is given, added to one that is drawn."""
     drawn = lambda s, z, g: s.rng.normal(0, z, 3) + (0 if g is None else np.array(g))  # noqa: E731
@@ -338,212 +332,131 @@ def _raises(self: Any) -> Any:
     raise RuntimeError("broken")
 
 
+CHECKS = (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)
 SILENT = of(noise=lambda _s, _i: np.zeros(3))
-UNIFORM = of(noise=lambda s, i: s.rng.uniform(-1, 1, 3) * s.stds[i] * 3**0.5)
-POSITIVE = of(noise=lambda s, i: np.abs(Sound.noise(s, i)))
+UNIFORM: Any = of(noise=lambda s, i: s.rng.uniform(-1, 1, 3) * s.stds[i] * 3**0.5)
+POSITIVE: Any = of(noise=lambda s, i: np.abs(Sound.noise(s, i)))
 CUT = of(noise=lambda s, i: np.clip(Sound.noise(s, i), -2 * s.stds[i], 2 * s.stds[i]))
-ROUNDED = of(one=lambda s, i: Sound.one(s, i).round(3))
-IN_FIVES = of(one=lambda s, i: (Sound.one(s, i) / (0.005, 0.0005)[i]).round() * (0.005, 0.0005)[i])
-JUMPING_OFTEN = both(Jumping, share=0.1)
-LOST_READS = of(one=lambda s, i: Sound.one(s, i) * (s.rng.random() > 0.02))
-LAPLACE = of(noise=lambda s, i: s.rng.laplace(0, s.stds[i], 3))
-SAME_ON_AXES = of(noise=_one_for_all_axes)
-NUMBER = of(read=lambda s: float(Sound.read(s)[0][0]))
-NAN = of(noise=lambda s, i: Sound.noise(s, i) * np.nan)
 NOTHING_GIVEN = of(bias=_nothing_given)
 SHIFTED = of(noise=lambda s, i: Sound.noise(s, i) + 0.8 * s.stds[i])
-ONE_SENSOR_BEYOND = of(noise=lambda s, i: Sound.noise(s, i) if i else np.zeros(3))
 
-CASES = [
-    Case(name, check, lambda kind=kind: Made(NoisyIMU=kind), marked)  # type: ignore[misc]
-    for check, rows in {
-        SIZE: [
-            ("sound", Sound, None),
-            ("other parameters", Renamed, (0.5, ["other-parameters"])),
-            ("a fifth too much of one", _scaled(1.2, 0), (0.0, [])),
-            ("a fifth too much", _scaled(1.2), (0.0, [])),
-            ("three hundredths", _scaled(1.03), None),
-            ("the std in place of a draw", of(noise=lambda s, i: np.full(3, s.stds[i])), (0.0, ["no-noise"])),
-            ("none", SILENT, (0.0, ["no-noise"])),
-            ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), (0.0, [])),
-            ("on no reading of a sensor, of no seed", unseeded(of(clean=lambda *_: np.zeros(3))), (0.0, [])),
-            ("on a reading of long ago", Stale, None),
-            ("an offset of each instance in place of a draw", OwnOffset, (0.0, ["no-noise"])),
-            ("a constant in place of a draw", of(noise=lambda *_: np.array([0.1, -0.2, 0.3])), (0.0, ["no-noise"])),
-            ("jumps beside it, which are the law's", Jumping, None),
-            ("no numbers", NAN, (0.0, ["not-finite"])),
-            ("a number", NUMBER, (0.0, ["wrong-return-type"])),
-            ("raises", of(read=_raises), "raised"),
-            ("too much on one axis", _on_one_axis(1.12), (0.0, [])),
-            ("the scale of a Laplace law", LAPLACE, None),
-            (
-                "a Laplace law of a fixed size",
-                of(noise=lambda s, i: s.rng.laplace(0, (0.1, 0.01)[i], 3)),
-                (0.0, ["std-ignored"]),
-            ),
-            ("uniform, twice", _larger(UNIFORM), None),
-            ("cut off, twice", _larger(CUT), (0.0, [])),
-            ("one that remembers, of no seed", unseeded(Remembering), None),
-            ("beside a drift, twice", _larger(Drifting), (0.0, [])),
-            ("one of the gyroscope that adds up", GyroWalking, None),
-            ("of no seed", unseeded(), None),
-            ("of one seed", OneSeed, None),
-            ("that is never zero", Refusing, None),
-            ("in units of its size", Dividing, None),
-            ("six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), (0.5, ["wrong-return-type"])),
-            (
-                "vectors under names",
-                of(read=lambda s: dict(zip(("accel", "gyro"), Sound.read(s), strict=True))),
-                (0.5, ["wrong-return-type"]),
-            ),
-            (
-                "no numbers of the gyroscope",
-                of(noise=lambda s, i: Sound.noise(s, i) * (1, np.nan)[i]),
-                (0.0, ["not-finite"]),
-            ),
-            ("raises without a bias, which is another check's", of(bias=_raises_without), None),
-            ("raises with a bias, which is another check's", of(bias=_of_numbers), None),
-            ("the other sensor first, a fifth too much", both(_scaled(1.2, 1), read=_swapped), (0.0, [])),
-            ("the other sensor first, which is the bias's", of(read=_swapped), None),
-            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), None),
-        ],
-        GIVEN: [
-            ("sound", Sound, None),
-            ("beside its own of the gyroscope", _beside_its_own(1), (0.0, [])),
-            ("ten times, beside noise that adds up", both(Walking, bias=_times(10.0)), (0.0, [])),
-            ("a fiftieth of it", of(bias=_times(0.02)), (0.0, [])),
-            ("not of the gyroscope", of(bias=_of_accel_alone), (0.5, [])),
-            ("its first component on all axes", of(bias=_first_component), (0.0, ["bias-shared"])),
-            ("beside noise that is never zero", Refusing, None),
-            ("raises without one, which is another check's", of(bias=_raises_without), None),
-            ("not used beside absolute values", both(POSITIVE, NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
-            ("not used beside noise that adds up", both(Walking, NOTHING_GIVEN), (0.0, [])),
-            ("not used, beside a drift", both(Drifting, NOTHING_GIVEN), (0.0, [])),
-            ("not used, of no seed", unseeded(NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
-            ("beside a shift of the noise, of no seed", unseeded(SHIFTED), (0.0, ["noise-not-zero-mean"])),
-            ("of no seed", unseeded(), None),
-            ("beside rounding", ROUNDED, None),
-            ("twice", of(bias=_times(2.0)), (0.0, [])),
-            ("one sensor twice, without noise", both(SILENT, read=lambda s: (Sound.read(s)[1],) * 2), (0.5, [])),
-            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, [])),
-            ("of one sensor", of(bias=lambda s, i, z, g: Sound.bias(s, i, z, g) * (i or g is None)), (0.5, [])),
-        ],
-        DEFAULT: [
-            ("sound", Sound, None),
-            ("none, whatever is given", of(bias=lambda *_: np.zeros(3)), None),
-            ("none of one sensor", of(bias=_only_for(0)), (0.5, ["bias-not-random"])),
-            ("beside jumps", JUMPING_OFTEN, None),
-            ("of a fixed noise", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), None),
-            ("beside noise that is never zero", Refusing, None),
-            ("beside noise in units of its size", Dividing, None),
-            ("a drift beside noise that is never zero", both(Refusing, Drifting), (0.0, ["bias-drifts"])),
-            ("raises without one", of(bias=_raises_without), "raised"),
-            ("raises with one, which is another check's", of(bias=_of_numbers), None),
-            ("a constant beside the clean reading", of(one=lambda s, i: s.clean(i) + 0.1), (0.5, ["bias-not-random"])),
-            ("of no seed", unseeded(), None),
-            ("none, and no noise", both(SILENT, bias=lambda *_: np.zeros(3)), (0.5, ["bias-not-random"])),
-            (
-                "always the same of the gyroscope",
-                of(bias=lambda *a: (_fixed if a[1] else Sound.bias)(*a)),
-                (0.5, ["bias-not-random"]),
-            ),
-            (
-                "one number for all axes of the gyroscope",
-                of(bias=lambda *a: (_one_number if a[1] else Sound.bias)(*a)),
-                (0.5, ["bias-shared"]),
-            ),
-            ("the other sensor first", of(read=_swapped), None),
-            ("no numbers", NAN, (0.0, ["not-finite"])),
-            (
-                "its first component on all axes, whatever it is",
-                of(bias=lambda *a: np.full(3, Sound.bias(*a)[0])),
-                None,
-            ),
-            ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), "skipped"),
-        ],
-        WHITE: [
-            ("sound", Sound, None),
-            ("in fives", IN_FIVES, (0.0, ["precision-lost"])),
-            ("jumps now and then", Jumping, (0.0, ["not-gaussian"])),
-            ("lost reads now and then", LOST_READS, (0.0, ["not-gaussian"])),
-            ("none", SILENT, "skipped"),
-            ("twice too large", _scaled(2.0), None),
-            (
-                "rounded gyroscope",
-                of(one=lambda s, i: Sound.one(s, i).round(3 if i else 15)),
-                (0.0, ["precision-lost"]),
-            ),
-            ("none of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i) * (1 - i)), None),
-            ("one that remembers the read but one", OfLongMemory, (0.0, ["noise-correlated"])),
-            ("one that remembers three reads ago", both(OfLongMemory, lags=(3,)), (0.0, ["noise-correlated"])),
-            (
-                "a mean below zero",
-                of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]),
-                (0.0, ["noise-not-zero-mean"]),
-            ),
-            ("one that remembers four reads ago", both(OfLongMemory, lags=(4,)), None),
-            ("uniform gyroscope", _of_gyro(UNIFORM), (0.0, ["not-gaussian"])),
-            ("absolute values of the gyroscope", _of_gyro(POSITIVE), (0.0, ["noise-not-zero-mean"])),
-            ("a mean of its own, of no seed, which is the bias's", unseeded(SHIFTED), None),
-            ("a mean of its own, and a bias that is not used", both(SHIFTED, NOTHING_GIVEN), None),
-            ("on readings of the gyroscope that are enlarged", _enlarged(1), (0.0, [])),
-            ("the other sensor first", of(read=_swapped), None),
-            ("of no seed", unseeded(), None),
-        ],
-        APART: [
-            ("sound", Sound, None),
-            ("one of the gyroscope that adds up", GyroWalking, None),
-            (
-                "one number for all axes of the gyroscope",
-                of(noise=lambda s, i: (_one_for_all_axes if i else Sound.noise)(s, i)),
-                (0.0, ["same-noise-on-axes"]),
-            ),
-            (
-                "one number for two axes of the gyroscope",
-                of(noise=lambda s, i: Sound.noise(s, i)[[0, 1, 1 + (i == 0)]]),
-                (0.0, []),
-            ),
-            ("opposite on two axes", of(noise=_opposite), (0.0, [])),
-            (
-                "one for all axes that adds up",
-                type("Both", (Walking,), {"drawn": _one_for_all_axes}),
-                (0.0, ["same-noise-on-axes"]),
-            ),
-            ("half of it shared", of(noise=lambda s, i: Sound.noise(s, i) + _one_for_all_axes(s, i)), (0.0, [])),
-            ("one that remembers", Remembering, None),
-            ("a drift", Drifting, None),
-            ("none", SILENT, "skipped"),
-            ("none of the gyroscope", ONE_SENSOR_BEYOND, None),
-            ("one draw for the first axes of both sensors", both(OneDraw, axes=1), (0.0, [])),
-            (
-                "one number for all axes that remembers",
-                both(Remembering, drawn=_one_for_all_axes),
-                (0.0, ["same-noise-on-axes"]),
-            ),
-            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), None),
-            ("jumps on two axes at once, which are the law's", JumpingOnTwoAxes, None),
-        ],
-        ALONE: [
-            ("sound", Sound, None),
-            ("a pose", of(read=_adding_to("qpos")), (0.0, ["disturbs-simulation"])),
-            ("a velocity", of(read=_adding_to("qvel")), (0.0, ["disturbs-simulation"])),
-            ("the time", of(read=_adding_to_time), (0.0, ["disturbs-simulation"])),
-            (
-                "a pose, and into the sensors' data",
-                both(Writing, read=_adding_to("qpos")),
-                (0.0, ["disturbs-simulation"]),
-            ),
-            ("raises where a bias is given", of(bias=_of_numbers), None),
-        ],
-    }.items()
-    for name, kind, marked in rows
-]
+_CHECKED_BY_NOISE = dict.fromkeys((WHITE, APART), "skipped")
+"""Where there is no noise, its law and its axes cannot be judged."""
+_NO_NOISE = {SIZE: (0.0, ["no-noise"]), **_CHECKED_BY_NOISE}
+_NO_READING = {SIZE: (0.0, []), **dict.fromkeys((GIVEN, DEFAULT, WHITE, APART), "skipped")}
+_GIVEN, _UNUSED, _FIXED = (
+    {GIVEN: (0.0, [])},
+    {GIVEN: (0.0, ["bias-argument-ignored"])},
+    {DEFAULT: (0.5, ["bias-not-random"])},
+)
+_NOT_NORMAL, _CORRELATED, _SUMS = (
+    {WHITE: (0.0, [name])} for name in ("not-gaussian", "noise-correlated", "noise-accumulates")
+)
+_SAME_AXES, _MOVED = {APART: (0.0, ["same-noise-on-axes"])}, {ALONE: (0.0, ["disturbs-simulation"])}
+
+KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
+    ("sound", Sound, {}),
+    ("of no seed", unseeded(), {}),
+    ("that is never zero", Refusing, {}),
+    ("in units of its size", Dividing, {}),
+    ("other parameters", Renamed, {SIZE: (0.5, ["other-parameters"])}),
+    ("a number", of(read=lambda s: float(Sound.read(s)[0][0])), dict.fromkeys(CHECKS, (0.0, ["wrong-return-type"]))),
+    ("six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), {SIZE: (0.5, ["wrong-return-type"])}),
+    ("vectors under names", of(read=lambda s: dict(zip(("accel", "gyro"), Sound.read(s), strict=True))), {SIZE: (0.5, ["wrong-return-type"])}),
+    ("no numbers", of(noise=lambda s, i: Sound.noise(s, i) * np.nan), dict.fromkeys(CHECKS, (0.0, ["not-finite"]))),
+    ("no numbers of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i) * (1, np.nan)[i]), dict.fromkeys(CHECKS, (0.0, ["not-finite"]))),
+    ("raises", of(read=_raises), dict.fromkeys(CHECKS, "raised")),
+    ("raises without a bias", of(bias=_raises_without), {DEFAULT: "raised"}),
+    ("raises with a bias", of(bias=_of_numbers), {GIVEN: "raised"}),
+    # how large the noise is
+    ("three hundredths too much", _scaled(1.03), {}),
+    ("a fifth too much", _scaled(1.2), {SIZE: (0.0, [])}),
+    ("a fifth too much of the accelerometer", _scaled(1.2, 0), {SIZE: (0.0, [])}),
+    ("twice", _scaled(2.0), {SIZE: (0.0, [])}),
+    ("too much on one axis", _on_one_axis(1.12), {SIZE: (0.0, [])}),
+    ("of a fixed size", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), {SIZE: (0.0, ["std-ignored"])}),
+    ("none", SILENT, _NO_NOISE),
+    ("none of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i) * (1 - i)), {SIZE: (0.5, ["gyro-not-noisy"])}),
+    ("the std in place of a draw", of(noise=lambda s, i: np.full(3, s.stds[i])), _NO_NOISE),
+    ("a constant in place of a draw", of(noise=lambda *_: np.array([0.1, -0.2, 0.3])), _NO_NOISE),
+    ("an offset of each instance in place of a draw", OwnOffset, _NO_NOISE | _UNUSED),
+    ("a constant beside the clean reading", of(one=lambda s, i: s.clean(i) + 0.1), _NO_NOISE | _UNUSED | _FIXED),
+    ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), _NO_READING),
+    ("on no reading of a sensor, of no seed", unseeded(of(clean=lambda *_: np.zeros(3))), _NO_READING),
+    # the bias that is given, and the one that is drawn
+    ("a fiftieth of a bias", of(bias=_times(0.02)), _GIVEN),
+    ("twice the bias", of(bias=_times(2.0)), _GIVEN),
+    ("beside its own of the gyroscope", _beside_its_own(1), _GIVEN),
+    ("not of the gyroscope", of(bias=_of_accel_alone), {GIVEN: (0.5, [])}),
+    ("not of the accelerometer", of(bias=lambda s, i, z, g: Sound.bias(s, i, z, g) * (i or g is None)), {GIVEN: (0.5, [])}),
+    ("its first component on all axes", of(bias=_first_component), {GIVEN: (0.0, ["bias-shared"])}),
+    ("its first component on all axes, whatever it is", of(bias=lambda *a: np.full(3, Sound.bias(*a)[0])), {GIVEN: (0.0, ["bias-shared"])}),
+    ("a bias that is not used, of no seed", unseeded(NOTHING_GIVEN), _UNUSED),
+    ("a bias that is not used, beside a mean", both(SHIFTED, NOTHING_GIVEN), _UNUSED),
+    ("a bias that is not used, beside absolute values", both(POSITIVE, NOTHING_GIVEN), _UNUSED | {SIZE: (0.0, [])}),
+    ("a bias that is not used, and noise that adds up", both(Walking, NOTHING_GIVEN), _GIVEN | _SUMS),
+    ("a bias that is not used, beside a drift", both(Drifting, NOTHING_GIVEN), _GIVEN | {DEFAULT: (0.0, ["bias-drifts"])}),
+    ("a bias that is not used, and twice the noise", both(_scaled(2.0), NOTHING_GIVEN), _UNUSED | {SIZE: (0.0, [])}),
+    ("ten times the bias, and noise that adds up", both(Walking, bias=_times(10.0)), _GIVEN | _SUMS),
+    ("the other sensor first", of(read=_swapped), {GIVEN: (0.0, ["swapped-sensors"])}),
+    ("the other sensor first, a fifth too much", both(_scaled(1.2, 1), read=_swapped), {GIVEN: (0.0, ["swapped-sensors"]), SIZE: (0.0, [])}),
+    ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), _GIVEN),
+    ("one sensor twice, without noise", both(SILENT, read=lambda s: (Sound.read(s)[1],) * 2), _NO_NOISE | {GIVEN: (0.5, [])}),
+    ("of one seed", OneSeed, _FIXED),
+    ("no bias, whatever is given", of(bias=lambda *_: np.zeros(3)), {GIVEN: (0.0, ["no-bias"])}),
+    ("no bias and no noise", both(SILENT, bias=lambda *_: np.zeros(3)), _NO_NOISE | _FIXED | {GIVEN: (0.0, ["no-bias"])}),
+    ("no bias of one sensor", of(bias=_only_for(0)), _FIXED),
+    ("always the same bias of the gyroscope", of(bias=lambda *a: (_fixed if a[1] else Sound.bias)(*a)), _FIXED),
+    ("one number as the bias of the gyroscope", of(bias=lambda *a: (_one_number if a[1] else Sound.bias)(*a)), {DEFAULT: (0.5, ["bias-shared"])}),
+    ("a drift", Drifting, {DEFAULT: (0.0, ["bias-drifts"])}),
+    ("a drift beside noise that is never zero", both(Refusing, Drifting), {DEFAULT: (0.0, ["bias-drifts"])}),
+    ("a drift beside twice the noise", _larger(Drifting), {DEFAULT: (0.0, ["bias-drifts"]), SIZE: (0.0, [])}),
+    # its law
+    ("a Laplace law", of(noise=lambda s, i: s.rng.laplace(0, s.stds[i], 3)), _NOT_NORMAL),
+    ("a Laplace law of a fixed size", of(noise=lambda s, i: s.rng.laplace(0, (0.1, 0.01)[i], 3)), _NOT_NORMAL | {SIZE: (0.0, ["std-ignored"])}),
+    ("a uniform law of the gyroscope", of(noise=lambda s, i: UNIFORM.noise(s, i) if i else Sound.noise(s, i)), _NOT_NORMAL),
+    ("uniform, twice", _larger(UNIFORM), _NOT_NORMAL),
+    ("cut off, twice", _larger(CUT), {SIZE: (0.0, [])}),
+    ("jumps now and then", Jumping, _NOT_NORMAL),
+    ("jumps often", both(Jumping, share=0.1), _NOT_NORMAL),
+    ("jumps on two axes at once", JumpingOnTwoAxes, _NOT_NORMAL),
+    ("noise that is twenty times as large now and then", of(noise=lambda s, i: Sound.noise(s, i) * (20 if s.rng.random() < 0.01 else 1)), _NOT_NORMAL),
+    ("lost reads now and then", of(one=lambda s, i: Sound.one(s, i) * (s.rng.random() > 0.02)), _NOT_NORMAL),
+    ("rounded", of(one=lambda s, i: Sound.one(s, i).round(3)), {WHITE: (0.0, ["precision-lost"])}),
+    ("rounded gyroscope", of(one=lambda s, i: Sound.one(s, i).round(3 if i else 15)), {WHITE: (0.0, ["precision-lost"])}),
+    ("in fives", of(one=lambda s, i: (Sound.one(s, i) / (0.005, 0.0005)[i]).round() * (0.005, 0.0005)[i]), {WHITE: (0.0, ["precision-lost"])}),
+    ("a mean below zero", of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]), {WHITE: (0.0, ["noise-not-zero-mean"])}),
+    ("a mean above zero, of no seed", unseeded(SHIFTED), {GIVEN: (0.0, ["noise-not-zero-mean"])}),
+    ("absolute values of the gyroscope", of(noise=lambda s, i: POSITIVE.noise(s, i) if i else Sound.noise(s, i)), {WHITE: (0.0, ["noise-not-zero-mean"])}),
+    ("one that remembers", Remembering, _CORRELATED),
+    ("one that remembers, of no seed", unseeded(Remembering), _CORRELATED),
+    *((f"one that remembers {lag} reads ago", both(OfLongMemory, lags=(lag,)), _CORRELATED if lag < 4 else {}) for lag in (2, 3, 4)),
+    ("one of the gyroscope that adds up", GyroWalking, _SUMS),
+    ("on a reading of long ago", Stale, {WHITE: (0.0, ["stale-clean-reading"])}),
+    ("on readings of the gyroscope that are enlarged", _enlarged(1), {WHITE: (0.0, [])}),
+    # its axes and sensors
+    ("one number for all axes", of(noise=_one_for_all_axes), _SAME_AXES),
+    ("one number for all axes of the gyroscope", of(noise=lambda s, i: (_one_for_all_axes if i else Sound.noise)(s, i)), _SAME_AXES),
+    ("one number for two axes of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i)[[0, 1, 1 + (i == 0)]]), {APART: (0.0, [])}),
+    ("opposite on two axes", of(noise=_opposite), {APART: (0.0, [])}),
+    ("one draw for the first axes of both sensors", both(OneDraw, axes=1), {APART: (0.0, [])}),
+    ("half of it shared", of(noise=lambda s, i: Sound.noise(s, i) + _one_for_all_axes(s, i)), {SIZE: (0.0, []), APART: (0.0, [])}),
+    ("one for all axes that adds up", both(Walking, drawn=_one_for_all_axes), _SUMS | _SAME_AXES),
+    ("one for all axes that remembers", both(Remembering, drawn=_one_for_all_axes), _CORRELATED | _SAME_AXES),
+    # the simulation
+    ("a pose", of(read=_adding_to("qpos")), _MOVED),
+    ("a velocity", of(read=_adding_to("qvel")), _MOVED),
+    ("the time", of(read=_adding_to_time), _MOVED),
+    ("a pose, and into the sensors' data", both(Writing, read=_adding_to("qpos")), _NO_NOISE | _FIXED | _MOVED | {GIVEN: (0.0, ["no-bias"])}),
+]  # fmt: skip
+ROWS = [Row(name, lambda kind=kind: Made(NoisyIMU=kind), marks) for name, kind, marks in KINDS]  # type: ignore[misc]
+CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
-def test_a_made_up_noisy_imu_is_marked_fairly(case: Case) -> None:
-    is_as_marked(case)
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_a_made_up_noisy_imu_is_marked_fairly(row: Row) -> None:
+    is_as_marked(*row.cases(CHECKS))
 
 
 @pytest.mark.quick
@@ -556,39 +469,10 @@ def test_noise_that_is_off_is_told_by_one_number_and_by_each_axis_where_they_dif
     assert words(found)["got"].startswith(told)
 
 
-CHARGED_ONCE = [
-    (Sound, []),
-    (IN_FIVES, [WHITE]),
-    (Jumping, [WHITE]),
-    (JUMPING_OFTEN, [WHITE]),
-    (JumpingOnTwoAxes, [WHITE]),
-    (of(noise=lambda s, i: Sound.noise(s, i) * (20 if s.rng.random() < 0.01 else 1)), [WHITE]),
-    (SAME_ON_AXES, [APART]),
-]
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(("kind", "charged"), CHARGED_ONCE)
-def test_one_fault_of_the_noise_is_charged_by_one_check(kind: type, charged: list[Any]) -> None:
-    student = Made(NoisyIMU=kind)
-    found = {check: finding(Case("", check, lambda: student)) for check in (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)}
-    assert [check for check, each in found.items() if isinstance(each, Charged) and not each.charge.see] == charged
-
-
 @pytest.mark.quick
 def test_no_bias_earns_no_more_than_a_constant_one_of_the_class_itself() -> None:
     none, own = (kept(of(bias=bias)) for bias in (lambda *_: np.zeros(3), lambda *_: np.array([0.05, -0.03, 0.08])))
     assert (sum(none.values()), sum(own.values())) == (16.0, 16.0)
-
-
-@pytest.mark.quick
-def test_noise_that_is_too_large_and_a_bias_that_is_not_used_are_told_as_two() -> None:
-    student = Made(NoisyIMU=both(_scaled(2.0), NOTHING_GIVEN))
-    found = {check: finding(Case("", check, lambda: student)) for check in (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)}
-    assert {check: marked(each) for check, each in found.items() if each} == {
-        SIZE: (0.0, []),
-        GIVEN: (0.0, ["bias-argument-ignored"]),
-    }
 
 
 @pytest.mark.quick

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.sensor_access import checks
-from tests.judging.made import Case, Made, is_as_marked
+from tests.judging.made import Made, Marked, Row, is_as_marked
 
 Reader = Callable[..., Any]
 RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (
@@ -186,103 +186,75 @@ def _of_the_programs_own(_m: Any, d: Any, accel_sensor_id: int, gyro_sensor_id: 
     return np.full(3, _OWN.time), np.zeros(3)
 
 
-CASES = [
-    Case(name, check, lambda reader=reader: Made(get_imu_readings=reader), marked)  # type: ignore[misc]
-    for check, rows in {
-        RETURNS: [
-            ("sound", sound, None),
-            ("one of them short", altered(gyro=lambda x: x[:2]), None),
-            ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
-            (
-                "a dictionary",
-                lambda *s: dict(zip(("accel", "gyro"), sound(*s), strict=True)),
-                (0.0, ["wrong-return-type"]),
-            ),
-            ("six in a line", lambda *s: np.concatenate(sound(*s)), (0.0, ["wrong-return-type"])),
-            ("the accelerometer alone", lambda *s: sound(*s)[0], None),
-            ("five in one", altered(lambda x: np.append(x, [1, 2])), (0.0, ["wrong-length"])),
-            ("raises", _raises(ValueError), "raised"),
-            ("in another order", _turned, (0.0, ["other-parameters"])),
-            ("of the program's own data", _of_the_programs_own, None),
-        ],
-        MATCHES: [
-            ("sound", sound, None),
-            ("in g", altered(lambda x: x / 9.81), (0.0, ["wrong-units"])),
-            ("in degrees", altered(gyro=np.degrees), (0.0, ["wrong-units"])),
-            ("a constant", _a_constant, (0.0, [])),
-            ("one axis strange", altered(lambda x: np.array([_strange(x)[0], x[1], x[2]])), (0.0, [])),
-            ("rounded to two decimals", altered(lambda x: x.round(2), lambda x: x.round(2)), (0.5, ["precision-lost"])),
-            ("rounded to one decimal", altered(lambda x: x.round(1), lambda x: x.round(1)), (0.0, ["precision-lost"])),
-            ("smoothed over calls", _Lagging(sound), (0.0, [])),
-            ("two numbers each", altered(lambda x: x[:2], lambda x: x[:2]), (0.0, ["wrong-length"])),
-            ("the accelerometer alone", lambda *s: sound(*s)[0], (0.0, ["wrong-return-type"])),
-            ("six in a line", _in_a_line(sound), None),
-            ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
-            ("one axis of the last IMU", _where(18, altered(_x_only), sound, 16), (0.0, [])),
-            ("one axis in another model", _where(26, altered(gyro=_x_only), sound), (0.0, [])),
-            ("no numbers in one", altered(gyro=lambda x: x * np.nan), (0.0, ["not-finite"])),
-            ("strange", altered(_strange, _strange), (0.0, [])),
-            ("limited", altered(_limited), (0.0, [])),
-            ("strange, and a change of the pose", _strange_and_stepping, (0.0, [])),
-            ("reset before", _resetting, (0.0, [])),
-            ("swapped, which is a place", lambda m, d, a, g: sound(m, d, g, a), None),
-            ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), None),
-            ("one axis of another IMU", elsewhere(altered(_x_only)), (0.0, [])),
-            ("all of another IMU", elsewhere(altered(_strange, _strange)), None),
-            ("raises elsewhere", elsewhere(_raises(KeyError)), None),
-        ],
-        FOLLOWS: [
-            ("sound", sound, None),
-            ("in g, which is no place", altered(lambda x: x / 9.81), None),
-            ("swapped", lambda m, d, a, g: sound(m, d, g, a), (0.0, ["swapped-sensors"])),
-            ("ids as addresses", lambda _m, d, a, g: (_at(d, a), _at(d, g)), (0.0, ["sensor-id-as-address"])),
-            (
-                "one behind",
-                lambda m, d, a, g: (_at(d, m.sensor_adr[a] + 1), _at(d, m.sensor_adr[g] + 1)),
-                (0.0, ["off-by-one-address"]),
-            ),
-            ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), (0.0, ["hard-coded-address"])),
-            ("another pair of places", lambda _m, d, _a, _g: (_at(d, 20), _at(d, 30)), (0.0, ["hard-coded-address"])),
-            ("by names", elsewhere(_raises(KeyError)), (0.0, ["hard-coded-address"])),
-            ("beyond the end", elsewhere(_raises(IndexError)), (0.0, ["hard-coded-address"])),
-            ("of another type", elsewhere(_raises(TypeError)), (0.0, [])),
-            ("something else elsewhere", elsewhere(altered(_strange, _strange)), (0.0, [])),
-            ("swapped elsewhere", elsewhere(lambda m, d, a, g: sound(m, d, g, a)), (0.0, [])),
-            ("strange", altered(_strange, _strange), None),
-            ("strange and of the torso", _strange_at(5, 14), (0.0, ["hard-coded-address"])),
-            ("strange and by name", _strange_by_name, (0.0, ["hard-coded-address"])),
-            ("chance", _Chance(), "skipped"),
-            ("a constant", _a_constant, "skipped"),
-            (
-                "strange, by another model's names",
-                _where(26, _raises(KeyError), altered(_strange, _strange)),
-                (0.0, ["hard-coded-address"]),
-            ),
-            ("what was read before", _Late(sound), None),
-            ("the first for good", _Cached(), "skipped"),
-        ],
-        COPY: [
-            ("sound", sound, None),
-            ("a view of one", _views, (0.0, ["view-not-copy"])),
-            ("one array on every call", _filled_again(), (0.0, ["view-not-copy"])),
-            ("strange", altered(_strange, _strange), None),
-            ("no numbers in one", altered(gyro=lambda x: x * np.nan), None),
-            ("no numbers", altered(lambda x: x * np.nan, lambda x: x * np.nan), "skipped"),
-            ("a constant", _a_constant, "skipped"),
-        ],
-        ALONE: [
-            ("sound", sound, None),
-            ("a change of the pose", _stepping(), (0.0, ["disturbs-simulation"])),
-            ("a change beyond what rounds", _stepping(by=1.5e-12, part="qvel"), (0.0, ["disturbs-simulation"])),
-            ("a change within what rounds", _stepping(by=5e-13, part="qvel"), None),
-            ("reset before", _resetting, (0.0, ["disturbs-simulation"])),
-        ],
-    }.items()
-    for name, reader, marked in rows
-]
+CHECKS = (RETURNS, MATCHES, FOLLOWS, COPY, ALONE)
+_UNKNOWN = dict.fromkeys((FOLLOWS, COPY, ALONE), "skipped")
+"""Where readings follow nothing, their place cannot be judged."""
+_FORM, _STRANGE, _NOT_FINITE = (0.0, ["wrong-return-type"]), {MATCHES: (0.0, [])}, {MATCHES: (0.0, ["not-finite"])}
+_FIXED, _ELSEWHERE, _MOVED = (
+    {FOLLOWS: (0.0, ["hard-coded-address"])},
+    {FOLLOWS: (0.0, [])},
+    {ALONE: (0.0, ["disturbs-simulation"])},
+)
+_VIEW, _CUT = {COPY: (0.0, ["view-not-copy"])}, ["precision-lost"]
+READERS: list[tuple[str, Any, dict[Any, Marked]]] = [
+    ("sound", sound, {}),
+    ("nothing", lambda *_: None, dict.fromkeys(CHECKS, _FORM)),
+    ("raises", _raises(ValueError), dict.fromkeys(CHECKS, "raised")),
+    ("a dictionary", lambda *s: dict(zip(("accel", "gyro"), sound(*s), strict=True)), {RETURNS: _FORM}),
+    ("six in a line", lambda *s: np.concatenate(sound(*s)), {RETURNS: _FORM}),
+    ("six in a list", _in_a_line(sound), {RETURNS: _FORM}),
+    ("five in one", altered(lambda x: np.append(x, [1, 2])), {RETURNS: (0.0, ["wrong-length"])}),
+    ("in another order", _turned, {RETURNS: (0.0, ["other-parameters"])}),
+    ("one of them short", altered(gyro=lambda x: x[:2]), {MATCHES: (0.0, ["wrong-length"])}),
+    ("two numbers each", altered(lambda x: x[:2], lambda x: x[:2]), {MATCHES: (0.0, ["wrong-length"])}),
+    ("the accelerometer alone", lambda *s: sound(*s)[0], {MATCHES: _FORM}),
+    # what is read
+    ("in g", altered(lambda x: x / 9.81), {MATCHES: (0.0, ["wrong-units"])}),
+    ("in degrees", altered(gyro=np.degrees), {MATCHES: (0.0, ["wrong-units"])}),
+    ("rounded to two decimals", altered(lambda x: x.round(2), lambda x: x.round(2)), {MATCHES: (0.5, _CUT)}),
+    ("rounded to one decimal", altered(lambda x: x.round(1), lambda x: x.round(1)), {MATCHES: (0.0, _CUT)}),
+    ("no numbers in one", altered(gyro=lambda x: x * np.nan), _NOT_FINITE),
+    ("no numbers", altered(lambda x: x * np.nan, lambda x: x * np.nan), _NOT_FINITE | _UNKNOWN),
+    ("one axis strange", altered(lambda x: np.array([_strange(x)[0], x[1], x[2]])), _STRANGE),
+    ("strange", altered(_strange, _strange), _STRANGE),
+    ("limited", altered(_limited), _STRANGE),
+    ("smoothed over calls", _Lagging(sound), _STRANGE),
+    ("what was read before", _Late(sound), _STRANGE),
+    ("one axis of another IMU", elsewhere(altered(_x_only)), _STRANGE),
+    ("one axis of the last IMU", _where(18, altered(_x_only), sound, 16), _STRANGE),
+    ("one axis in another model", _where(26, altered(gyro=_x_only), sound), _STRANGE),
+    ("strange, and a change of the pose", _strange_and_stepping, _STRANGE | _MOVED),
+    ("reset before", _resetting, _STRANGE | _MOVED),
+    ("a constant", _a_constant, _STRANGE | _UNKNOWN),
+    ("chance", _Chance(), _STRANGE | _UNKNOWN),
+    ("of the program's own data", _of_the_programs_own, _STRANGE | _UNKNOWN),
+    ("the first for good", _Cached(), {MATCHES: (0.0, ["cached-reading"])} | _UNKNOWN),
+    # where it is read
+    ("swapped", lambda m, d, a, g: sound(m, d, g, a), {FOLLOWS: (0.0, ["swapped-sensors"])}),
+    ("swapped elsewhere", elsewhere(lambda m, d, a, g: sound(m, d, g, a)), _ELSEWHERE),
+    ("ids as addresses", lambda _m, d, a, g: (_at(d, a), _at(d, g)), {FOLLOWS: (0.0, ["sensor-id-as-address"])}),
+    ("one behind", lambda m, d, a, g: (_at(d, m.sensor_adr[a] + 1), _at(d, m.sensor_adr[g] + 1)), {FOLLOWS: (0.0, ["off-by-one-address"])}),
+    ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), _FIXED),
+    ("another pair of places", lambda _m, d, _a, _g: (_at(d, 20), _at(d, 30)), _FIXED),
+    ("by names", elsewhere(_raises(KeyError)), _FIXED),
+    ("beyond the end", elsewhere(_raises(IndexError)), _FIXED),
+    ("of another type", elsewhere(_raises(TypeError)), _ELSEWHERE),
+    ("all of another IMU", elsewhere(altered(_strange, _strange)), _ELSEWHERE),
+    ("strange and of the torso", _strange_at(5, 14), _STRANGE | _FIXED),
+    ("strange and by name", _strange_by_name, _STRANGE | _FIXED),
+    ("strange, by another model's names", _where(26, _raises(KeyError), altered(_strange, _strange)), _STRANGE | _FIXED),
+    # whose array it is, and the simulation
+    ("a view of one", _views, _VIEW),
+    ("one array on every call", _filled_again(), _VIEW),
+    ("a change of the pose", _stepping(), _MOVED),
+    ("a change beyond what rounds", _stepping(by=1.5e-12, part="qvel"), _MOVED),
+    ("a change within what rounds", _stepping(by=5e-13, part="qvel"), {}),
+]  # fmt: skip
+ROWS = [Row(name, lambda reader=reader: Made(get_imu_readings=reader), marks) for name, reader, marks in READERS]  # type: ignore[misc]
+CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
-def test_a_made_up_reader_is_marked_fairly(case: Case) -> None:
-    is_as_marked(case)
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_a_made_up_reader_is_marked_fairly(row: Row) -> None:
+    is_as_marked(*row.cases(CHECKS))
