@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.grader import Marker
 from tests.corpus.pieces import edit, verbatim
 from tests.corpus.writing import Files
+from tests.recordings import Marking
 from tests.scoreboard import Case, handed_in
 
 READER, FILTER = "imu_reader.py", "filters.py"
@@ -56,14 +56,14 @@ ELSEWHERE = {
 
 
 @pytest.mark.parametrize("name", ELSEWHERE)
-def test_what_runs_there_loses_nothing_here(name: str, marker: Marker) -> None:
+def test_what_runs_there_loses_nothing_here(name: str, player: Marking) -> None:
     files, part = ELSEWHERE[name]
-    (criterion,) = marker.mark(handed_in(Case("sound", name, files)), only=part).criteria
+    (criterion,) = player.mark(handed_in(Case("sound", name, files)), only=part).criteria
     assert {check.id: check.message for check in criterion.checks if check.points != check.max_points} == {}
 
 
-def test_what_this_release_means_by_a_name_stays(marker: Marker) -> None:
+def test_what_this_release_means_by_a_name_stays(player: Marking) -> None:
     kept = "import numpy as np\nassert np.bool is np.bool_ and 'seaborn-v0_8' in plt.style.available\n"
     files = _with(READER, PLOT, f"{kept}\n{PLOT}")
-    result = marker.mark(handed_in(Case("sound", "kept", files)), only="visualization")
+    result = player.mark(handed_in(Case("sound", "kept", files)), only="visualization")
     assert result.notes == ()

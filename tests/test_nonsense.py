@@ -23,6 +23,7 @@ from tests.corpus.cases import Case
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import as_bytes
 from tests.judging.made import Made, truth
+from tests.recordings import Marking
 
 _WITHOUT_MEMORY = (
     "np.tanh({x})", "{x} * {x}", "np.clip({x}, -1, 1)", "np.round({x}, 3)", "np.round({x}, 1)", "np.abs({x})", "np.sign({x})", "{x} + 1",
@@ -154,15 +155,15 @@ def name_of(part: Case) -> str:
     return part.name
 
 
-def earned(marker: Marker, part: Case) -> tuple[float, dict[str, float]]:
+def earned(marker: Marking, part: Case) -> tuple[float, dict[str, float]]:
     files = {path: as_bytes(content) for path, content in part.files.items()}
     (criterion,) = marker.mark(Submission("s", "s", files, (), "ready", ""), only=part.criterion).criteria
     return criterion.points, {check.id: check.points for check in criterion.checks if check.points}
 
 
 @pytest.mark.parametrize("part", SAMPLE, ids=name_of)
-def test_a_sampled_part_that_does_nothing_earns_its_form_at_most(part: Case, marker: Marker) -> None:
-    points, kept = earned(marker, part)
+def test_a_sampled_part_that_does_nothing_earns_its_form_at_most(part: Case, player: Marking) -> None:
+    points, kept = earned(player, part)
     assert points <= part.earns, kept
 
 
