@@ -110,7 +110,7 @@ def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
 
 
 def _own(robot: Robot, name: str, seed: str) -> str:
-    """The instructor's model; under a secret another robot of its kind, drawn until its simulation is steady."""
+    """Return the MJCF of the instructor's robot or, under a secret, of a random variant whose simulation is stable."""
     if name == "public":
         return robot.xml
     rng = generator(name, seed, "robot")
@@ -269,9 +269,9 @@ def _dirty_arrays(scene: Scene, n_steps: int) -> dict[str, Any]:
 
 
 def _left_behind(scene: Scene) -> mujoco.MjData:
-    """The robot some way into another motion: lifted, turned a little and dropped with a sideways velocity.
+    """Return the data of a robot in the middle of another motion: lifted, and dropped with a random velocity.
 
-    One that is not free is moved in its joints alone.
+    A robot without a free joint gets random joint velocities only.
     """
     data = mujoco.MjData(scene.lab)
     held = scene.lab.jnt_type[0] != mujoco.mjtJoint.mjJNT_FREE
@@ -355,7 +355,7 @@ _TRIES = 500
 
 
 def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """A state whose six channels are well away from zero and from each other."""
+    """Return a random state (qpos, qvel) whose six sensor channels are well away from zero and from each other."""
     best, most = state_in_the_air(scene.rng, scene.lab), -1.0
     for _ in range(_TRIES):
         state = best if most < 0 else state_in_the_air(scene.rng, scene.lab)
@@ -370,7 +370,7 @@ def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
 
 
 def _distinct(rng: np.random.Generator) -> FloatArray:
-    """Three numbers of random sign between 3 and 9, well apart in size: a bias in standard deviations."""
+    """Return a bias (3,) in standard deviations: values of 3 to 9, well apart in size, with random signs."""
     sizes = rng.permutation([3.0, 5.0, 8.0]) + rng.uniform(0.0, 1.0, 3)
     return np.asarray(sizes * rng.choice([-1.0, 1.0], 3), dtype=np.float64)
 

@@ -139,7 +139,7 @@ class _Ending:
     within: frozenset[str] | None = None
 
     def still(self, beside: Collection[str]) -> bool:
-        """Return whether to skip it with these stand-ins: they are the same, or replace no name whose code was running."""
+        """Return whether to skip the statement with these stand-ins: they are the same, or none replaces code that was running."""
         return self.beside == frozenset(beside) or (self.within is not None and self.within.isdisjoint(beside))
 
 
@@ -152,7 +152,7 @@ class Endings:
 
     @property
     def found_out(self) -> int:
-        """Number of entries; it grows with each new finding."""
+        """Number of records; it grows with each call of `learn_place` or `learn_overrun` that records something new."""
         return len(self._suspects) + len(self._known)
 
     def beside(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
@@ -160,7 +160,14 @@ class Endings:
         return [(each.path, each.number, each.why) for each in self._known if each.still(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
-        """Record the statement in whose run the process ended: it is skipped after one timeout, or after two other ends."""
+        """Record the statement during which the process ended, so that it is skipped after one timeout or two crashes.
+
+        Parameters
+        ----------
+        written : the place that the process wrote down last
+        nothing : why the process did not answer
+        standins : the names replaced by stand-ins in that run
+        """
         place = _place(written)
         if place is None or len(self._known) >= _MOST:
             return
@@ -171,7 +178,7 @@ class Endings:
         self._suspects.add(suspect)
 
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
-        """Record the statements that exceeded their time; one time is enough to skip them."""
+        """Record the statements that a reply reports as overrun, so that they are skipped from now on."""
         beside = frozenset(standins)
         new = [_Ending(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]
         self._known = list(dict.fromkeys([*self._known, *new]))[:_MOST]  # a process may report any number of them

@@ -28,7 +28,7 @@ class Person:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """Return the name and every identifier of the person that are known."""
+        """All known names and identifiers of the person: name, platform key, student number, e-mail, logins."""
         return tuple(filter(None, (self.name, self.key, self.sid, self.email, *self.ids)))
 
 

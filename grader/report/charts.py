@@ -177,7 +177,7 @@ def _bars(curve: Curve, across: Onto, up: Onto) -> str:
 
 
 def _legend(strokes: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
-    """Return one legend entry for each name; the three true curves share one."""
+    """Return one legend entry for each curve name; the three ground-truth curves share the entry "true"."""
     truth = {"true": Stroke("wanted", "true", "", "")} if any(s.role.startswith("true-") for s in strokes) else {}
     named = {s.name: Stroke(s.role, s.name, s.colour, "") for s in strokes if s.name and not s.role.startswith("true-")}
     return tuple((truth | named).values())

@@ -1,4 +1,4 @@
-"""The walls of one worker, raised in the only order that works: each step forbids the ones before it.
+"""Isolation of one worker in its process: mounts, limits, Landlock and seccomp, in the only order that works.
 
 Mounts come before Landlock, which forbids them; everything comes before seccomp, which forbids everything.
 """
@@ -21,21 +21,21 @@ FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grad
 
 @dataclass(frozen=True)
 class Walls:
-    """Parameters with which a zygote confines a worker.
+    """Parameters of a worker's isolation, which the zygote (the warm parent) passes on.
 
     Attributes
     ----------
     isolation_level
-        Which walls these are.
+        Which of the mechanisms are used.
     machine
-        For seccomp's system call numbers.
+        Architecture, for the system call numbers of seccomp.
     landlock_abi
-        0 where the kernel has none.
+        Landlock's version in the kernel; 0 if the kernel has no Landlock.
     rules
-        Landlock's rules by the folder that a worker starts in, as descriptors: made once, for there are hundreds. Where the
-        folder is there with the worker only, they are made with it.
+        Pairs of a scratch folder and the descriptor of its Landlock rule set. Rule sets are built once, as they have hundreds of
+        rules. A worker whose folder has no pair builds its own.
     proc
-        Descriptor of the host's /proc, or -1; closed in a worker before it is done.
+        Descriptor of the host's /proc, or -1. The worker closes it before student code runs.
     zygote
         The zygote's pid, as a worker without a pid namespace sees it; 0 for others.
     """
@@ -49,12 +49,12 @@ class Walls:
 
 
 def confine(walls: Walls, scratch: str) -> None:
-    """Shut this process in for ever, with `scratch` as its only writable folder and its working directory.
+    """Isolate this process irrevocably. `scratch` becomes its only writable folder and its working directory.
 
     Raises
     ------
     OSError
-        If the kernel refuses a wall; the process must then end.
+        If the kernel refuses a step; the process must then end.
     """
     os.umask(0o077)
     os.setsid()
@@ -78,7 +78,7 @@ def confine(walls: Walls, scratch: str) -> None:
 
 @lru_cache(maxsize=2)
 def filter_program(walls: Walls, pid: int) -> bytes:
-    """The seccomp filter of the worker `pid`."""
+    """Return the seccomp filter program of the worker `pid`."""
     return seccomp.program(walls.machine, pid, own_files_only=walls.isolation_level.own_namespaces)
 
 
@@ -99,7 +99,7 @@ def _end_with_zygote(zygote: int) -> None:
 
 
 def _keep_rules(walls: Walls, scratch: str) -> int:
-    """Close every descriptor but the streams, the line and this worker's rules, if they are made; -1 if not."""
+    """Close all descriptors but the streams, the socket and this worker's Landlock rules; return the rules, or -1 without any."""
     made = dict(walls.rules).get(scratch, -1)
     if made < 0:
         linux.close_from(FIRST_SPARE_FD)
@@ -116,7 +116,13 @@ def _forbid_files(walls: Walls, scratch: str, made: int) -> None:
 
 
 def prove(decoy: str) -> None:
-    """Try the walls from inside; OSError if one of them does not hold."""
+    """Test the isolation from inside: try to open a socket, start a process, read `decoy` and write outside the folder.
+
+    Raises
+    ------
+    OSError
+        If one of these succeeds.
+    """
     attempts: tuple[tuple[str, Callable[[], object]], ...] = (
         ("a socket could be opened", _open_socket),
         ("a process could be started", _start_process),

@@ -16,17 +16,17 @@ def is_main_thread() -> bool:
 
 
 class WallsRefusedError(Exception):
-    """This machine does not allow these walls; the reason in words."""
+    """The kernel refuses an isolation step of this level; the message is the reason."""
 
 
 class ZygoteGoneError(Exception):
-    """The zygote died, or was killed before its walls were up."""
+    """The zygote (the warm parent) died, or was killed before it was isolated."""
 
 
 class WallClock:
-    """The time that passes for a process: what it waits for a processor does not count, where the system tells of it (Linux).
+    """Wall clock of a process that, on Linux, leaves out the time in which the process waits for a CPU.
 
-    Without that, a busy machine could not be told from code that sleeps.
+    So a busy machine does not use up the time limit, and code that sleeps does.
     """
 
     def __init__(self, pid: int) -> None:
@@ -40,13 +40,13 @@ class WallClock:
         return time.monotonic() - self._waited_s
 
     def read(self) -> float:
-        """Seconds since it was made; never fewer than it said before, though a wait for a processor is told when it is over."""
+        """Return the seconds since the clock was created. It never runs backwards, although the kernel reports a wait late."""
         self._read_s = max(self._read_s, self._now() - self._began)
         return self._read_s
 
 
 def _small_file(path: str) -> bytes:
-    """The first bytes of a file that is asked for a hundred times a submission: `open` takes twice as long."""
+    """Return up to 256 bytes of a file. It is read a hundred times per submission, and `open` takes twice as long."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         return os.read(descriptor, 256)
@@ -55,27 +55,29 @@ def _small_file(path: str) -> bytes:
 
 
 class Process(Protocol):
-    """A process of untrusted code, held from outside.
+    """Handle of a worker process that runs untrusted code.
 
     Attributes
     ----------
     line
-        Non-blocking; its other end is the process's.
+        Non-blocking socket to the process.
     """
 
     line: socket.socket
 
     def cpu_s(self) -> float:
-        """CPU seconds that it has used since it was ready (wall seconds where a system cannot tell)."""
+        """Return the CPU seconds used since the process was ready (wall-clock seconds if the system does not report them)."""
 
     def wall_s(self) -> float:
-        """Seconds on the clock since it was ready, see `WallClock`."""
+        """Return the seconds of its `WallClock` since the process was ready."""
 
     def end(self, grace_s: float = 0.0) -> int:
-        """Kill everything that it started, once it has had a moment to end by itself; how it ended, as Popen says it.
+        """Wait `grace_s` seconds for the process to end by itself, kill it and its children, and return its exit code.
+
+        The exit code is that of `subprocess.Popen`: negative for a signal.
 
         Raises
         ------
         GraderError
-            If nobody can tell any more.
+            If the exit code cannot be found out any more.
         """

@@ -1,10 +1,10 @@
-"""Drawing a figure at the least cost: a small picture of it, and what raises still raises.
+"""Draw a figure as a small picture, as fast as possible; what raises in a full drawing raises here, too.
 
-The picture is the witness of what the figure shows, so whatever may be a curve or lie over one is drawn by matplotlib itself.
-What stands beside the curves is examined in place of being drawn: ordinary ticks are placed, their texts made, mathematics is
-parsed. Where a submission reads its pictures back, each is drawn as it asks.
+The picture is the evidence of what the figure shows, so matplotlib itself draws each artist that may be a curve or cover one.
+Artists beside the curves are examined, not drawn: ticks are placed, their labels formatted, mathematical text parsed. If a
+submission reads its saved pictures back, they are drawn in full.
 
-A layout that leaves room for texts moves panels and hides nothing, so it is left out.
+`tight_layout` moves panels and hides nothing, so it is skipped.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _READS_BACK = re.compile(
 
 @dataclass(frozen=True)
 class Seen:
-    """A figure as it was drawn, small: pixels (h, w, 3), the exact width and height that they stand for, and dots an inch."""
+    """Small picture of a figure: pixels (h, w, 3), the exact width and height that they represent, and dots per inch."""
 
     pixels: np.ndarray
     extent: tuple[float, float]
@@ -57,7 +57,7 @@ def reads_pictures_back(sources: Iterable[bytes]) -> bool:
 
 
 def look(figure: Any) -> Seen:
-    """Draw a figure anew, small; raises what drawing it would raise."""
+    """Draw a figure as a small picture; raise what drawing it in full would raise."""
     from matplotlib.backends.backend_agg import RendererAgg
 
     before, dots, canvas = figure.dpi, _few_dots(figure), figure.canvas
@@ -79,7 +79,7 @@ def _few_dots(figure: Any) -> float:
 
 
 def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
-    """The renderer's pixels on white paper."""
+    """Return the renderer's pixels over a white background."""
     drawn = np.asarray(renderer.buffer_rgba())
     pixels = drawn[:, :, :3]
     if drawn[:, :, 3].min() < 255:
@@ -91,7 +91,7 @@ def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
 
 
 def _draw_small(figure: Any, renderer: Any) -> None:
-    """A figure, between the pixels where it lies there: drawn from pixel to pixel, a small cross has no size at all."""
+    """Draw a figure without snapping to pixels, which would make a small marker vanish."""
     from matplotlib import rcParams
 
     before = rcParams["path.snap"]
@@ -103,7 +103,7 @@ def _draw_small(figure: Any, renderer: Any) -> None:
 
 
 def _draw_figure(figure: Any, renderer: Any) -> None:
-    """A figure, or a part of one, with all that lies in it."""
+    """Draw a figure or subfigure with all its artists."""
     from matplotlib.axes import Axes
     from matplotlib.figure import SubFigure
 
@@ -121,7 +121,7 @@ def _draw_figure(figure: Any, renderer: Any) -> None:
 
 
 def _draw_panel(axes: Any, renderer: Any) -> None:
-    """A panel as `Axes.draw` does it, but for the headings and the ordinary ticks, axes and legends."""
+    """Draw a panel as `Axes.draw` does, except for ordinary titles, axes, ticks and legends."""
     from matplotlib.axes import Axes
 
     if not axes.get_visible():
@@ -147,7 +147,7 @@ def _height(artist: Any) -> float:
 
 
 def _ordinary(axes: Any) -> Iterator[Any]:
-    """Examine the artists beside the curves, too small to hide them: what would raise when drawn, raises here."""
+    """Yield the artists too small to hide a curve, which need not be drawn; raise what drawing one would raise."""
     for title in (axes.title, axes._left_title, axes._right_title):
         if _is_small(title, _HEADING):
             _examine(title)
@@ -164,7 +164,7 @@ def _ordinary(axes: Any) -> Iterator[Any]:
 
 
 def _is_ordinary_axis(axis: Any) -> bool:
-    """Return whether ticks and grid are few and thin; reading the tick labels raises what a formatter raises."""
+    """Return whether ticks and grid are few and thin; raise what the formatter of the tick labels raises."""
     ticks = [
         *axis.majorTicks,
         *axis.minorTicks,
@@ -187,7 +187,7 @@ def _is_ordinary_axis(axis: Any) -> bool:
 
 
 def _tick_labels(axis: Any) -> tuple[int, list[str]]:
-    """The number of an axis's ticks and what it says at them, by its locators and formatters; no tick is made for it."""
+    """Return the number of an axis's ticks and their labels, from its locators and formatters; no Tick object is created."""
     places, between = axis.get_majorticklocs(), axis.get_minorticklocs()
     said = [*axis.get_major_formatter().format_ticks(places), axis.get_major_formatter().get_offset()]
     said += axis.get_minor_formatter().format_ticks(between)
@@ -204,7 +204,7 @@ def _is_ordinary_legend(legend: Any) -> bool:
 
 
 def _is_small(text: Any, size: float) -> bool:
-    """Return whether a text is no larger than that, short and without a frame."""
+    """Return whether a text has at most this font size, is short and has no frame."""
     bare = text.get_bbox_patch() is None and not text.get_path_effects()
     return bool(bare and text.get_fontsize() <= size and len(text.get_text()) <= _FEW_LETTERS)
 
@@ -219,7 +219,7 @@ def _examine(text: Any) -> None:
 
 
 def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> Seen:
-    """Save a figure as its small picture, and tell what stands in it; raises what saving it would have raised."""
+    """Save a figure as its small picture and return that; raise what saving it in full would raise."""
     figure = canvas.figure
     drawn: list[Any] = []
     _dots(asked, figure.dpi)
@@ -241,7 +241,7 @@ def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, optio
 
 
 def _cut_out(seen: Seen, part: Any) -> Seen:
-    """Return the visible area where a part of the figure is saved, a rectangle in inches, with white around it."""
+    """Return the picture with white outside of `part`, the rectangle in inches that is saved (`bbox_inches`)."""
     from matplotlib.transforms import BboxBase
 
     if isinstance(part, BboxBase):
@@ -254,7 +254,7 @@ def _cut_out(seen: Seen, part: Any) -> Seen:
 
 
 def _has_all(figure: Any, renderer: Any, dots: float) -> bool:
-    """Return whether a renderer holds pixels of the whole figure."""
+    """Return whether a renderer has a pixel buffer of the whole figure; PDF and SVG have none."""
     try:
         shape = np.asarray(renderer.buffer_rgba()).shape[:2]
     except (AttributeError, ValueError):  # of a PDF, an SVG
@@ -270,11 +270,11 @@ def _tell_who_waits(figure: Any, renderer: Any) -> None:
 
 
 def _draw_nothing(*args: Any, **kwargs: Any) -> None:
-    """Stands in for drawing a figure that has been looked at."""
+    """Replace `canvas.draw_idle` during a small drawing: a redraw at full size would be wasted."""
 
 
 def _whole(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
-    """The whole figure as the part that is saved, where a margin around what is drawn would have to be measured."""
+    """Return a `bbox_inches` of the whole figure in place of "tight", whose margin would have to be measured."""
     from matplotlib import rcParams
     from matplotlib.transforms import Bbox
 
@@ -288,18 +288,18 @@ def _whole(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any = None, rect: Any = None) -> None:
-    """Stands in for `Figure.tight_layout`."""
+    """Replace `Figure.tight_layout` by a function that checks its arguments and does nothing."""
 
 
 def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """`save` for a submission that reads its pictures back: drawn in full, as long as that is a picture of a usual size."""
+    """Save a figure in full, for a submission that reads its pictures back; very large pictures get a lower resolution."""
     figure = canvas.figure
     dots = min(_dots(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
     really(canvas, target, dots, **options)
 
 
 def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """`save` for bare pixels, a frame of a film mostly: as many bytes as they are, and nothing drawn."""
+    """Save raw pixels, as a frame of a film, as the right number of zero bytes; nothing is drawn."""
     del really, options
     content = blank(canvas.figure, asked)
     target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)
@@ -313,7 +313,7 @@ def blank(figure: Any, asked: Any) -> bytes:
 
 
 def _dots(asked: Any, own: float) -> float:
-    """Return the dots per inch of `savefig`'s `dpi`; ValueError where it has no meaning."""
+    """Return the dots per inch that the `dpi` of `savefig` means; raise ValueError if it is not positive and finite."""
     dots = own if asked is None or asked == "figure" else float(asked)
     if not np.isfinite(dots) or dots <= 0:
         raise ValueError("dpi must be positive")

@@ -1,7 +1,7 @@
-"""Loading a submission: writing its files into the scratch folder and importing them, each with what it got wrong.
+"""Load a submission: write its files into the scratch folder, import them, and report what failed in each.
 
-What a file or a notebook defines counts, whatever its other lines do: statements that fail are stepped over, see `stepping`.
-Where the grader sends sound stand-ins for broken parts, they take the place of the student's own definitions, see `standins`.
+All definitions of a file or notebook count: module-level statements that fail are skipped, see `stepping`. If the grader sends
+working stand-ins for broken parts, they replace the student's own definitions, see `standins`.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folde
 
 
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Take the submission's files, the robot and the stand-ins; nothing of the student's runs yet.
+    """Write the submission's files and prepare the environment and the stand-ins; no student code runs yet.
 
-    Answers with the paths of the files that a notebook writes with ``%%writefile``.
+    Return the paths of the files that a notebook writes with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
     STATE.stepper = stepping.Stepper(skipped, tuple(fields["place"]), list(fields["homes"]))
@@ -69,7 +69,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Import one file (or run one notebook) and tell which of the wanted names it defines and what was stepped over."""
+    """Import one file, or run one notebook, and return the required names that it defines and the skipped statements."""
     del arrays
     path: str = fields["path"]
     with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
@@ -82,7 +82,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Run one file as `python FILE` does, and tell which figures it saved."""
+    """Run one file as `python FILE` does, and return the figures that it saved and its first error."""
     del arrays
     path: str = fields["path"]
     with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
@@ -103,7 +103,7 @@ def _main_module(path: str) -> types.ModuleType:
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """List the wanted names that each file or notebook defines at its top level, from its text; nothing is run."""
+    """Return the required names that each file or notebook defines at module level. The text is parsed, not run."""
     del fields, arrays
     found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in STATE.code())
     return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}
@@ -119,7 +119,7 @@ def _write(path: str, content: bytes) -> None:
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
-    """Imports a student's file; what it defines beside an error counts for the file that imports it."""
+    """Loader of a student's file that keeps the definitions of a file with errors for the files that import it."""
 
     def exec_module(self, module: types.ModuleType) -> None:
         path = Path(self.path).relative_to(STATE.folder).as_posix()
@@ -134,7 +134,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 def _absent_names(home: str) -> Any:
-    """A module's ``__getattr__``: what a broken file did not define can be imported from it, and fails where it is used."""
+    """Return the ``__getattr__`` of a broken module: missing names can be imported from it and raise NameError when used."""
 
     def __getattr__(name: str) -> Any:  # noqa: N807 - PEP 562
         if name.startswith("__"):
@@ -145,7 +145,7 @@ def _absent_names(home: str) -> Any:
 
 
 class _MissingPartner(importlib.machinery.SourceFileLoader):
-    """Stands for a required file that was not handed in, once its own checks are over."""
+    """Loader of an empty module with the stand-ins, in place of a required file that was not submitted."""
 
     def get_code(self, fullname: str) -> types.CodeType:
         return compile("", self.path, "exec")
@@ -157,7 +157,7 @@ class _MissingPartner(importlib.machinery.SourceFileLoader):
 
 
 class _UnderAnotherName(_MissingPartner):
-    """Stands for a required file whose names another file of the submission defines."""
+    """Loader that supplies a missing required file from another file of the submission that defines its names."""
 
     def exec_module(self, module: types.ModuleType) -> None:
         found = _run_notebook(self.path) if self.path.endswith(".ipynb") else _import_file(self.path)
@@ -165,7 +165,7 @@ class _UnderAnotherName(_MissingPartner):
 
 
 class _PartnerFinder:
-    """Finds the required files that were not handed in under their names."""
+    """Import finder for required files that were not submitted under their names."""
 
     @staticmethod
     def find_spec(name: str, path: Any = None, target: Any = None) -> Any:
@@ -222,7 +222,7 @@ def _import_file(path: str) -> types.ModuleType | None:
 
 
 def _run_file(path: str, names: dict[str, Any]) -> bool:
-    """Run a file's statements among these names; whether it could be read, and each of them ended well."""
+    """Run a file's statements in the namespace `names`; return whether it parses and no statement failed."""
     standins.fill(path, names)  # what a file misspells, its own lines may call by the right name
     units = compiling.units_in(Path(STATE.folder, path).read_bytes(), path)
     if units is None:
@@ -236,13 +236,13 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
 
 
 def _run_what_parses(path: str, names: dict[str, Any]) -> None:
-    """Run the statements that parse in a file that does not, beside stand-ins: what they draw counts."""
+    """Run those statements of a file with a syntax error that parse, so that its figures are drawn with stand-ins."""
     units = compiling.units_that_parse(Path(STATE.folder, path).read_bytes(), path)
     _run_units(units, path, names, _missing_imports(path, units, names))
 
 
 def _library_or_partner(name: str) -> Any:
-    """Return a library of the sheet, or what a partner file defines; None where there is neither."""
+    """Return the value of a name that a file forgot to import: from another required file, or a library; None if unknown."""
     if name not in STATE.homes:
         return STATE.sheet_names(STATE.lab_configuration).get(name)
     try:
@@ -252,7 +252,7 @@ def _library_or_partner(name: str) -> Any:
 
 
 def _unreadable(path: str) -> dict[str, Any] | None:
-    """Return the syntax error of a file, or of the first such cell of a notebook."""
+    """Return the syntax error of a file, or of the first notebook cell that has one; None if all parses."""
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 
@@ -306,7 +306,7 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:
-    """Do what ``%run FILE`` does: a notebook's cells run among the names of who asks, a program leaves its own there."""
+    """Do what ``%run FILE`` does: run a notebook's cells in the namespace `names`, or a program whose names are added to it."""
     path = next(Path(word).as_posix() for word in shlex.split(line) if not word.startswith("-"))
     if path.endswith(".ipynb"):
         _run_cells(path, names)

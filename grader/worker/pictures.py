@@ -1,4 +1,4 @@
-"""Decoding a handed-in picture, inside the sandbox: size, how much is on it, how it looks, or why it cannot be read."""
+"""Decode a submitted picture inside the sandbox: its size, amount of ink and a preview, or why it cannot be read."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ _GROUNDS, _SHADES = 4, 16  # colours of paper and the like, told apart in steps
 
 
 def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Decode one picture given as bytes.
+    """Decode the picture in ``arrays["bytes"]``. A file that cannot be decoded is reported, and raises nothing.
 
     Returns
     -------
     fields : dict
-        ``readable`` and, if so, ``size_px``, ``colours`` (distinct ones on a 160-pixel thumbnail) and ``ink`` (the share of its
-        pixels that are of none of the few commonest colours: of paper, panels, a window around them); otherwise ``reason``.
+        ``readable`` and, if so, ``size_px``, ``colours`` (the number of distinct colours of a 160-pixel thumbnail) and ``ink`` (the
+        share of its pixels that have none of the four commonest colours, which are the background); otherwise ``reason``.
     arrays : dict
-        If readable, ``preview`` (h, w) with indices into ``palette`` (256, 3): the picture in few pixels and colours.
+        If readable, a reduced picture: ``preview`` (h, w) with indices into ``palette`` (256, 3).
     """
     from PIL import Image
 
@@ -54,14 +54,14 @@ def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def _reduction(picture: Any) -> Any:
-    """The one that keeps the colours of thin curves, whose time grows with the colours; photographs and noise get a quick one."""
+    """Return the quantization method: one that keeps the colours of thin curves, or a fast one for pictures of many colours."""
     from PIL import Image
 
     return Image.Quantize.MEDIANCUT if picture.getcolors(_MANY) is None else Image.Quantize.MAXCOVERAGE
 
 
 def _on_white(picture: Any, longest: int) -> Any:
-    """Return a small version as a reader sees it: transparent pixels show the white page."""
+    """Return a small version of the picture on a white background, which transparent pixels show."""
     from PIL import Image
 
     small = picture.convert("RGBA")

@@ -1,7 +1,7 @@
-"""A screen that nobody sees: matplotlib as a program with a window finds it, without a pixel drawn.
+"""Headless matplotlib backend that mimics a GUI backend and draws no pixels.
 
-While it stands, every way of showing a picture (draw, draw_idle, flush_events, blit, pause, show, a saved frame, an
-animation) is an event that is noted, and timers and animations run as a window's event loop would run them.
+While `Screen.standing` is entered, each way of showing a figure (draw, draw_idle, flush_events, blit, pause, show, a saved
+frame, an animation) calls a callback, and timers and animations run as in the event loop of a GUI.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ Done = Callable[[], bool]
 
 
 class Screen:
-    """Stand between a student's program and matplotlib while the program is watched.
+    """Replacement of matplotlib's canvas, timers and animations that reports each figure shown by a student's program.
 
     Parameters
     ----------
     seen : called with the figure whenever something is shown
-    done : whether there is nothing more to wait for; a shown animation is then stopped after a few more frames
+    done : whether enough was seen; the event loop then ends after a few more frames
     """
 
     def __init__(self, seen: Seen, done: Done) -> None:
@@ -40,7 +40,7 @@ class Screen:
     # --- showing -------------------------------------------------------------------------------------------------------
 
     def show_figure(self, canvas: Any) -> None:
-        """Do what drawing does without the pixels: update the figure and call the draw callbacks."""
+        """Report a figure as shown and call its draw callbacks, without drawing pixels."""
         from matplotlib.backend_bases import DrawEvent
 
         if self._depth > 4:
@@ -55,7 +55,7 @@ class Screen:
             self._depth -= 1
 
     def show_all(self, *, block: bool) -> None:
-        """`show()`: draws every figure; where it blocks, it runs the event loop until nothing more comes, then closes them."""
+        """Do what `plt.show` does: show all figures; if it blocks, run the event loop to its end and close them."""
         import matplotlib.pyplot as plt
 
         for figure in open_figures():
@@ -65,7 +65,7 @@ class Screen:
             plt.close("all")
 
     def show_animations_left(self) -> None:
-        """Show the animations that were made and never shown: whoever gets one back shows it."""
+        """Show the animations that the program created or returned without showing them, and run the event loop."""
         for reference in self._animations:
             animation = reference()
             if animation is not None and not getattr(animation, "_draw_was_started", True):
@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Fire the running timers in the order in which they are due, for a time or until there is nothing to wait for."""
+        """Run the event loop: fire the timers in the order in which they are due, for `seconds` or until no timer is left."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):
@@ -105,7 +105,7 @@ class Screen:
         self._animations.append(weakref.ref(animation))
 
     def play(self, animation: Any) -> None:
-        """Play every frame of an animation that is saved."""
+        """Report each frame of an animation that the program saves."""
         animation._init_draw()
         for number, frame in enumerate(animation.new_saved_frame_seq()):
             animation._draw_next_frame(frame, blit=False)
@@ -117,7 +117,7 @@ class Screen:
 
     @contextlib.contextmanager
     def standing(self) -> Iterator[None]:
-        """Put the screen between matplotlib and the program, and take it away afterwards."""
+        """Replace the methods of matplotlib that show or save a figure; restore them on exit."""
         import matplotlib.pyplot as plt
         from matplotlib import animation
         from matplotlib.backend_bases import FigureCanvasBase, TimerBase
@@ -171,7 +171,7 @@ class Screen:
         return {"__init__": init, "save": save, "to_jshtml": to_text, "to_html5_video": to_text}
 
     def _show(self) -> Callable[..., None]:
-        """A plain function, as pyplot's own is: `switch_backend` writes a signature on it."""
+        """Return the replacement of `plt.show`: a plain function, as `plt.switch_backend` sets an attribute of it."""
         import matplotlib.pyplot as plt
 
         def show(*args: Any, block: bool | None = None, **kwargs: Any) -> None:
@@ -181,7 +181,7 @@ class Screen:
 
 
 def _method(call: Callable[[Any], None]) -> Callable[..., None]:
-    """A function that a class makes a method of: `call` is given the instance alone."""
+    """Return a function for use as a method: it calls `call` with the instance and ignores all other arguments."""
 
     def method(instance: Any, *args: Any, **kwargs: Any) -> None:
         call(instance)
@@ -190,18 +190,18 @@ def _method(call: Callable[[Any], None]) -> Callable[..., None]:
 
 
 def _nothing(*args: Any, **kwargs: Any) -> None:
-    """Laying out what nobody sees is what takes the time."""
+    """Replace `tight_layout`, which is slow and changes nothing that is reported, by a function without effect."""
 
 
 def open_figures() -> list[Any]:
-    """The figures that pyplot knows; asking by number would make each of them the current one."""
+    """Return all open pyplot figures without making one of them the current figure, as `plt.figure(number)` does."""
     from matplotlib import _pylab_helpers
 
     return [manager.canvas.figure for manager in _pylab_helpers.Gcf.get_all_fig_managers()]
 
 
 def _one_pixel() -> bytes:
-    """A picture, for programs that read back what they saved."""
+    """Return a PNG of one pixel: a readable file for programs that read their saved picture back."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -223,7 +223,7 @@ def _write(target: Any, content: bytes) -> None:
 
 @contextlib.contextmanager
 def replaced(owner: Any, members: dict[str, Any]) -> Iterator[None]:
-    """Put other members in the place of those of a class or a module, for a while."""
+    """Replace members of a class or module; restore them on exit."""
     own = {name: vars(owner)[name] for name in members if name in vars(owner)}
     for name, member in members.items():
         setattr(owner, name, member)

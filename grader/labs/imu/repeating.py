@@ -1,4 +1,4 @@
-"""A question that a check asked, as a program of a few lines: NumPy, MuJoCo and the student's own files, nothing of the grader's.
+"""Program text for `imugrade repro`: the calls of a failed check, with NumPy, MuJoCo and the student's files only.
 
 Each function here writes the lines of one kind of question; `grader.labs.imu.worker` asks the same of the code in the sandbox.
 """
@@ -38,7 +38,7 @@ def compare(name, mine, expected):
 
 @dataclass(frozen=True)
 class Asked:
-    """One question to a student's code, with the number that names its arrays in the trace file."""
+    """One question to a student's code, with the number by which `repro.npz` names its arrays."""
 
     number: int
     op: str
@@ -47,12 +47,12 @@ class Asked:
     expected: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def given(self, name: str) -> str:
-        """Return the expression by which the program finds one of the arrays."""
+        """Return the expression that reads one of the arrays in the program."""
         return f'given["{name}_{self.number}"]'
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """Return the arrays that the trace file holds of it."""
+        """The arrays of this question that `repro.npz` stores, by their names in it."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
         expected = {f"expected_{name}": array for name, array in self.expected.items()}
         return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model, **expected}.items()}
@@ -63,7 +63,7 @@ class Asked:
 
 
 class Recorder(Student):
-    """A submission under examination, with what each check asked of it."""
+    """Student session that records which questions each check asks."""
 
     now = ""
 
@@ -75,7 +75,7 @@ class Recorder(Student):
         self._looked_at: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """An answer may be made of others, which are looked at with it when it is known already."""
+        """Record the question for the check, or for the question that is being answered, and answer it once."""
         looked_at = self._looked_at.setdefault(self._asking[-1] if self._asking else self.now, [])
         looked_at += [key] if key not in looked_at else []
         self._asking.append(key)
@@ -102,7 +102,7 @@ class Recorder(Student):
 
 
 class Watched(CheckRun):
-    """An examination that says which check is asking."""
+    """Check run that tells the `Recorder` which check asks."""
 
     def begin(self, this: Check) -> None:
         self.student.now = this.id  # type: ignore[attr-defined] # a Recorder
@@ -110,7 +110,7 @@ class Watched(CheckRun):
 
 
 def expected(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Array], truth: Traces) -> dict[str, Array]:
-    """Return the series that a sound submission gives for a question, where only one is right."""
+    """Return the correct answer to a question as named arrays; empty if more than one answer is correct."""
     if op == "filter":
         return {f"output_{i}": _filtered(case, arrays) for i, case in enumerate(fields["cases"])}
     if op == "simulate" and "gravity" not in arrays:
@@ -129,13 +129,13 @@ def _filtered(case: Mapping[str, Any], arrays: Mapping[str, Array]) -> Array:
 
 
 def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -> str:
-    """The whole program.
+    """Return the text of a program that repeats the questions of a failed check.
 
     Parameters
     ----------
-    said : what the check said, for the reader
-    questions : what it asked; all of files that Python can import
-    folder : from the program to the student's files
+    said : the feedback of the check, which becomes the program's docstring
+    questions : the questions of the check; Python must be able to import their files
+    folder : relative path from the program to the student's files
     """
     lines = [
         f'"""{check_id} once more: your own code on the same input, which is in repro.npz beside this file.',

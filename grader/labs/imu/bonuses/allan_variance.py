@@ -1,4 +1,4 @@
-"""Facts about an `allan_deviation`: its curves for five records, and what a curve over averaging times may be.
+"""Facts about an `allan_deviation`: its curves for five records, and which estimate they show.
 
 References
 ----------
@@ -43,7 +43,7 @@ _FEWEST = 3  # averaging times that tell a curve
 
 @dataclass(frozen=True)
 class AllanRun:
-    """Averaging times (k,) in s and deviations (k, c), c columns as in the input; None where they could not be made out."""
+    """Averaging times (k,) in s and deviations (k, c), c columns as in the input; None if the answer has no such arrays."""
 
     taus: Array | None
     adev: Array | None
@@ -52,7 +52,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Averaging times and deviations (k,) of the first column, finite ones alone, by increasing time; 200 at most."""
+        """Finite averaging times and deviations (k,) of the first column, sorted by time and thinned to 200."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
@@ -62,7 +62,7 @@ class AllanRun:
 
     @property
     def stop(self) -> Exception | None:
-        """What keeps the curve from being judged, if anything."""
+        """The exception because of which the curve cannot be judged; None if it can."""
         if self.fault:
             return Raised(self.fault, "computing the Allan deviation")
         if self.curve is None:
@@ -92,7 +92,7 @@ def _curve(node: Node | None, arrays: Arrays, columns: int) -> tuple[Array | Non
 
 
 def _two(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None]:
-    """The two parts of a pair, or of an array with two rows."""
+    """Return the two parts of a pair, or the rows of an array with two rows; None, None for anything else."""
     if node is None or node["kind"] in ("dict", "object"):
         return None, None
     if "key" in node:
@@ -111,7 +111,7 @@ Record = tuple[Array, Array, Array]
 
 
 def _clusters(samples: Array, m: int) -> Array:
-    """Return the averages of the runs of m samples."""
+    """Return the averages of successive clusters of m samples."""
     count = len(samples) // m
     return np.asarray(samples[: count * m].reshape(count, m).mean(axis=1))
 
@@ -126,7 +126,7 @@ _CURVES: Mapping[str, Estimate] = {
 
 
 def in_seconds(taus: Array, rate: float) -> Array:
-    """Cluster sizes of averaging times in seconds."""
+    """Return the cluster sizes (samples) of averaging times in seconds."""
     return np.round(taus * rate)
 
 
@@ -143,7 +143,7 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """What all curves show: an Allan deviation (""), something else by a `fault`, or nothing known (None)."""
+    """Which estimate all curves show: an Allan deviation (`fault` is ""), that of a fault, or an unknown one (None)."""
 
     fault: str | None
     seconds: bool = True
@@ -151,7 +151,7 @@ class Meaning:
 
 
 def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_deviation) -> bool:
-    """Return whether a curve (k,) is this estimate at these cluster sizes (k,), or one that differs by chance alone."""
+    """Return whether a curve (k,) is the estimate of `samples` at these cluster sizes (k,), within chance."""
     usable = (sizes >= 1) & (sizes <= len(samples) / _CLUSTERS)
     if usable.sum() < _FEWEST or not curve[usable].min() > 0:
         return False
@@ -163,9 +163,9 @@ def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_
 
 
 def meaning(records: Sequence[Record], rate: float) -> Meaning:
-    """Return what all curves show.
+    """Return the estimate and the unit of time that explain the curves of all records.
 
-    One meaning must fit all records: without the factor one half, white noise alone looks as if times were twice too long.
+    White noise alone is not enough: a missing factor one half looks like averaging times that are twice too long.
     """
     for fault, estimate in _CURVES.items():
         for seconds, size in _SIZES:
@@ -215,7 +215,7 @@ class Allan:
 
     @cached_property
     def odd(self) -> int | None:
-        """How many numbers for white noise are not finite; None where they could not be made out."""
+        """Number of values for white noise that are not finite; None if the answer has no such arrays."""
         taus, adev = self.white.taus, self.white.adev
         return None if taus is None or adev is None else int((~np.isfinite(taus)).sum() + (~np.isfinite(adev)).sum())
 
@@ -230,13 +230,13 @@ class Allan:
 
     @property
     def worst(self) -> Record:
-        """The first record whose curve is no Allan deviation over seconds."""
+        """The first record whose curve is not its Allan deviation over averaging times in seconds."""
         records = (self.records[kind] for kind in _RECORDS)
         return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
 
 
 def measure(student: Student, truth: Traces) -> Allan:
-    """Ask for the deviation of five records, of three axes at once, and of each of these alone."""
+    """Ask for the Allan deviation of five records, of three axes together, and of each of these axes alone."""
     scenario = truth["allan"]
     rate = float(scenario.scalars["sample_rate_hz"])
     runs = {kind: allan(student, scenario[kind], rate) for kind in dict.fromkeys((*_RECORDS, *KINDS))}

@@ -39,7 +39,7 @@ TURN = 0.2  # rad, within one sample
 
 
 def wrapped(angle: Array) -> Array:
-    """Return the same directions in [−π, π)."""
+    """Return the angles wrapped to [−π, π)."""
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
@@ -69,7 +69,7 @@ class TiltRun:
 
     @property
     def stop(self) -> Exception | None:
-        """What keeps the output from being judged, if anything."""
+        """The exception because of which the output cannot be judged; None if it can."""
         whole = np.isfinite(self.output).all()
         return self.raised or (None if whole else Skipped("two finite numbers from every update()"))
 
@@ -197,13 +197,13 @@ def _at_rest(start: Scenario) -> list[TiltCase]:
 
 
 def _rms(output: Array, ride: Scenario) -> float:
-    """Return the error over the second half, when every start is forgotten."""
+    """Return the RMS error (rad) over the second half, where the initial state of the filter has decayed."""
     half = len(output) // 2
     return float(np.sqrt(np.mean(wrapped(output[half:] - ride["tilt"][half:]) ** 2)))
 
 
 def _probes() -> list[tuple[Array, Array]]:
-    """Accelerometer and gyroscope of three experiments: a turn about x, one about y, and a tilt that the gyroscope missed."""
+    """Return the inputs (specific force, angular velocity) of three experiments: turns about x and y, and a tilt without gyro."""
     level = at_rest(np.zeros(2), BEFORE + 50)
     turned = np.zeros((2, *level.shape))
     turned[[0, 1], BEFORE, [0, 1]] = TURN / DT
@@ -212,7 +212,7 @@ def _probes() -> list[tuple[Array, Array]]:
 
 
 def response(outputs: list[Array]) -> Response | None:
-    """Return the response from the outputs (n, 2) of the three probes; None where they are not whole."""
+    """Return the response from the outputs (n, 2) of the three experiments; None if one is incomplete or not finite."""
     if any(len(out) < BEFORE + 50 or not np.isfinite(out).all() for out in outputs):
         return None
     tilted = outputs[2]
@@ -222,7 +222,7 @@ def response(outputs: list[Array]) -> Response | None:
 
 
 def turns(outputs: list[Array]) -> Array:
-    """Roll and pitch (columns) per unit of a turn about x and about y (rows), whether it counts at once or a sample later."""
+    """Return the gain (2, 2) from a turn about x or y (rows) to roll and pitch (columns); the filter may lag by one sample."""
     steps = np.array([wrapped(out[BEFORE : BEFORE + 2] - out[BEFORE - 1]) for out in outputs]) / TURN
     later = np.abs(steps[:, 1]).max(axis=1) > np.abs(steps[:, 0]).max(axis=1)
     return np.asarray(np.where(later[:, None], steps[:, 1], steps[:, 0]))
@@ -266,7 +266,7 @@ FAULTS: Mapping[str, Callable[[Response], bool]] = {
 
 
 def _is_pair(facts: Tilt) -> bool:
-    """Return whether two values came, though not finite ones."""
+    """Return whether the filter returned two numbers, finite or not."""
     pairs = ("a tuple of 2 (a number, a number)", "a list of 2 (a number, a number)", "an array of shape (2,)")
     return not facts.odd or facts.odd.startswith(pairs)
 

@@ -56,12 +56,12 @@ class LiveRun:
 
     @property
     def updates(self) -> int:
-        """At how many moments of the simulation the curves had changed."""
+        """Number of simulation times at which the curves had changed."""
         return len(np.unique(self.events[self.events[:, 0] > 0, 0]))
 
     @property
     def changes_after(self) -> int:
-        """How often the curves changed after the simulation had ended."""
+        """Number of changes of the curves at the simulated time of the last change."""
         moments = self.events[:, 0]
         return int(np.count_nonzero(moments == moments.max(initial=0.0)))
 

@@ -109,7 +109,7 @@ class Explained:
 
     @property
     def last_alone(self) -> bool:
-        """Return whether the only row is the reading after the last step."""
+        """Return whether the recording has one filled row only, the reading after the last step."""
         single = self.push is not None and self.push.skip > 1 and self.facts.push.length == 1
         return single or self.series.last_alone
 
@@ -270,7 +270,7 @@ class Explained:
 
     @property
     def push_claim(self) -> Claim | None:
-        """The start of the first run as the worker reports it; None if the rows are those of the sheet's push."""
+        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if its rows are true."""
         return _claim_of(self.push, self.facts.push)
 
     @property
@@ -306,7 +306,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """How the run starts, in words; "" if it starts with the sheet's push and the state is set only then."""
+        """The start of the run in words; "" if it starts with the sheet's push."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"

@@ -79,7 +79,7 @@ class Sensor:
 
     @cached_property
     def means(self) -> Array:
-        """Mean default bias (instances, 3) of each instance."""
+        """Default bias (instances, 3) of each instance: the mean over its reads."""
         return np.asarray(self.default.mean(axis=1))
 
     @cached_property

@@ -1,6 +1,7 @@
-"""Provide what a submission's functions read from their modules' globals: sensor ids, and its own model and data.
+"""Set the module globals that student functions read: sensor ids, model, data, measurement and recording.
 
-On the sheet one program holds all, and what it gives its functions is what its globals hold. So they hold it here, too.
+On the sheet all code is one program, whose globals hold the values that it passes to its functions. We set those globals before
+each call, so that functions that read them work here, too.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 
 
 def provide_ids(ids: Mapping[str, int]) -> None:
-    """Set the sensor ids that student code reads from module globals which nothing has set, or to a placeholder only."""
+    """Set the globals that student code reads as sensor ids and that are unset, None or a negative placeholder."""
     for module in list(submission.STATE.modules.values()):
         for name in _unset_globals(module):
             if _AN_ID.search(name) and _ACCELEROMETER.match(name):
@@ -37,7 +38,7 @@ def provide_ids(ids: Mapping[str, int]) -> None:
 
 
 def provide_ids_of(model: Any) -> None:
-    """The same for the IMU of the robot, where the model has it."""
+    """Look up the ids of the robot's IMU in `model` and set the globals as `provide_ids` does; skip a model without it."""
     import mujoco
 
     names = submission.STATE.lab_configuration.get("imu", ())
@@ -48,9 +49,10 @@ def provide_ids_of(model: Any) -> None:
 
 @contextmanager
 def standing_for(model: Any, data: Any) -> Iterator[None]:
-    """Let the globals that functions read as their model and their data be these for a while.
+    """Set the globals that student functions read as model and data to these; restore them on exit.
 
-    They are those that hold one, or that nothing has set. Where functions read several, nobody knows which of them is meant.
+    These are globals that hold an MjModel or MjData, and unset ones with such a name. If they hold different objects, none is
+    set, as it is unknown which one is meant.
     """
     with ExitStack() as stack:
         for name, given in (("model", model), ("data", data)):
@@ -70,9 +72,9 @@ _MEASUREMENT = re.compile(
 
 
 def measured_by(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """Return what makes a context manager that sets the one global which a filter reads as its measurement, and its label.
+    """Return a context manager that sets the global which a filter reads as its measurement, and a list with its label.
 
-    It does nothing, and the list is empty, where no such global is found, or more than one.
+    Without exactly one such global, the context manager does nothing and the list is empty.
     """
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
@@ -96,15 +98,15 @@ def _module_of(function: Any) -> ModuleType | None:
 
 @contextmanager
 def recorded_as(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterator[list[str]]:
-    """Let the global that a plot reads as its recording be this one for a while.
+    """Set the global that a plot function reads as its recording to `recording`; restore it on exit.
 
     Parameters
     ----------
-    slots : the recording as a whole, and its parts: a function that uses a parameter for one of these needs no global
+    slots : the recording and its parts; nothing is set if the function uses a parameter for one of them
 
-    Returns
-    -------
-    that global, if there is a parameter that it is read instead of
+    Yields
+    ------
+    the label of the global, if the function has an unused parameter for the recording; else an empty list
     """
     owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]
@@ -119,7 +121,7 @@ def recorded_as(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterato
 
 
 def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
-    """Return whether nothing is there yet, or what a recorder may have returned: one of its own classes, too."""
+    """Return whether a global may be the recording: it is None, a dict, a sequence without text, or of a student's class."""
     if isinstance(value, tuple | list):
         return not any(isinstance(part, str) for part in value)
     return value is None or isinstance(value, dict) or type(value).__module__ in classes
@@ -128,7 +130,7 @@ def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
 def read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
     """Return which of model and data a function reads as globals although it has an unused parameter for it.
 
-    Asked while the globals stand for these.
+    Call it while `standing_for` is entered.
     """
     import mujoco
 
@@ -145,7 +147,7 @@ def read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
 
 
 def _own_names(function: FunctionType, *slots: Slot) -> list[str]:
-    """The parameters that stand for any of these; without slots, those that need a value."""
+    """Return the parameters that suit one of the slots; without slots, those without a default."""
     parameters = inspect.signature(function).parameters.values()
     return [p.name for p in parameters if (any(slot.suits(p) for slot in slots) if slots else p.default is p.empty)]
 
@@ -168,7 +170,7 @@ def _unset_globals(module: ModuleType) -> set[str]:
 
 
 def _functions(module: ModuleType) -> list[FunctionType]:
-    """The functions of a module, and those of its classes."""
+    """Return the functions that a module defines, and those of its classes."""
     members = [m for m in list(vars(module).values()) if getattr(m, "__module__", None) == module.__name__]
     functions = [m for m in members if isinstance(m, FunctionType)]
     for owner in (m for m in members if isinstance(m, type)):
@@ -177,7 +179,7 @@ def _functions(module: ModuleType) -> list[FunctionType]:
 
 
 def _values_read(function: FunctionType) -> Iterator[Any]:
-    """The values of all globals that a function reads, and those that the functions among them read."""
+    """Yield the values of all globals that a function reads, directly or through other functions."""
     seen, waiting = {function}, [function]
     while waiting:
         this = waiting.pop()
@@ -190,19 +192,19 @@ def _values_read(function: FunctionType) -> Iterator[Any]:
 
 
 def _is_no_id(value: Any) -> bool:
-    """Return whether a number is one that no sensor has; elsewhere than in a placeholder it is what an unknown name gives."""
+    """Return whether a value is negative, so no sensor id: a placeholder, or `mj_name2id` of an unknown name."""
     return isinstance(value, int | np.integer) and bool(value < 0)
 
 
 @functools.cache  # asked for every instance of a class
 def _globals_read(code: CodeType, by: str) -> frozenset[str]:
-    """The globals that code, and what is defined in it, uses by such an instruction."""
+    """Return the globals that code and its nested functions use with the bytecode instruction `by`."""
     inner = (name for const in code.co_consts if isinstance(const, CodeType) for name in _globals_read(const, by))
     return frozenset({str(step.argval) for step in dis.get_instructions(code) if step.opname == by}.union(inner))
 
 
 def _locals_read(code: CodeType) -> set[str]:
-    """The variables of a function that it reads; Python 3.13 reads two at once."""
+    """Return the local variables that a function reads. Python 3.13 has one instruction that reads two."""
     read = set(code.co_cellvars)
     for step in dis.get_instructions(code):
         if step.opname.startswith("LOAD_FAST"):
