@@ -149,7 +149,7 @@ def gone(pid: int, within_s: float = 10.0) -> bool:
 
 
 def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_list(tmp_path: Path) -> None:
-    order = classroom.Order((tmp_path,), tmp_path / "out", rubric.load(LAB), bundles.shipped())
+    order = classroom.GradeRequest((tmp_path,), tmp_path / "out", rubric.load(LAB), bundles.shipped())
     stopped = classroom.stopped(submission("alice"), order, "no end within 600 s")
     assert (stopped.status, stopped.score, stopped.max_score) == ("graded", 0.0, 100.0)
     rows = [check for criterion in stopped.criteria for check in criterion.checks]

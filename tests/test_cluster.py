@@ -130,11 +130,11 @@ class Killer(threading.Thread, Nobody):
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory: pytest.TempPathFactory) -> classroom.Order:
+def here(tmp_path_factory: pytest.TempPathFactory) -> classroom.GradeRequest:
     """A class that was graded on this machine."""
     root = tmp_path_factory.mktemp("here")
     students = hand_in(root / "class", full=False)
-    order = classroom.Order((students,), root / "out", rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
+    order = classroom.GradeRequest((students,), root / "out", rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
     classroom.grade_class(order, classroom.find(order), Nobody())
     return order
 
@@ -146,7 +146,7 @@ def assert_same(there: Path, here: Path) -> None:
 
 
 def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
-    site: Site, here: classroom.Order, tmp_path: Path
+    site: Site, here: classroom.GradeRequest, tmp_path: Path
 ) -> None:
     site.staff(2)
     order = replace(here, out=tmp_path / "there")
@@ -164,7 +164,7 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
 
 
 def test_a_scheduler_is_started_again_midway_and_the_same_command_ends_with_the_results_of_this_machine(
-    here: classroom.Order, tmp_path: Path
+    here: classroom.GradeRequest, tmp_path: Path
 ) -> None:
     order = replace(here, out=tmp_path / "there")
     found = classroom.find(order)

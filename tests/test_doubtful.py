@@ -90,7 +90,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     for name, files in folders.items():
         write(files, students / name)
-    order = classroom.Order((students,), made, rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
+    order = classroom.GradeRequest((students,), made, rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(classroom, "opener", lambda order: partial(stumbling, order.rubric, order.traces))
         classroom.grade_class(order, classroom.find(order), Nobody())

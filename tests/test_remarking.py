@@ -172,7 +172,7 @@ def test_grading_a_class_again_with_other_points_opens_no_sandbox(
     names = ("s02-vectorised", "s06-id-as-address")
     keep(tmp_path, changed(), names)
     monkeypatch.setattr(classroom, "opener", no_sandbox)
-    order = classroom.Order(
+    order = classroom.GradeRequest(
         tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), bundles.shipped(), jobs=1, change=True
     )
     outcome = classroom.grade_class(order, classroom.find(order), Nobody())

@@ -96,28 +96,28 @@ def grade(
     chosen = class_settings.rubric_of(LAB, known, rubric)
     bundle = LAB.truth(seed, chosen.settings)
     which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
-    order = classroom.Order(
+    request = classroom.GradeRequest(
         tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, isolation_level, cluster,
         one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), class_settings.roster_of(known, roster), which,
         at_least=known.isolation if known and not change else "",
     )  # fmt: skip
-    found = classroom.find(order)
+    found = classroom.find(request)
     for line in found.notices:
         say(line)
     if list_:
         for line in (*classroom.listing(found), *(f"Not placed: {left}" for left in found.leftovers)):
             print(line)
         return 0
-    changed = classroom.change(order, found)
+    changed = classroom.change(request, found)
     if dry_run:
-        for line in (*classroom.forecast(order, found), *([changed.in_words()] if changed else [])):
+        for line in (*classroom.forecast(request, found), *([changed.in_words()] if changed else [])):
             print(line)
         return 0
     if changed is not None:
-        order = replace(order, change=_agreed(changed, change))
+        request = replace(request, change=_agreed(changed, change))
     screen = console()
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
-        outcome = classroom.grade_class(order, found, audience)
+        outcome = classroom.grade_class(request, found, audience)
     terminal.show_class(outcome, near(out / "index.html"), screen)
     if spot := blind_spot(bundle):
         say(spot)

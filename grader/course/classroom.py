@@ -52,7 +52,7 @@ _WRITERS = 4
 
 
 @dataclass(frozen=True)
-class Order:
+class GradeRequest:
     """Request of a class run: submissions, output folder, rubric, traces and options.
 
     An empty `only` grades all; `jobs` None starts one process per core; `cluster` None grades on this machine; `shape` None
@@ -131,7 +131,7 @@ class Outcome:
         return [id_ for id_, result in judged.items() if result.score < points]
 
 
-def find(order: Order) -> Class:
+def find(request: GradeRequest) -> Class:
     """Find the submissions of a class, and apply the roster and the late policy to them.
 
     Raises
@@ -139,19 +139,21 @@ def find(order: Order) -> Class:
     RequestError
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
-    listed = order.roster.people
+    listed = request.roster.people
     known = {each.who.key: each.who.name for each in listed if each.who.key}
-    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts, known)
-    submissions = _beside_out(found.entries, order)
+    found = read_class(request.paths, request.rubric.lab.files, request.shape, request.attempts, known)
+    submissions = _beside_out(found.entries, request)
     if not submissions:
         raise RequestError(
-            f"{_in_words(order.paths)}: no submission found there; give a folder of submissions or an archive"
+            f"{_in_words(request.paths)}: no submission found there; give a folder of submissions or an archive"
         )
     placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
-    entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
-    dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
+    entries = _chosen(submissions, request.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
+    dated = tuple(replace(entry, hand_in=_judged(entry, placed, request.rubric)) for entry in entries)
     unknown = placed.unknown if listed else ()
-    others = {id_: each for id_, each in _recorded(order.out).items() if id_ not in {entry.id for entry in submissions}}
+    others = {
+        id_: each for id_, each in _recorded(request.out).items() if id_ not in {entry.id for entry in submissions}
+    }
     rest = roster.place(placed.absent, others)
     absent = tuple(
         words.absentees([each.person for each in rest.absent], (*placed.hand_ins.values(), *rest.hand_ins.values()))
@@ -212,7 +214,7 @@ def on_record(out: Path) -> ClassSettings | None:
         return store.settings()
 
 
-def change(order: Order, found: Class) -> Change | None:
+def change(request: GradeRequest, found: Class) -> Change | None:
     """Compute the effect of this run's settings on the scores on record; None if the settings are equal.
 
     Raises
@@ -221,10 +223,10 @@ def change(order: Order, found: Class) -> Change | None:
         If the class on record was graded on hidden scenarios and these are the public ones, or `only` a part of the class would be
         graded by other settings than the rest.
     """
-    if not (order.out / FILE_NAME).is_file():
+    if not (request.out / FILE_NAME).is_file():
         return None
-    new = order.settings
-    with Store.existing(order.out) as store:
+    new = request.settings
+    with Store.existing(request.out) as store:
         old = store.settings()
         if old is not None and not class_settings.causes(old, new):
             return None
@@ -236,24 +238,26 @@ def change(order: Order, found: Class) -> Change | None:
         class_settings.refuse_without_secret(old, None)
     several = Counter(entry.id for entry in found.entries)
     hand_ins = {entry.id: entry.hand_in if several[entry.id] == 1 else None for entry in found.entries}
-    changed = class_settings.change(old, new, order.rubric, final_grades, hand_ins)
-    if changed is not None and changed.moves_scores and order.only:
+    changed = class_settings.change(old, new, request.rubric, final_grades, hand_ins)
+    if changed is not None and changed.moves_scores and request.only:
         raise RequestError(f"--only cannot change the settings of the whole class; leave it out ({changed.in_words()})")
     return changed
 
 
-def forecast(order: Order, found: Class) -> list[str]:
+def forecast(request: GradeRequest, found: Class) -> list[str]:
     """Return how many submissions a run would grade, and which files on record others would replace; nothing is graded."""
     kept: list[bool] = []
     given: dict[str, set[str]] = {}
     present: dict[str, Result] = {}
     with Reader() as reader:
-        if (order.out / FILE_NAME).is_file():
-            with Store.existing(order.out) as store:
+        if (request.out / FILE_NAME).is_file():
+            with Store.existing(request.out) as store:
                 again, present = installed_since(store), store.present()
                 for _, each in reader.each(found.entries):
                     given.setdefault(each.id, set()).add(each.sha256)
-                    kept.append(not order.force and each.id not in again and store.has(_key(each, order), order.rubric))
+                    kept.append(
+                        not request.force and each.id not in again and store.has(_key(each, request), request.rubric)
+                    )
     others = [id_ for id_ in given if id_ in present and present[id_].provenance["submission_sha256"] not in given[id_]]
     return [
         f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record",
@@ -268,12 +272,12 @@ def installed_since(store: Store) -> set[str]:
     return {id_ for id_, names in failed.items() if names & there}
 
 
-def _key(submission: Submission, order: Order) -> Key:
-    return Key(submission.id, submission.sha256, order.rubric.sha256, order.traces.sha256, __version__)
+def _key(submission: Submission, request: GradeRequest) -> Key:
+    return Key(submission.id, submission.sha256, request.rubric.sha256, request.traces.sha256, __version__)
 
 
-def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
-    """Grade every submission that is not recorded yet and write `order.out`.
+def grade_class(request: GradeRequest, found: Class, audience: Audience) -> Outcome:
+    """Grade every submission that is not recorded yet and write `request.out`.
 
     Each result is committed and its files are written as it arrives; the gradebook and the index are written at the
     end, also when the run is interrupted.
@@ -281,38 +285,38 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     Raises
     ------
     RequestError
-        If OUT cannot be written, nothing here isolates students' code, or scores on record would change without `order.change`.
+        If OUT cannot be written, nothing here isolates students' code, or scores on record would change without `request.change`.
     GraderError
         If no marker can be opened.
     """
-    changed = change(order, found)
+    changed = change(request, found)
     moves = changed is not None and changed.moves_scores
-    if changed is not None and moves and not order.change:
+    if changed is not None and moves and not request.change:
         raise RequestError(
             f"{changed.in_words()}; add --change to allow it, or choose another folder with -o. Nothing was changed"
         )
     outcome = Outcome(leftovers=found.leftovers)
-    with Store(order.out) as store:
+    with Store(request.out) as store:
         was, before = store.settings(), store.final_grades()
-        store.keep_settings(replace(order.settings, isolation=was.isolation if was else ""), keep_before=moves)
+        store.keep_settings(replace(request.settings, isolation=was.isolation if was else ""), keep_before=moves)
         mismatches = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
         remarked = store.notices().get("remark", [])
         store.keep_notices({**mismatches, "remark": remarked})
         audience.begins(len(found.entries))
-        with Publisher(order.out, store, order.rubric.lab, min(_WRITERS, _jobs(order))) as publisher:
-            run = _Run(order, store, audience, outcome, publisher)
+        with Publisher(request.out, store, request.rubric.lab, min(_WRITERS, _jobs(request))) as publisher:
+            run = _Run(request, store, audience, outcome, publisher)
             try:
                 run.grade(found.entries)
                 run.renew_repairs()
                 _keep_people(store, publisher, found.others)
             finally:
-                final_grades = publish_class(order.out, store, order.rubric.lab)
+                final_grades = publish_class(request.out, store, request.rubric.lab)
                 _keep_isolation(store, final_grades)
         now = (
             *remarks(final_grades, found.absent, found.unknown),
             *found.doubtful,
-            *of_policy(final_grades, order.rubric.late),
-            *(() if order.only else gone(final_grades, {entry.id for entry in found.entries})),
+            *of_policy(final_grades, request.rubric.late),
+            *(() if request.only else gone(final_grades, {entry.id for entry in found.entries})),
             *run.lost_repairs,
         )
         store.keep_notices({**mismatches, "remark": now})
@@ -345,8 +349,10 @@ def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> Non
 class _Run:
     """One pass over the class."""
 
-    def __init__(self, order: Order, store: Store, audience: Audience, outcome: Outcome, publisher: Publisher) -> None:
-        self._order = order
+    def __init__(
+        self, request: GradeRequest, store: Store, audience: Audience, outcome: Outcome, publisher: Publisher
+    ) -> None:
+        self._request = request
         self._store = store
         self._audience = audience
         self._outcome = outcome
@@ -358,19 +364,19 @@ class _Run:
 
     def renew_repairs(self) -> None:
         """Let repaired copies count again for the submissions whose files are the same as when they were repaired."""
-        order = self._order
+        request = self._request
         with ExitStack() as stack:
-            marker = cache(lambda: stack.enter_context(opener(order)()))
+            marker = cache(lambda: stack.enter_context(opener(request)()))
             grading = repairs.Grading(
-                order.rubric, order.traces, lambda submission, cpu_s=None: marker().mark(submission, cpu_s)
+                request.rubric, request.traces, lambda submission, cpu_s=None: marker().mark(submission, cpu_s)
             )
-            for id_, found in repairs.renew(self._store, order.out, list(self._outcome.results), grading):
+            for id_, found in repairs.renew(self._store, request.out, list(self._outcome.results), grading):
                 if isinstance(found, str):
                     self.lost_repairs.append(found)
                 else:
                     self._repaired(id_)
-            if order.rubric.repairs.suggested:
-                for id_, _ in repairs.apply_suggested(self._store, order.out, list(self._outcome.results), grading):
+            if request.rubric.repairs.suggested:
+                for id_, _ in repairs.apply_suggested(self._store, request.out, list(self._outcome.results), grading):
                     self._repaired(id_)
 
     def _repaired(self, id_: str) -> None:
@@ -381,10 +387,10 @@ class _Run:
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
             for submission, marked in self._marked(entries, reader):
-                result = _result(submission, self._order, marked)
-                self._store.keep(_key(submission, self._order), result)
+                result = _result(submission, self._request, marked)
+                self._store.keep(_key(submission, self._request), result)
                 slim = replace(result, evidence=Evidence())  # charts of a large class would fill the memory
-                self._tell(_key(submission, self._order), slim, result.evidence.figures)
+                self._tell(_key(submission, self._request), slim, result.evidence.figures)
         self._settle()
 
     def _settle(self) -> None:
@@ -400,25 +406,25 @@ class _Run:
             self._publisher.put(final_grade)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
-        order, submissions = self._order, self._unrecorded(entries, reader)
-        bounds = Bounds(wall_s=_WALL_PER_CPU * order.rubric.limits.submission_cpu_s)
-        if order.cluster is not None:
-            return cluster.mark_all(submissions, opener(order), order.cluster, bounds)
-        jobs = min(_jobs(order), len(entries))
-        return mark_all(submissions, opener(order), jobs, bounds)
+        request, submissions = self._request, self._unrecorded(entries, reader)
+        bounds = Bounds(wall_s=_WALL_PER_CPU * request.rubric.limits.submission_cpu_s)
+        if request.cluster is not None:
+            return cluster.mark_all(submissions, opener(request), request.cluster, bounds)
+        jobs = min(_jobs(request), len(entries))
+        return mark_all(submissions, opener(request), jobs, bounds)
 
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
         """Yield the submissions to mark, and report those that are on record."""
         for entry, submission in reader.each(entries):
-            key = _key(submission, self._order)
+            key = _key(submission, self._request)
             self._store.keep_files(submission.sha256, partial(pack, submission.files))
             if key in self._attempts:  # the same files were handed in twice: the first hand-in counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            again = self._order.force or submission.id in self._installed_since
+            again = self._request.force or submission.id in self._installed_since
             known = None if again else self._store.recall(key)
             if known is None and not again:
-                known = self._store.remark(key, self._order.rubric)
+                known = self._store.remark(key, self._request.rubric)
                 self._outcome.remarked += known is not None
             if known is None:
                 yield submission
@@ -435,7 +441,7 @@ class _Run:
         if figures is None:
             self._publisher.put(final_grade)
         else:
-            publish(self._order.out, final_grade, self._store, self._order.rubric.lab, figures)
+            publish(self._request.out, final_grade, self._store, self._request.rubric.lab, figures)
         self._audience.done(key.id, result, resumed=figures is None)
 
     def _final_grade(self, key: Key, attempt: _Attempt) -> FinalGrade:
@@ -457,13 +463,15 @@ class _Attempt:
     result: Result | None = None
 
 
-def _jobs(order: Order) -> int:
-    return order.jobs or os.cpu_count() or 1
+def _jobs(request: GradeRequest) -> int:
+    return request.jobs or os.cpu_count() or 1
 
 
-def opener(order: Order) -> OpenMarker:
+def opener(request: GradeRequest) -> OpenMarker:
     """Return the picklable function with which each worker process opens its marker."""
-    return partial(guarded_marker, order.rubric, order.traces, order.isolation_level, order.trusted, order.at_least)
+    return partial(
+        guarded_marker, request.rubric, request.traces, request.isolation_level, request.trusted, request.at_least
+    )
 
 
 @contextmanager
@@ -497,47 +505,49 @@ class _Drawing:
         return replace(result, evidence=replace(result.evidence, figures=drawn(unpacked(result.evidence.charts))))
 
 
-def _result(submission: Submission, order: Order, marked: Marked) -> Result:
+def _result(submission: Submission, request: GradeRequest, marked: Marked) -> Result:
     if isinstance(marked, Unmarked):
-        return unjudged(submission, order, marked.reason)
-    return stopped(submission, order, marked.reason) if isinstance(marked, Stopped) else marked
+        return unjudged(submission, request, marked.reason)
+    return stopped(submission, request, marked.reason) if isinstance(marked, Stopped) else marked
 
 
-def unjudged(submission: Submission, order: Order, reason: str) -> Result:
+def unjudged(submission: Submission, request: GradeRequest, reason: str) -> Result:
     """Return the result of a submission that the grader failed on: all points are open, none is lost."""
     note = f"The grader failed on this submission ({printable(reason, 300)}); grade it again"
-    return _without_marker(submission, order, "incomplete", CheckResult("", "", "not_judged", None, 0.0), note)
+    return _without_marker(submission, request, "incomplete", CheckResult("", "", "not_judged", None, 0.0), note)
 
 
-def stopped(submission: Submission, order: Order, reason: str) -> Result:
+def stopped(submission: Submission, request: GradeRequest, reason: str) -> Result:
     """Return the result of a submission whose marking was ended twice: every check timed out and earns nothing."""
     note = (
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
     )
     row = CheckResult("", "", "timeout", 0.0, 0.0, expected="an answer in time", got="none, twice", keeps=0.0)
-    return _without_marker(submission, order, "graded", row, note)
+    return _without_marker(submission, request, "graded", row, note)
 
 
-def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
+def _without_marker(
+    submission: Submission, request: GradeRequest, status: Status, row: CheckResult, note: str
+) -> Result:
     """Return a result in which every check of the criteria has the same outcome."""
-    known = known_checks(order.rubric.lab, order.rubric.own_checks)
+    known = known_checks(request.rubric.lab, request.rubric.own_checks)
     titles = {id_: check.title for id_, check in known.items()}
     found = Result(
         submission.name,
         status,
-        criteria=tuple(_alike(criterion, titles, row) for criterion in order.rubric.criteria),
-        extensions=tuple(ExtensionResult(each.id, False, each.points) for each in order.rubric.extensions),
+        criteria=tuple(_alike(criterion, titles, row) for criterion in request.rubric.criteria),
+        extensions=tuple(ExtensionResult(each.id, False, each.points) for each in request.rubric.extensions),
         notes=(*submission.notes, note),
-        lab=LabName(order.rubric.lab.label, order.rubric.lab.title),
+        lab=LabName(request.rubric.lab.label, request.rubric.lab.title),
         provenance={
             "grader": __version__,
-            "rubric_sha256": order.rubric.sha256,
-            "traces_sha256": order.traces.sha256,
+            "rubric_sha256": request.rubric.sha256,
+            "traces_sha256": request.traces.sha256,
             "submission_sha256": submission.sha256,
         },
     )
-    return marked(found, order.rubric)
+    return marked(found, request.rubric)
 
 
 def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) -> CriterionResult:
@@ -545,13 +555,13 @@ def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) ->
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 
-def _beside_out(entries: tuple[Entry, ...], order: Order) -> tuple[Entry, ...]:
+def _beside_out(entries: tuple[Entry, ...], request: GradeRequest) -> tuple[Entry, ...]:
     """Drop an empty OUT folder from the submissions; refuse an OUT that is a submission or the class folder itself."""
-    out = os.path.realpath(order.out)
+    out = os.path.realpath(request.out)
     within = [entry for entry in entries if os.path.realpath(entry.path) == out]
-    if out in map(os.path.realpath, order.paths) or any(entry.read().status != "empty" for entry in within):
+    if out in map(os.path.realpath, request.paths) or any(entry.read().status != "empty" for entry in within):
         raise RequestError(
-            f"-o {printable(str(order.out), 500)}: is one of the submissions; choose another folder for the results"
+            f"-o {printable(str(request.out), 500)}: is one of the submissions; choose another folder for the results"
         )
     return tuple(entry for entry in entries if entry not in within)
 
