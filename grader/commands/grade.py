@@ -116,8 +116,8 @@ def grade(
     if changed is not None:
         request = replace(request, change=_agreed(changed, change))
     screen = console()
-    with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
-        outcome = classroom.grade_class(request, found, audience)
+    with progress.Bar(screen) if screen.is_terminal else progress.Lines() as listener:
+        outcome = classroom.grade_class(request, found, listener)
     terminal.show_class(outcome, near(out / "index.html"), screen)
     if spot := blind_spot(bundle):
         say(spot)

@@ -96,10 +96,10 @@ class Class:
     others: Mapping[str, HandIn] = field(default_factory=dict)
 
 
-class Audience(Protocol):
+class ProgressListener(Protocol):
     """Receiver of progress reports of a run."""
 
-    def begins(self, total: int) -> None: ...
+    def start(self, total: int) -> None: ...
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
 
@@ -276,7 +276,7 @@ def _key(submission: Submission, request: GradeRequest) -> Key:
     return Key(submission.id, submission.sha256, request.rubric.sha256, request.traces.sha256, __version__)
 
 
-def grade_class(request: GradeRequest, found: Class, audience: Audience) -> Outcome:
+def grade_class(request: GradeRequest, found: Class, progress: ProgressListener) -> Outcome:
     """Grade every submission that is not recorded yet and write `request.out`.
 
     Each result is committed and its files are written as it arrives; the gradebook and the index are written at the
@@ -302,9 +302,9 @@ def grade_class(request: GradeRequest, found: Class, audience: Audience) -> Outc
         mismatches = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
         remarked = store.notices().get("remark", [])
         store.keep_notices({**mismatches, "remark": remarked})
-        audience.begins(len(found.entries))
+        progress.start(len(found.entries))
         with Publisher(request.out, store, request.rubric.lab, min(_WRITERS, _jobs(request))) as publisher:
-            run = _Run(request, store, audience, outcome, publisher)
+            run = _Run(request, store, progress, outcome, publisher)
             try:
                 run.grade(found.entries)
                 run.renew_repairs()
@@ -350,11 +350,11 @@ class _Run:
     """One pass over the class."""
 
     def __init__(
-        self, request: GradeRequest, store: Store, audience: Audience, outcome: Outcome, publisher: Publisher
+        self, request: GradeRequest, store: Store, progress: ProgressListener, outcome: Outcome, publisher: Publisher
     ) -> None:
         self._request = request
         self._store = store
-        self._audience = audience
+        self._progress = progress
         self._outcome = outcome
         self._publisher = publisher
         self._adjustments, self._reviews = store.adjustments(), store.reviews()
@@ -442,7 +442,7 @@ class _Run:
             self._publisher.put(final_grade)
         else:
             publish(self._request.out, final_grade, self._store, self._request.rubric.lab, figures)
-        self._audience.done(key.id, result, resumed=figures is None)
+        self._progress.done(key.id, result, resumed=figures is None)
 
     def _final_grade(self, key: Key, attempt: _Attempt) -> FinalGrade:
         if attempt.result is None:
