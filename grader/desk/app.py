@@ -12,14 +12,23 @@ from starlette.routing import Route
 
 from grader.base.errors import RequestError
 from grader.course.record import OvertakenError
-from grader.desk import asking, comparing, exports, grouping, overviews, regrade_requests, rubric_what_if, submissions
-from grader.desk.asking import Ask
+from grader.desk import (
+    comparing,
+    exports,
+    grouping,
+    overviews,
+    regrade_requests,
+    rubric_what_if,
+    submissions,
+    web_requests,
+)
 from grader.desk.auth import Guard, Keys
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import STATIC, page
+from grader.desk.web_requests import WebRequest
 
 _A_MOMENT_S = 0.8
-Handler = Callable[[Classbook, Ask], Response]
+Handler = Callable[[Classbook, WebRequest], Response]
 
 PAGES: dict[str, Handler] = {
     "/": overviews.review_queue,
@@ -60,10 +69,10 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
     def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:
         async def answer(request: Request) -> Response:
             try:
-                ask = await asking.read(request, called, author)
-                await _awaited(book, ask, request)
-                return await asyncio.get_running_loop().run_in_executor(book.thread, handler, book, ask)
-            except asking.TooLargeError:
+                web_request = await web_requests.read(request, called, author)
+                await _awaited(book, web_request, request)
+                return await asyncio.get_running_loop().run_in_executor(book.thread, handler, book, web_request)
+            except web_requests.TooLargeError:
                 return _refused("The form is too large: at most 2 MB.", 413)
             except OvertakenError as problem:
                 return _refused(
@@ -77,9 +86,14 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
         return answer
 
     async def set_author(request: Request) -> Response:
-        ask = await asking.read(request, called, author)
+        web_request = await web_requests.read(request, called, author)
         answer = RedirectResponse("/", 303)
-        answer.set_cookie(called, asking.in_cookie(asking.name(ask.text("name"))), httponly=True, samesite="strict")
+        answer.set_cookie(
+            called,
+            web_requests.in_cookie(web_requests.name(web_request.text("name"))),
+            httponly=True,
+            samesite="strict",
+        )
         return answer
 
     routes = [
@@ -92,10 +106,10 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
     return Guard(Starlette(routes=routes, exception_handlers=nothing), keys)
 
 
-async def _awaited(book: Classbook, ask: Ask, request: Request) -> None:
+async def _awaited(book: Classbook, web_request: WebRequest, request: Request) -> None:
     """Wait a moment for the job that a page is about, as most end within it; before an export, for the files of OUT."""
     loop = asyncio.get_running_loop()
-    job = book.jobs.get(ask.number("job"))
+    job = book.jobs.get(web_request.number("job"))
     if job is not None and not job.done:
         await loop.run_in_executor(None, job.ended.wait, _A_MOMENT_S)
     if request.method == "POST" and request.url.path == "/export":

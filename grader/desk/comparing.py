@@ -11,11 +11,11 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course.groups import alike
 from grader.course.warnings import equal
-from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.code import Line, coloured, source
 from grader.desk.overviews import framed
 from grader.desk.review_queue import address
+from grader.desk.web_requests import WebRequest
 from grader.engine.fingerprint import lines_with
 from grader.people.final_grade import FinalGrade
 from grader.report.similarity import Pair
@@ -42,13 +42,15 @@ class Excerpt:
     of: int
 
 
-def show_all(book: Classbook, ask: Ask) -> Response:
-    return framed(book, ask, "similar.html.j2", similar=book.similar(), together=lambda ids: address(alike(ids)))
+def show_all(book: Classbook, web_request: WebRequest) -> Response:
+    return framed(
+        book, web_request, "similar.html.j2", similar=book.similar(), together=lambda ids: address(alike(ids))
+    )
 
 
-def show(book: Classbook, ask: Ask) -> Response:
+def show(book: Classbook, web_request: WebRequest) -> Response:
     final_grades = book.final_grades()
-    two = [final_grades.get(ask.path[place]) for place in ("first", "second")]
+    two = [final_grades.get(web_request.path[place]) for place in ("first", "second")]
     first, second = two
     if first is None or second is None or first is second:
         raise RequestError("This pair does not exist")
@@ -57,7 +59,9 @@ def show(book: Classbook, ask: Ask) -> Response:
     kept = [book.kept(each).files for each in (first, second)]
     sides = [(each, excerpts(files, shared), bool(files)) for each, files in zip((first, second), kept, strict=True)]
     same = any(equal((first, second)))
-    return framed(book, ask, "pair.html.j2", sides=sides, pair=pair, same=same, others=_others(book, first, second))
+    return framed(
+        book, web_request, "pair.html.j2", sides=sides, pair=pair, same=same, others=_others(book, first, second)
+    )
 
 
 def _others(book: Classbook, first: FinalGrade, second: FinalGrade) -> list[Pair]:

@@ -11,49 +11,58 @@ from starlette.responses import Response
 from grader.base.errors import RequestError
 from grader.course import exporting
 from grader.course.exporting import Export, Plan
-from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
+from grader.desk.web_requests import WebRequest
 from grader.platforms import registry
 
 _TEMPLATE = "template.csv"
 
 
-def show(book: Classbook, ask: Ask) -> Response:
-    return _page(book, ask)
+def show(book: Classbook, web_request: WebRequest) -> Response:
+    return _page(book, web_request)
 
 
-def send(book: Classbook, ask: Ask) -> Response:
+def send(book: Classbook, web_request: WebRequest) -> Response:
     """Answer with the file, or with the page that says who would be left blank or what is wrong with which field."""
-    feedback = ask.text("do") == "feedback"
+    feedback = web_request.text("do") == "feedback"
     try:
         with tempfile.TemporaryDirectory() as folder:
-            plan = exporting.plan(_order(book, ask, Path(folder), feedback=feedback))
+            plan = exporting.plan(_order(book, web_request, Path(folder), feedback=feedback))
             if feedback:
                 plan.write()
                 return _download((Path(folder) / "reports.zip").read_bytes(), "reports.zip", "application/zip")
     except RequestError as problem:
-        return _page(book, ask, _beside(problem), code=400)
-    if plan.draft.blank and not ask.text("allow_blank"):
-        return _page(book, ask, plan=plan, code=400)
+        return _page(book, web_request, _beside(problem), code=400)
+    if plan.draft.blank and not web_request.text("allow_blank"):
+        return _page(book, web_request, plan=plan, code=400)
     return _download(plan.draft.data, plan.order.platform.gradebook, "text/csv; charset=utf-8")
 
 
-def _order(book: Classbook, ask: Ask, folder: Path, *, feedback: bool) -> Export:
+def _order(book: Classbook, web_request: WebRequest, folder: Path, *, feedback: bool) -> Export:
     """Return the export that a form asks for. Without an uploaded template, the roster on record serves as the template."""
-    name = ask.text("format") if not feedback else "csv"
+    name = web_request.text("format") if not feedback else "csv"
     if name not in registry.names("fill", "write"):
         raise RequestError("Choose a format")
     platform = registry.platform(name)
     target = folder / (platform.gradebook or "grades.csv")
     if feedback:
         return Export(book.out, platform, target, feedback=folder / "reports.zip")
-    text = ask.text("template") or _roster(book)
+    text = web_request.text("template") or _roster(book)
     template = folder / _TEMPLATE if platform.fill is not None and text else None
     if template is not None:
         template.write_bytes(text.encode("utf-8", "surrogateescape"))
-    how = "0" if ask.text("unreadable") else "blank"
-    return Export(book.out, platform, target, template, ask.text("column") or None, None, bool(ask.text("scale")), how)
+    how = "0" if web_request.text("unreadable") else "blank"
+    return Export(
+        book.out,
+        platform,
+        target,
+        template,
+        web_request.text("column") or None,
+        None,
+        bool(web_request.text("scale")),
+        how,
+    )
 
 
 def _roster(book: Classbook) -> str:
@@ -74,19 +83,23 @@ def _download(data: bytes, name: str, kind: str) -> Response:
 
 
 def _page(
-    book: Classbook, ask: Ask, errors: Mapping[str, str] | None = None, plan: Plan | None = None, code: int = 200
+    book: Classbook,
+    web_request: WebRequest,
+    errors: Mapping[str, str] | None = None,
+    plan: Plan | None = None,
+    code: int = 200,
 ) -> Response:
     settings = book.store.settings()
     people = (person for each in book.final_grades().values() for person in each.people)
     return framed(
         book,
-        ask,
+        web_request,
         "export.html.j2",
         code,
         platforms=[registry.platform(name) for name in registry.names("fill", "write")],
         roster=settings.roster_source if settings and settings.roster else "",
-        chosen=ask.text("format") or next((person.platform for person in people if person.platform), ""),
-        typed=ask.text,
+        chosen=web_request.text("format") or next((person.platform for person in people if person.platform), ""),
+        typed=web_request.text,
         lines=list(plan.lines()) if plan else [],
         errors=errors or {},
     )

@@ -11,21 +11,21 @@ from grader.base.errors import RequestError
 from grader.course import adjusting
 from grader.course.adjusting import OverrideRequest
 from grader.course.groups import CHECK, MISTAKE, SAME, Group, alike, decisions, groups
-from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
 from grader.desk.submissions import refused
+from grader.desk.web_requests import WebRequest
 from grader.people.final_grade import BONUS, TOTAL
 
 
-def show_all(book: Classbook, ask: Ask) -> Response:
+def show_all(book: Classbook, web_request: WebRequest) -> Response:
     found = groups(book.final_grades())
     kinds = {MISTAKE: "Same fault", CHECK: "Same failed check", SAME: "Same set of failed checks"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
     return framed(
         book,
-        ask,
+        web_request,
         "groups.html.j2",
         address=address,
         listed=listed,
@@ -33,11 +33,11 @@ def show_all(book: Classbook, ask: Ask) -> Response:
     )
 
 
-def show(book: Classbook, ask: Ask) -> Response:
-    return _page(book, ask, _one(book, ask))
+def show(book: Classbook, web_request: WebRequest) -> Response:
+    return _page(book, web_request, _one(book, web_request))
 
 
-def _page(book: Classbook, ask: Ask, group: Group, errors: Mapping[str, str] | None = None) -> Response:
+def _page(book: Classbook, web_request: WebRequest, group: Group, errors: Mapping[str, str] | None = None) -> Response:
     """Show a group; after a refused form, also its errors by field and the text that was typed."""
     final_grades = book.final_grades()
     members = [final_grades[id_] for id_ in group.ids]
@@ -45,13 +45,13 @@ def _page(book: Classbook, ask: Ask, group: Group, errors: Mapping[str, str] | N
     targets = [*group.checks, *criteria, TOTAL, BONUS] if group.checks else [TOTAL, BONUS, *criteria]
     return framed(
         book,
-        ask,
+        web_request,
         "group.html.j2",
         400 if errors else 200,
         group=group,
         errors=errors or {},
-        typed=ask.text,
-        selected=set(ask.all("id")) if errors else None,
+        typed=web_request.text,
+        selected=set(web_request.all("id")) if errors else None,
         address=address,
         members=members,
         targets=targets,
@@ -62,31 +62,35 @@ def _page(book: Classbook, ask: Ask, group: Group, errors: Mapping[str, str] | N
     )
 
 
-def decide(book: Classbook, ask: Ask) -> Response:
+def decide(book: Classbook, web_request: WebRequest) -> Response:
     """Record one decision for the selected submissions of a group."""
-    group = _one(book, ask)
-    chosen = [id_ for id_ in group.ids if id_ in set(ask.all("id"))]
-    target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
+    group = _one(book, web_request)
+    chosen = [id_ for id_ in group.ids if id_ in set(web_request.all("id"))]
+    target, points, comment = (
+        web_request.text("target"),
+        web_request.text("points").replace(",", "."),
+        web_request.text("comment"),
+    )
     final_grades = book.final_grades()
     errors = refused([final_grades[id_] for id_ in chosen], target, points, comment)
     if not chosen:
         errors["id"] = "Select at least one submission."
     if errors:
-        return _page(book, ask, group, errors)
+        return _page(book, web_request, group, errors)
     requests = [OverrideRequest(id_, target, points, comment, place=id_, alone=not points) for id_ in chosen]
-    book.decide(requests, ask.author, ask.number("seen"), group.what)
+    book.decide(requests, web_request.author, web_request.number("seen"), group.what)
     return RedirectResponse(f"{address(group)}#decisions", 303)
 
 
-def take_back(book: Classbook, ask: Ask) -> Response:
+def take_back(book: Classbook, web_request: WebRequest) -> Response:
     """Undo the parts of a decision that no later override has replaced."""
-    requests = adjusting.undone_decision(book.store, ask.number("number") or 0)
-    book.decide(requests, ask.author, ask.number("seen"))
+    requests = adjusting.undone_decision(book.store, web_request.number("number") or 0)
+    book.decide(requests, web_request.author, web_request.number("seen"))
     return RedirectResponse("/groups#decisions", 303)
 
 
-def _one(book: Classbook, ask: Ask) -> Group:
-    wanted = (ask.path["kind"], ask.path["key"])
+def _one(book: Classbook, web_request: WebRequest) -> Group:
+    wanted = (web_request.path["kind"], web_request.path["key"])
     together = (alike(each.ids) for each in queue(book) if each.others)
     every = itertools.chain(groups(book.final_grades()), together)
     found = next((group for group in every if (group.kind, group.key) == wanted), None)

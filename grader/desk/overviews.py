@@ -11,10 +11,10 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course import class_settings
 from grader.desk import review_queue as queue_of
-from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import page
 from grader.desk.review_queue import KINDS, Item
+from grader.desk.web_requests import WebRequest
 from grader.report import overview
 
 
@@ -24,14 +24,14 @@ def queue(book: Classbook) -> list[Item]:
     return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
 
 
-def review_queue(book: Classbook, ask: Ask) -> Response:
+def review_queue(book: Classbook, web_request: WebRequest) -> Response:
     """Show the first page: the open items of the review queue, then those marked as reviewed."""
     found = queue(book)
-    kind = ask.text("kind") if ask.text("kind") in KINDS else ""
+    kind = web_request.text("kind") if web_request.text("kind") in KINDS else ""
     open_ = [each for each in found if each.review is None]
     return framed(
         book,
-        ask,
+        web_request,
         "review_queue.html.j2",
         open=[each for each in open_ if kind in ("", each.reason.kind)],
         done=[each for each in found if each.review is not None and kind in ("", each.reason.kind)],
@@ -42,7 +42,7 @@ def review_queue(book: Classbook, ask: Ask) -> Response:
     )
 
 
-def class_page(book: Classbook, ask: Ask) -> Response:
+def class_page(book: Classbook, web_request: WebRequest) -> Response:
     waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
     everybody = book.final_grades().values()
     absent = class_settings.absent(book.store.settings(), {each.id: each.hand_in for each in everybody})
@@ -52,45 +52,45 @@ def class_page(book: Classbook, ask: Ask) -> Response:
     checks = overview.checks(results, overview.columns(results))
     return framed(
         book,
-        ask,
+        web_request,
         "class.html.j2",
         entries=entries,
         waiting=waiting,
-        find=printable(ask.text("find"), 200),
+        find=printable(web_request.text("find"), 200),
         filters=overview.filters(entries, overview.mistakes(everybody), checks),
         numbers=overview.numbers(entries),
     )
 
 
-def find(book: Classbook, ask: Ask) -> Response:
+def find(book: Classbook, web_request: WebRequest) -> Response:
     """Open the submission with this id, or the class page with the rows that match."""
-    who = ask.text("who")
+    who = web_request.text("who")
     if who in book.final_grades():
         return RedirectResponse(f"/submission/{quote(who, safe='')}", 303)
     return RedirectResponse(f"/class?find={quote(who, safe='')}", 303)
 
 
-def mark_reviewed(book: Classbook, ask: Ask) -> Response:
+def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
     """Mark items of the queue as reviewed, or open them again."""
     known = {each.key: each for each in queue(book)}
-    looked = [known.get(key) for key in ask.all("look")]
+    looked = [known.get(key) for key in web_request.all("look")]
     found = [(each.id, each.reason.kind, each.reason.about) for each in looked if each]
     if not found or len(found) < len(looked):
         raise RequestError("This item is no longer in the queue because the record has changed. Reload the page")
-    book.mark_reviewed(found, ask.author, done=ask.text("done") == "yes")
-    if ask.text("back") in book.final_grades():
-        return RedirectResponse(f"/submission/{quote(ask.text('back'), safe='')}", 303)
-    return RedirectResponse(f"/?kind={ask.text('kind')}" if ask.text("kind") in KINDS else "/", 303)
+    book.mark_reviewed(found, web_request.author, done=web_request.text("done") == "yes")
+    if web_request.text("back") in book.final_grades():
+        return RedirectResponse(f"/submission/{quote(web_request.text('back'), safe='')}", 303)
+    return RedirectResponse(f"/?kind={web_request.text('kind')}" if web_request.text("kind") in KINDS else "/", 303)
 
 
-def framed(book: Classbook, ask: Ask, template: str, code: int = 200, /, **values: object) -> Response:
+def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 200, /, **values: object) -> Response:
     """Render a page inside the frame that all pages share."""
     final_grades = book.final_grades()
     lab = next((each.result.lab for each in final_grades.values()), None)
     frame = {
         "final_grades": final_grades,
         "lab": lab.label if lab else "",
-        "author": ask.author,
+        "author": web_request.author,
         "trouble": book.trouble,
     }
     return page(template, code, **(frame | values))

@@ -16,9 +16,9 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course.adjusting import targets
 from grader.course.record import RegradeRequest
-from grader.desk.asking import MOST_BYTES, Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
+from grader.desk.web_requests import MOST_BYTES, WebRequest
 from grader.engine.rubric_nodes import guess_at
 from grader.people.final_grade import TOTAL, FinalGrade
 from grader.people.identity import Directory, Row
@@ -53,25 +53,25 @@ class Dropped:
     place: str
 
 
-def show(book: Classbook, ask: Ask) -> Response:
-    return _page(book, ask)
+def show(book: Classbook, web_request: WebRequest) -> Response:
+    return _page(book, web_request)
 
 
-def _page(book: Classbook, ask: Ask, problem: str = "", code: int = 200) -> Response:
+def _page(book: Classbook, web_request: WebRequest, problem: str = "", code: int = 200) -> Response:
     """Show the requests and the form; `problem` says what is wrong with the typed text, which is kept."""
     requests = book.requests()
     final_grades = book.final_grades()
     about = dict.fromkeys(target for final_grade in final_grades.values() for target in targets(final_grade))
     return framed(
         book,
-        ask,
+        web_request,
         "regrade_requests.html.j2",
         code,
         open=[each for each in requests if not each.answered and each.id in final_grades],
         answered=[each for each in reversed(requests) if each.answered and each.id in final_grades],
         about=about,
-        message=ask.text("message"),
-        typed={name: (ask.form.get(name) or [""])[0] for name in ("text", "who", "about")},
+        message=web_request.text("message"),
+        typed={name: (web_request.form.get(name) or [""])[0] for name in ("text", "who", "about")},
         errors={_field(problem): problem.replace(_NOBODY, "Choose a student.")} if problem else {},
     )
 
@@ -83,13 +83,13 @@ def _field(problem: str) -> str:
     return "about" if "no check" in problem else "who" if "no student" in problem else "text"
 
 
-def add(book: Classbook, ask: Ask) -> Response:
+def add(book: Classbook, web_request: WebRequest) -> Response:
     """Record the requests in a form: one student's text, a JSON file, or a table of many."""
     try:
-        dropped = list(read(ask.text("text"), ask.text("who"), ask.text("about")))
+        dropped = list(read(web_request.text("text"), web_request.text("who"), web_request.text("about")))
         new = book.store.keep_regrade_requests(placed(dropped, book.final_grades()))
     except RequestError as problem:
-        return _page(book, ask, str(problem), 400)
+        return _page(book, web_request, str(problem), 400)
     return RedirectResponse(f"/regrade-requests?message={quote(added(new, len(dropped)))}", 303)
 
 

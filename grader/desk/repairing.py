@@ -15,10 +15,10 @@ from grader.course.patches import diff_of
 from grader.course.record import OvertakenError
 from grader.course.repair_log import MAX_COMMENT, patched, sha256_of
 from grader.course.repairs import Grading, Preview, RepairRequest
-from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.editing import as_bytes, editable
 from grader.desk.repair_jobs import Job, Kind
+from grader.desk.web_requests import WebRequest
 from grader.engine.results import Result
 from grader.people.final_grade import FinalGrade
 from grader.report.causes import Stop, stops
@@ -89,21 +89,26 @@ class Editor:
 
 
 def editor(
-    book: Classbook, final_grade: FinalGrade, ask: Ask, errors: Mapping[str, str] | None = None
+    book: Classbook, final_grade: FinalGrade, web_request: WebRequest, errors: Mapping[str, str] | None = None
 ) -> Editor | None:
     """Return the editor for the job, refused form or file of a request; None if there is nothing to edit."""
-    job = book.jobs.get(ask.number("job") or ask.number("seen"))
+    job = book.jobs.get(web_request.number("job") or web_request.number("seen"))
     if job is not None and job.id != final_grade.id:
         job = None
     ended = job is not None and job.done
-    file = job.file if job else ask.text("file") if ask.form else ask.text("edit")
+    file = job.file if job else web_request.text("file") if web_request.form else web_request.text("edit")
     files = current(book, final_grade)
     if file not in files or (job and ended and not job.problem and job.kind in ("save", "undo")):
         return None
     content = files[file]
     original = editable(file, content)
     if errors is not None:
-        text, deduct, comment, also = _typed(ask), ask.text("deduct"), ask.text("comment"), tuple(ask.all("also"))
+        text, deduct, comment, also = (
+            _typed(web_request),
+            web_request.text("deduct"),
+            web_request.text("comment"),
+            tuple(web_request.all("also")),
+        )
     elif job:
         text, deduct, comment, also = job.text, job.deduct, job.comment, job.also
     else:
@@ -180,32 +185,32 @@ def _errors(result: Result, book: Classbook, file: str) -> list[tuple[int | None
     return [(each.line, each.error) for each in stops(result, book.lab) if each.file == file]
 
 
-def change(book: Classbook, ask: Ask, final_grade: FinalGrade) -> Job | Mapping[str, str]:
+def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) -> Job | Mapping[str, str]:
     """Start the job of a form: preview, suggest, save or undo. Return the job, or the errors by field."""
-    do = ask.text("do")
+    do = web_request.text("do")
     if do == "undo":
-        job = Job("undo", final_grade.id, ask.text("file"))
-        return book.jobs.start(job, partial(_undo, book, job, ask.author))
-    content = current(book, final_grade).get(ask.text("file"))
+        job = Job("undo", final_grade.id, web_request.text("file"))
+        return book.jobs.start(job, partial(_undo, book, job, web_request.author))
+    content = current(book, final_grade).get(web_request.text("file"))
     if content is None:
         raise RequestError("This file does not exist")
-    if ask.text("base") != sha256_of(content):
-        raise OvertakenError(f"Somebody has repaired {ask.text('file')} since you opened it")
-    seen = book.jobs.get(ask.number("seen"))
+    if web_request.text("base") != sha256_of(content):
+        raise OvertakenError(f"Somebody has repaired {web_request.text('file')} since you opened it")
+    seen = book.jobs.get(web_request.number("seen"))
     kind: Kind = "suggest" if do == "suggest" else "save" if do == "save" else "preview"
-    if kind == "save" and (seen is None or seen.text != _typed(ask)):
+    if kind == "save" and (seen is None or seen.text != _typed(web_request)):
         kind = "preview"  # a repair is saved only after a preview of its grade
-    wrong = _wrong(book, ask) if kind == "save" else {}
+    wrong = _wrong(book, web_request) if kind == "save" else {}
     if wrong:
         return wrong
     job = Job(
         kind,
         final_grade.id,
-        ask.text("file"),
-        _typed(ask),
-        ask.text("deduct"),
-        ask.text("comment"),
-        tuple(ask.all("also")),
+        web_request.text("file"),
+        _typed(web_request),
+        web_request.text("deduct"),
+        web_request.text("comment"),
+        tuple(web_request.all("also")),
     )
     edited = as_bytes(content, job.text)
     if kind != "suggest" and edited == content:
@@ -214,23 +219,23 @@ def change(book: Classbook, ask: Ask, final_grade: FinalGrade) -> Job | Mapping[
     if kind == "save":
         known = {each.id for each in alike(book, final_grade, job.file)}
         ids = [final_grade.id, *(each for each in job.also if each in known)]
-        return book.jobs.start(job, partial(_save, book, job, request, ids, ask.author))
+        return book.jobs.start(job, partial(_save, book, job, request, ids, web_request.author))
     return book.jobs.start(job, partial(_suggest if kind == "suggest" else _preview, book, job, request))
 
 
-def _typed(ask: Ask) -> str:
-    return (ask.form.get("text") or [""])[0].replace("\r\n", "\n").replace("\r", "\n")
+def _typed(web_request: WebRequest) -> str:
+    return (web_request.form.get("text") or [""])[0].replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _wrong(book: Classbook, ask: Ask) -> dict[str, str]:
+def _wrong(book: Classbook, web_request: WebRequest) -> dict[str, str]:
     found = {}
     most = max((each.result.max_score for each in book.final_grades().values()), default=0.0)
-    points = _number(ask.text("deduct"))
+    points = _number(web_request.text("deduct"))
     if points is None or not 0 <= points <= most or round(points, 2) != points:
         found["deduct"] = f"Enter points from 0 to {most:g}, with at most two decimals."
-    if not ask.text("comment"):
+    if not web_request.text("comment"):
         found["comment"] = "Say what you changed. The student reads this."
-    elif len(ask.text("comment")) > MAX_COMMENT:
+    elif len(web_request.text("comment")) > MAX_COMMENT:
         found["comment"] = f"At most {MAX_COMMENT} characters."
     return found
 

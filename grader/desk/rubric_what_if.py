@@ -18,9 +18,9 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.course import regrade
-from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
+from grader.desk.web_requests import WebRequest
 from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import LARGEST
@@ -55,32 +55,35 @@ class Outlook:
     bars: tuple[list[overview.Bar], list[overview.Bar]]
 
 
-def show(book: Classbook, ask: Ask) -> Response:
-    return _page(book, ask, message=ask.text("message"))
+def show(book: Classbook, web_request: WebRequest) -> Response:
+    return _page(book, web_request, message=web_request.text("message"))
 
 
-def save(book: Classbook, ask: Ask) -> Response:
+def save(book: Classbook, web_request: WebRequest) -> Response:
     """Write the changed rubric into OUT; with `do=mark`, regrade the class by it."""
     try:
-        changed, text = _changed(book, ask)
+        changed, text = _changed(book, web_request)
     except RequestError:
-        return _page(book, ask, "", 400)
+        return _page(book, web_request, "", 400)
     target = book.out / f"rubric-{now()[:19].replace(':', '')}.yaml"
     write_whole(target, text)
     message = f"Saved as {target}"
-    if ask.text("do") == "mark":
+    if web_request.text("do") == "mark":
         book.mark_by(replace(changed, source=str(target)))
         message += ", and the class is regraded by it"
     return RedirectResponse(f"/what-if?message={quote(message)}", 303)
 
 
-def _page(book: Classbook, ask: Ask, message: str, code: int = 200) -> Response:
+def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 200) -> Response:
     final_grades = book.final_grades()
     base = book.rubric
     problem, outlook, changed = "", None, base
-    errors, typed = _errors(ask), {**ask.query, **{name: values for name, values in ask.form.items() if name != "do"}}
+    errors, typed = (
+        _errors(web_request),
+        {**web_request.query, **{name: values for name, values in web_request.form.items() if name != "do"}},
+    )
     try:
-        changed, _ = _changed(book, ask)
+        changed, _ = _changed(book, web_request)
         if (changed.sha256, changed.late) != (base.sha256, base.late):
             outlook = _outlook(final_grades, regrade.under(final_grades, changed))
     except RequestError as error:
@@ -89,13 +92,13 @@ def _page(book: Classbook, ask: Ask, message: str, code: int = 200) -> Response:
     digests = {str(each.result.provenance.get("rubric_sha256")) for each in final_grades.values()}
     return framed(
         book,
-        ask,
+        web_request,
         "what_if.html.j2",
         code,
         rubric=base,
         shown={part.id: part for part in changed.criteria},
         titles={c.id: c.title for s in final_grades.values() for part in s.result.criteria for c in part.checks},
-        given=lambda name, value: ask.text(name) or ("" if _is_late(name) and name in typed else value),
+        given=lambda name, value: web_request.text(name) or ("" if _is_late(name) and name in typed else value),
         late=_late_fields(base),
         errors=errors,
         mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
@@ -108,7 +111,7 @@ def _page(book: Classbook, ask: Ask, message: str, code: int = 200) -> Response:
     )
 
 
-def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
+def _changed(book: Classbook, web_request: WebRequest) -> tuple[Rubric, str]:
     """Return the changed rubric and its text.
 
     Raises
@@ -118,8 +121,12 @@ def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
     """
     base = book.rubric
     data: dict[str, Any] = yaml.safe_load(base.text)
-    _change_late(data, {**ask.query, **ask.form})
-    fields = {name: values[0].strip() for name, values in {**ask.query, **ask.form}.items() if values[0].strip()}
+    _change_late(data, {**web_request.query, **web_request.form})
+    fields = {
+        name: values[0].strip()
+        for name, values in {**web_request.query, **web_request.form}.items()
+        if values[0].strip()
+    }
     for part in [*data["criteria"], *data["extensions"]]:
         if f"points:{part['id']}" in fields:
             part["points"] = _number(fields[f"points:{part['id']}"])
@@ -184,10 +191,10 @@ def _change_late(data: dict[str, Any], given: Mapping[str, list[str]]) -> None:
     }
 
 
-def _errors(ask: Ask) -> dict[str, str]:
+def _errors(web_request: WebRequest) -> dict[str, str]:
     """Return what is wrong with which field: those that take a number."""
     errors = {}
-    for name, values in {**ask.query, **ask.form}.items():
+    for name, values in {**web_request.query, **web_request.form}.items():
         text = values[0].strip()
         takes_number = name.startswith(("points:", "weight:", "price:")) or name in _NUMBERS
         value = _number(text) if text else 0

@@ -15,7 +15,6 @@ from grader.course import adjusting
 from grader.course.adjusting import ALONE, OverrideRequest
 from grader.course.record import RegradeRequest
 from grader.desk import repairing
-from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.code import SubmittedFiles, defined, named_lines, submitted_files, unshowable
 from grader.desk.editing import editable
@@ -23,6 +22,7 @@ from grader.desk.overviews import framed, queue
 from grader.desk.repair_jobs import Job
 from grader.desk.repairing import Editor
 from grader.desk.review_queue import Item
+from grader.desk.web_requests import WebRequest
 from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, summed, under, worth
@@ -106,23 +106,23 @@ class Part:
     figures: tuple[Figure, ...]
 
 
-def show(book: Classbook, ask: Ask) -> Response:
-    final_grade = one(book, ask)
-    return _page(book, ask, final_grade, repairing.editor(book, final_grade, ask))
+def show(book: Classbook, web_request: WebRequest) -> Response:
+    final_grade = one(book, web_request)
+    return _page(book, web_request, final_grade, repairing.editor(book, final_grade, web_request))
 
 
-def repair(book: Classbook, ask: Ask) -> Response:
+def repair(book: Classbook, web_request: WebRequest) -> Response:
     """Preview, suggest, save or undo a repair: start it, and show the page that says how it goes on."""
-    final_grade = one(book, ask)
-    found = repairing.change(book, ask, final_grade)
+    final_grade = one(book, web_request)
+    found = repairing.change(book, web_request, final_grade)
     if isinstance(found, Job):
         return repairing.answer(final_grade, found)
-    return _page(book, ask, final_grade, repairing.editor(book, final_grade, ask, found), 422)
+    return _page(book, web_request, final_grade, repairing.editor(book, final_grade, web_request, found), 422)
 
 
 def _page(
     book: Classbook,
-    ask: Ask,
+    web_request: WebRequest,
     final_grade: FinalGrade,
     editor: Editor | None,
     code_: int = 200,
@@ -134,7 +134,7 @@ def _page(
     beside = _Beside(requests, typed)
     kept = replace(book.kept(final_grade), files=repairing.current(book, final_grade))
     result = final_grade.result
-    job = book.jobs.get(ask.number("job"))
+    job = book.jobs.get(web_request.number("job"))
     marked = result.status not in ("empty", "unreadable")
     parts: Sequence[CriterionResult | ExtensionResult] = [*result.criteria, *(e for e in result.extensions if e.checks)]
     named = named_lines((check for part in parts for check in part.checks), kept.files)
@@ -150,7 +150,7 @@ def _page(
     )  # the first lost check's file first
     return framed(
         book,
-        ask,
+        web_request,
         "submission.html.j2",
         code_,
         editor=editor,
@@ -177,15 +177,21 @@ def _page(
     )
 
 
-def override(book: Classbook, ask: Ask) -> Response:
+def override(book: Classbook, web_request: WebRequest) -> Response:
     """Record an override or a comment, or undo the last one."""
-    final_grade = one(book, ask)
-    target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
-    if ask.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
-        return _page(book, ask, final_grade, None, 400, Typed(target, ask.text("points"), comment, wrong))
-    if ask.text("do") in ("undo", "undo-comment"):
-        override = adjusting.undone(book.store, final_grade.id, target, alone=ask.text("do") == "undo-comment")
-    elif ask.text("do") == "withdraw":
+    final_grade = one(book, web_request)
+    target, points, comment = (
+        web_request.text("target"),
+        web_request.text("points").replace(",", "."),
+        web_request.text("comment"),
+    )
+    if web_request.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
+        return _page(
+            book, web_request, final_grade, None, 400, Typed(target, web_request.text("points"), comment, wrong)
+        )
+    if web_request.text("do") in ("undo", "undo-comment"):
+        override = adjusting.undone(book.store, final_grade.id, target, alone=web_request.text("do") == "undo-comment")
+    elif web_request.text("do") == "withdraw":
         override = OverrideRequest(final_grade.id, target, "", comment or "withdrawn", place=final_grade.id)
     else:
         override = OverrideRequest(
@@ -193,9 +199,9 @@ def override(book: Classbook, ask: Ask) -> Response:
         )
         if not comment:
             raise RequestError("Enter a comment. Nothing was saved")
-    book.decide([override], ask.author, ask.number("seen"))
-    if answers := ask.number("answers"):
-        book.store.answer(answers, comment, ask.author, now())
+    book.decide([override], web_request.author, web_request.number("seen"))
+    if answers := web_request.number("answers"):
+        book.store.answer(answers, comment, web_request.author, now())
     return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}#override-{target.replace('.', '-')}", 303)
 
 
@@ -224,10 +230,10 @@ def _is_from_0_to(text: str, most: float) -> bool:
         return False
 
 
-def picture(book: Classbook, ask: Ask) -> Response:
+def picture(book: Classbook, web_request: WebRequest) -> Response:
     """Serve a submitted picture. Only files with a PNG header are served, so a browser cannot run them."""
-    kept = book.kept(one(book, ask))
-    place = int(ask.path["place"])
+    kept = book.kept(one(book, web_request))
+    place = int(web_request.path["place"])
     contents = list(kept.files.values())
     if place >= len(contents) or unshowable(contents[place]):
         raise RequestError("This picture does not exist")
@@ -240,8 +246,8 @@ def _comments(book: Classbook) -> list[str]:
     return [printable(comment, 300) for comment, _ in used.most_common(_MOST_COMMENTS)]
 
 
-def one(book: Classbook, ask: Ask) -> FinalGrade:
-    final_grade = book.final_grades().get(ask.path["id"])
+def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
+    final_grade = book.final_grades().get(web_request.path["id"])
     if final_grade is None:
         raise RequestError("This submission does not exist")
     return final_grade

@@ -21,7 +21,7 @@ class TooLargeError(Exception):
 
 
 @dataclass(frozen=True)
-class Ask:
+class WebRequest:
     """One request.
 
     Attributes
@@ -53,7 +53,7 @@ class Ask:
         return self.form.get(name, [])
 
 
-async def read(request: Request, cookie: str, author: str) -> Ask:
+async def read(request: Request, cookie: str, author: str) -> WebRequest:
     """Read a request.
 
     Raises
@@ -71,7 +71,7 @@ async def read(request: Request, cookie: str, author: str) -> Ask:
                 raise TooLargeError
     said = unquote(request.cookies.get(cookie, ""))
     fields = (_fields(data.decode("utf-8", "replace")), _fields(request.url.query))
-    return Ask(name(said) or author, *fields, request.path_params)
+    return WebRequest(name(said) or author, *fields, request.path_params)
 
 
 def name(text: str) -> str:
