@@ -176,7 +176,7 @@ def now() -> str:
     return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 
-class _Beside(Store):
+class _ReadingStore(Store):
     """A second connection for reading. The desk's own connection writes, so that it sees no foreign change."""
 
     def __init__(self, out: Path, keep: Callable[[Mapping[str, str]], None]) -> None:
@@ -230,6 +230,6 @@ class _Publisher:
                 self.trouble = f"The files of {self._out} could not be written: {problem}"
 
     def _publish(self, ids: set[str]) -> None:
-        with _Beside(self._out, self._keep) as store:
+        with _ReadingStore(self._out, self._keep) as store:
             final_grades = publish_class(self._out, store, self._lab)
             publish_all(self._out, (final_grades[id_] for id_ in sorted(ids)), store, self._lab)
