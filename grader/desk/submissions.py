@@ -43,7 +43,7 @@ class Typed:
 
 
 @dataclass(frozen=True)
-class _Beside:
+class _PageExtras:
     """Content of a submission's page beside its result: regrade requests, and a form that was refused."""
 
     requests: Sequence[RegradeRequest]
@@ -87,13 +87,13 @@ class Row:
     """One check: its feedback, its overrides, and the lines of code that it is about."""
 
     row: words.Row
-    said: Overrides | None
+    overrides: Overrides | None
     places: tuple[Place, ...]
 
     @property
     def folded(self) -> bool:
         """Return whether the check passed and has no override, comment, regrade request or refused form."""
-        return self.row.outcome.kind == "passed" and not (self.said and self.said.asked)
+        return self.row.outcome.kind == "passed" and not (self.overrides and self.overrides.asked)
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Part:
     id: str
     title: str
     points: str
-    said: Overrides | None
+    overrides: Overrides | None
     rows: tuple[Row, ...]
     figures: tuple[Figure, ...]
 
@@ -131,7 +131,7 @@ def _page(
     items = queue(book)
     history = book.history(final_grade.id)
     requests = [each for each in book.requests() if each.id == final_grade.id]
-    beside = _Beside(requests, typed)
+    extras = _PageExtras(requests, typed)
     kept = replace(book.kept(final_grade), files=repairing.current(book, final_grade))
     result = final_grade.result
     job = book.jobs.get(web_request.number("job"))
@@ -142,7 +142,7 @@ def _page(
     definitions = {each.id: list(defined(kept, each.names)) for each in (*book.lab.parts, *book.lab.bonuses)}
     code = _Code(files, named, definitions)
     shown = book.store.charts(final_grade.id)
-    shown_parts = [_part(final_grade, part, code, shown, beside) for part in parts]
+    shown_parts = [_part(final_grade, part, code, shown, extras) for part in parts]
     shown_parts.sort(key=lambda part: all(row.folded for row in part.rows))  # criteria with deductions first
     places = [place.path for part in shown_parts for row in part.rows if not row.folded for place in row.places]
     listings = tuple(
@@ -166,14 +166,14 @@ def _page(
         comments=_comments(book),
         keys=_keys(shown_parts if marked else (), requests),
         marked=marked,
-        whole=[_said(final_grade, target, beside) for target in (TOTAL, BONUS)],
+        whole=[_overrides(final_grade, target, extras) for target in (TOTAL, BONUS)],
         files=replace(files, listings=listings),
         items=[each for each in items if final_grade.id in each.ids],
         history=list(reversed(history)),
         describe=adjusting.said,
         decisions=book.store.decisions(),
         seen=max((each.number for each in history), default=0),
-        way=_way(list(book.final_grades()), final_grade.id, items),
+        neighbours=_neighbours(list(book.final_grades()), final_grade.id, items),
     )
 
 
@@ -276,7 +276,7 @@ def _part(
     part: CriterionResult | ExtensionResult,
     code: _Code,
     shown: Sequence[Chart],
-    beside: _Beside,
+    extras: _PageExtras,
 ) -> Part:
     lab = final_grade.result.lab
     figures = tuple(
@@ -288,19 +288,19 @@ def _part(
     rows = tuple(
         Row(
             words.row(each, part.id, lab),
-            _said(final_grade, each.id, beside) if by_hand else None,
+            _overrides(final_grade, each.id, extras) if by_hand else None,
             code.places(each, part.id),
         )
         for each in part.checks
     )
     if isinstance(part, CriterionResult):
         points = words.fraction(final_grade.points(part), part.max_points)
-        return Part(part.id, part.title, points, _said(final_grade, part.id, beside), rows, figures)
+        return Part(part.id, part.title, points, _overrides(final_grade, part.id, extras), rows, figures)
     title = f"Extension: {part.id.replace('_', ' ')}"
     return Part(part.id, title, words.extension_points(part), None, rows, figures)
 
 
-def _said(final_grade: FinalGrade, target: str, beside: _Beside) -> Overrides:
+def _overrides(final_grade: FinalGrade, target: str, extras: _PageExtras) -> Overrides:
     comments = (each for each in final_grade.adjustments if each.alone and each.criterion == target)
     return Overrides(
         target,
@@ -309,8 +309,8 @@ def _said(final_grade: FinalGrade, target: str, beside: _Beside) -> Overrides:
         final_grade.adjustment(target),
         next(comments, None),
         adjusting.covering(final_grade, target),
-        tuple(each for each in beside.requests if (each.about or TOTAL) == target),
-        beside.typed if beside.typed and beside.typed.target == target else None,
+        tuple(each for each in extras.requests if (each.about or TOTAL) == target),
+        extras.typed if extras.typed and extras.typed.target == target else None,
     )
 
 
@@ -320,13 +320,18 @@ def _keys(parts: Sequence[Part], requests: Sequence[RegradeRequest]) -> dict[str
     That is the target of an open regrade request, else the first check that lost points, else the total.
     """
     asked = [each.about or TOTAL for each in requests if not each.answered]
-    lost = [row.said.target for part in parts for row in part.rows if row.said and row.row.outcome.kind != "passed"]
+    lost = [
+        row.overrides.target
+        for part in parts
+        for row in part.rows
+        if row.overrides and row.row.outcome.kind != "passed"
+    ]
     keys = {TOTAL: "m", BONUS: "o"}
     return keys | {first: f"b {keys.get(first, '')}".strip() for first in [*asked, *lost, TOTAL][:1]}
 
 
 @dataclass(frozen=True)
-class Way:
+class Neighbours:
     """The previous and next submission, and the next that needs review; "" where there is none."""
 
     place: int
@@ -336,10 +341,10 @@ class Way:
     next_open: str
 
 
-def _way(ids: Sequence[str], id_: str, items: Sequence[Item]) -> Way:
+def _neighbours(ids: Sequence[str], id_: str, items: Sequence[Item]) -> Neighbours:
     here = ids.index(id_)
     waiting = {id_ for each in items if each.review is None for id_ in each.ids}
     later = [each for each in (*ids[here + 1 :], *ids[:here]) if each in waiting]
     previous = ids[here - 1] if here else ""
     following = ids[here + 1] if here + 1 < len(ids) else ""
-    return Way(here + 1, len(ids), previous, following, later[0] if later else "")
+    return Neighbours(here + 1, len(ids), previous, following, later[0] if later else "")
