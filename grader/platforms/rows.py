@@ -52,7 +52,7 @@ def together(cause: Cause, lab: LabName) -> str:
     """Return the text of the checks of one cause, each sentence once."""
     said = [line for _, lines in causes.lines_by_check(cause) for line in lines]
     again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
-    return "\n".join(_plain_line(line) for line in [*said, *causes.going_on(cause, lab), *again])
+    return "\n".join(_plain_line(line) for line in [*said, *causes.next_lines(cause, lab), *again])
 
 
 def _plain_line(line: words.Line) -> str:

@@ -145,7 +145,7 @@ def cost_now(cause: Cause) -> list[words.Line]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.Line]]]:
-    """Return each check of a cause with the lines that no earlier check of it has. Hints are left out: see `going_on`."""
+    """Return each check of a cause with the lines that no earlier check of it has. Hints are left out: see `next_lines`."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 
@@ -166,7 +166,7 @@ def _where(said: Iterable[words.Line]) -> list[words.Line]:
     return [words.Line(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
 
 
-def going_on(cause: Cause, lab: LabName) -> list[words.Line]:
+def next_lines(cause: Cause, lab: LabName) -> list[words.Line]:
     """Return the cost of code that does not run, then the hints and the reading of all checks of a cause."""
     hints = dict.fromkeys(
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"

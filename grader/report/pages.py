@@ -90,7 +90,7 @@ class Deduction:
     why: tuple[str, ...]
     checks: tuple[DeductedCheck, ...]
     waiting: str
-    going_on: tuple[words.Line, ...]
+    next_lines: tuple[words.Line, ...]
 
 
 @dataclass(frozen=True)
@@ -351,7 +351,7 @@ def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, Mistake]) -> 
         tuple(mistake.explanation.strip() for mistake in named),
         shown,
         _count(cause.waiting),
-        (*causes.going_on(cause, lab), causes.again(cause)),
+        (*causes.next_lines(cause, lab), causes.again(cause)),
     )
 
 

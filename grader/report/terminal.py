@@ -231,7 +231,7 @@ def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change, *, read
     for check, news in causes.lines_by_check(cause):
         lines += _head(check, setting, change.was(check))
         lines += [line for text in news for line in setting.labelled(text.label, text.text)]
-    for line in causes.going_on(cause, lab):
+    for line in causes.next_lines(cause, lab):
         if read or line.label != "Read":
             lines += setting.labelled(line.label, line.text)
     return lines
