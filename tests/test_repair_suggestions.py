@@ -11,7 +11,7 @@ from dataclasses import replace
 import pytest
 
 from grader.course import repair_suggestions
-from grader.course.repair_candidates import Made, candidates, limited
+from grader.course.repair_candidates import Candidates, candidates, limited
 from grader.course.repair_suggestions import MOST, suggest
 from grader.engine.findings import Where
 from grader.engine.results import CheckResult, CriterionResult, Result
@@ -59,7 +59,7 @@ def test_edits_are_made_in_a_process_that_a_limit_ends() -> None:
     assert limited(b"def f(x)\n    return x\n", 0, "f", 1).files == (b"def f(x):\n    return x\n",)
     began = time.monotonic()
     endless = b"x = ((((\n" + b"a, " * 30_000 + b"\n" + b"b, " * 300  # no edit closes it; 1500 are read to the end
-    assert limited(endless, 2, "f", MOST, cpu_s=1) == Made(cpu_s=1)
+    assert limited(endless, 2, "f", MOST, cpu_s=1) == Candidates(cpu_s=1)
     assert time.monotonic() - began < 20
 
 
@@ -70,8 +70,8 @@ def test_candidates_and_cpu_time_are_those_of_the_whole_submission(monkeypatch: 
         budgets.append(cpu_s)
         return replace(broken, cpu_s=1.0)
 
-    def made(content: bytes, row: int, name: str, most: int) -> Made:
-        return Made(tuple(b"%d" % number for number in range(most)), 2.0)
+    def made(content: bytes, row: int, name: str, most: int) -> Candidates:
+        return Candidates(tuple(b"%d" % number for number in range(most)), 2.0)
 
     check = CheckResult("filtering.follows_recursion", "", "error", 0.0, 6.0, where=Where("filters.py", 1))
     other = replace(check, id="noise_model.noise_size", where=Where("noisy_imu.py", 1))
@@ -85,6 +85,6 @@ def test_candidates_and_cpu_time_are_those_of_the_whole_submission(monkeypatch: 
     assert suggest(handed_in, broken, LAB, mark) is None
     assert budgets == [float(left) for left in range(18, 0, -1)]
     budgets.clear()
-    monkeypatch.setattr(repair_suggestions, "limited", lambda *each: Made(made(*each).files))
+    monkeypatch.setattr(repair_suggestions, "limited", lambda *each: Candidates(made(*each).files))
     assert suggest(handed_in, broken, LAB, lambda each, cpu_s=None: replace(mark(each, cpu_s), cpu_s=0.1)) is None
     assert len(budgets) == MOST

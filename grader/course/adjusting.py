@@ -101,7 +101,7 @@ def adjust(lab: Lab, out: Path, requests: Sequence[OverrideRequest], author: str
 
 
 @dataclass(frozen=True)
-class Made:
+class RecordedOverride:
     """A recorded request; `fresh` is False if it was already in force."""
 
     id: str
@@ -117,7 +117,7 @@ def decide(
     *,
     seen: int | None = None,
     what: str = "",
-) -> list[Made]:
+) -> list[RecordedOverride]:
     """Record all requests or none. `Store.adjust` explains `seen` and `what`.
 
     Raises
@@ -131,7 +131,7 @@ def decide(
         raise RequestError("\n".join(problems))
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
     made = [(request.id, _adjustment(request, final_grades[request.id], author, now)) for request in requests]
-    recorded = [Made(id_, each, not _stands(each, final_grades[id_])) for id_, each in made]
+    recorded = [RecordedOverride(id_, each, not _stands(each, final_grades[id_])) for id_, each in made]
     store.adjust([(each.id, each.adjustment) for each in recorded if each.fresh], seen, what)
     return recorded
 
@@ -294,7 +294,7 @@ def _stands(override: Adjustment, final_grade: FinalGrade) -> bool:
     return same_points and now.out_of in ({}, override.out_of)
 
 
-def _line_on(made: Made, final_grade: FinalGrade) -> str:
+def _line_on(made: RecordedOverride, final_grade: FinalGrade) -> str:
     final = "open" if final_grade.final is None else words.number(final_grade.final)
     before = "" if made.fresh else " (as before)"
     return f"{printable(made.id, 80)} {made.adjustment.criterion} {said(made.adjustment)}{before}, final {final}"

@@ -37,14 +37,14 @@ _WORDS = ("data", "model", "self", "range", "len", "print", "abs", "int", "float
 
 
 @dataclass(frozen=True)
-class Made:
+class Candidates:
     """Edited copies of a file, and the CPU time that it took to make them."""
 
     files: tuple[bytes, ...] = ()
     cpu_s: float = 0.0
 
 
-def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Made:
+def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
     """Return at most `most` candidates from a new process; none if the process exceeded a limit."""
     with starting_ours() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
@@ -52,12 +52,12 @@ def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S)
     try:
         return made.result(timeout=6 * cpu_s + _START_S)
     except (OSError, RuntimeError, MemoryError, TimeoutError):  # a limit ended the process, or the machine is too busy
-        return Made(cpu_s=cpu_s)
+        return Candidates(cpu_s=cpu_s)
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
 
 
-def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -> Made:
+def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -> Candidates:
     began = time.process_time()
     used = math.ceil(began)  # starting the process took that long
     with suppress(ImportError):  # Windows has no such limits; the time of the call is bounded there, too
@@ -65,7 +65,7 @@ def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -
 
         resource.setrlimit(resource.RLIMIT_CPU, (used + cpu_s, used + cpu_s))
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
-    return Made(tuple(itertools.islice(candidates(content, row, name), most)), time.process_time() - began)
+    return Candidates(tuple(itertools.islice(candidates(content, row, name), most)), time.process_time() - began)
 
 
 def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from grader.base.errors import RequestError
 from grader.course import class_grading, class_settings
-from grader.course.adjusting import Made, OverrideRequest, decide
+from grader.course.adjusting import OverrideRequest, RecordedOverride, decide
 from grader.course.publishing import publish_all, publish_class
 from grader.course.record import RegradeRequest, Review, Store
 from grader.course.regrade import remark
@@ -131,7 +131,9 @@ class Classbook:
         """Return the number of the last override: a page loaded now shows everything up to it."""
         return self._store.last_adjustment()
 
-    def decide(self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = "") -> list[Made]:
+    def decide(
+        self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
+    ) -> list[RecordedOverride]:
         """Record overrides as `adjusting.decide` does, and update the files of OUT."""
         made = decide(self._store, self.final_grades(), overrides, author, seen=seen, what=what)
         self._publisher.changed(each.id for each in made if each.fresh)
