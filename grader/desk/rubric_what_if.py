@@ -32,7 +32,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 
 
 @dataclass(frozen=True)
-class Move:
+class GradeChange:
     """A submission whose grade would change."""
 
     final_grade: FinalGrade
@@ -45,10 +45,10 @@ class Move:
 
 
 @dataclass(frozen=True)
-class Outlook:
+class Preview:
     """The changes, largest first, and both distributions."""
 
-    moves: tuple[Move, ...]
+    changes: tuple[GradeChange, ...]
     more: int
     of: int
     means: tuple[str, str]
@@ -77,7 +77,7 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
 def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 200) -> Response:
     final_grades = book.final_grades()
     base = book.rubric
-    problem, outlook, changed = "", None, base
+    problem, preview, changed = "", None, base
     errors, typed = (
         _errors(web_request),
         {**web_request.query, **{name: values for name, values in web_request.form.items() if name != "do"}},
@@ -85,7 +85,7 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
     try:
         changed, _ = _changed(book, web_request)
         if (changed.sha256, changed.late) != (base.sha256, base.late):
-            outlook = _outlook(final_grades, regrade.under(final_grades, changed))
+            preview = _preview(final_grades, regrade.under(final_grades, changed))
     except RequestError as error:
         problem = "" if errors else _without_places(str(error))
     made = Counter(id_ for each in final_grades.values() for id_ in each.result.misconceptions)
@@ -103,7 +103,7 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
         errors=errors,
         mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
         prices=base.mistakes,
-        outlook=outlook,
+        preview=preview,
         problem=problem,
         other=digests != {base.sha256},
         message=message,
@@ -218,17 +218,19 @@ def _number(text: str) -> float | int | str:
     return int(value) if value.is_integer() else value
 
 
-def _outlook(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Outlook:
-    moves = [
-        Move(each, before[id_].final, each.final) for id_, each in after.items() if before[id_].final != each.final
+def _preview(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Preview:
+    changes = [
+        GradeChange(each, before[id_].final, each.final)
+        for id_, each in after.items()
+        if before[id_].final != each.final
     ]
-    moves.sort(key=lambda move: (-abs(move.by), move.final_grade.id))
+    changes.sort(key=lambda change: (-abs(change.by), change.final_grade.id))
     top = max((each.result.max_score for side in (before, after) for each in side.values()), default=100.0)
     scores = [graded(side.values()) for side in (before, after)]
     means = [words.number(round(statistics.fmean(side), 1)) if side else "–" for side in scores]
-    return Outlook(
-        tuple(moves[:_SHOWN]),
-        max(0, len(moves) - _SHOWN),
+    return Preview(
+        tuple(changes[:_SHOWN]),
+        max(0, len(changes) - _SHOWN),
         len(after),
         (means[0], means[1]),
         (overview.bars(scores[0], top), overview.bars(scores[1], top)),
