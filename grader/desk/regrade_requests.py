@@ -44,7 +44,7 @@ _TEXT = ("request", "appeal", "text", "message", "reason", "comment")
 
 
 @dataclass(frozen=True)
-class Dropped:
+class ReceivedRequest:
     """One request as received: the student, the check and the text."""
 
     who: str
@@ -86,11 +86,11 @@ def _field(problem: str) -> str:
 def add(book: Classbook, web_request: WebRequest) -> Response:
     """Record the requests in a form: one student's text, a JSON file, or a table of many."""
     try:
-        dropped = list(read(web_request.text("text"), web_request.text("who"), web_request.text("about")))
-        new = book.store.keep_regrade_requests(placed(dropped, book.final_grades()))
+        received = list(read(web_request.text("text"), web_request.text("who"), web_request.text("about")))
+        new = book.store.keep_regrade_requests(placed(received, book.final_grades()))
     except RequestError as problem:
         return _page(book, web_request, str(problem), 400)
-    return RedirectResponse(f"/regrade-requests?message={quote(added(new, len(dropped)))}", 303)
+    return RedirectResponse(f"/regrade-requests?message={quote(added(new, len(received)))}", 303)
 
 
 def added(new: int, read: int) -> str:
@@ -107,12 +107,12 @@ def read_in(book: Classbook, path: Path) -> str:
     files = sorted(each for each in path.iterdir() if each.suffix.lower() in _FILES) if path.is_dir() else [path]
     if not files:
         raise RequestError(f"--appeals {printable(str(path), 500)}: contains no {', '.join(_FILES)} file")
-    dropped = [each for file in files for each in _read_file(file)]
-    new = book.on_thread(lambda: book.store.keep_regrade_requests(placed(dropped, book.final_grades())))
-    return added(new, len(dropped))
+    received = [each for file in files for each in _read_file(file)]
+    new = book.on_thread(lambda: book.store.keep_regrade_requests(placed(received, book.final_grades())))
+    return added(new, len(received))
 
 
-def _read_file(path: Path) -> list[Dropped]:
+def _read_file(path: Path) -> list[ReceivedRequest]:
     try:
         with open(path, "rb") as stream:
             data = stream.read(MOST_BYTES + 1)
@@ -127,7 +127,7 @@ def _read_file(path: Path) -> list[Dropped]:
     return [replace(each, place=f"{name}, {each.place}") for each in read(text, path.stem, "")]
 
 
-def read(text: str, who: str, about: str) -> Iterator[Dropped]:
+def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
     """Yield the requests in a text, which may have any of the forms.
 
     Parameters
@@ -146,16 +146,16 @@ def read(text: str, who: str, about: str) -> Iterator[Dropped]:
         raise RequestError("The request is empty. Nothing was saved")
     records = _json(text) or _table(text)
     if records is None:
-        yield _bounded(Dropped(who, about, text.strip(), "the request"))
+        yield _bounded(ReceivedRequest(who, about, text.strip(), "the request"))
         return
     for place, record in records[:_MOST]:
         said = {str(key).strip().casefold(): str(value).strip() for key, value in record.items() if value is not None}
         found = _first(said, _TEXT)
         if found:
-            yield _bounded(Dropped(_first(said, _WHO) or who, _first(said, _ABOUT) or about, found, place))
+            yield _bounded(ReceivedRequest(_first(said, _WHO) or who, _first(said, _ABOUT) or about, found, place))
 
 
-def placed(dropped: Sequence[Dropped], final_grades: Mapping[str, FinalGrade]) -> list[RegradeRequest]:
+def placed(received: Sequence[ReceivedRequest], final_grades: Mapping[str, FinalGrade]) -> list[RegradeRequest]:
     """Match each request to a submission and a check.
 
     Raises
@@ -165,7 +165,7 @@ def placed(dropped: Sequence[Dropped], final_grades: Mapping[str, FinalGrade]) -
     """
     directory = Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
     requests, problems = [], []
-    for each in dropped:
+    for each in received:
         asked = (Row(numbers=(each.who,)), Row(email=each.who), Row(name=each.who))
         match = next(filter(None, map(directory.find, asked)), None) if each.who else None
         if match is None or match.id not in final_grades:
@@ -186,10 +186,10 @@ def target(request: RegradeRequest) -> str:
     return request.about or TOTAL
 
 
-def _bounded(dropped: Dropped) -> Dropped:
-    if len(dropped.text) > LONGEST:
-        raise RequestError(f"{dropped.place}: is longer than {LONGEST} characters")
-    return dropped
+def _bounded(received: ReceivedRequest) -> ReceivedRequest:
+    if len(received.text) > LONGEST:
+        raise RequestError(f"{received.place}: is longer than {LONGEST} characters")
+    return received
 
 
 def _json(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
