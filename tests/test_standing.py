@@ -179,12 +179,12 @@ def read(tmp_path: Path, text: str) -> list[roster.Listed]:
     return list(roster.load(tmp_path / "r.csv").people)
 
 
-def placed(tmp_path: Path, text: str) -> roster.Placed:
+def placed(tmp_path: Path, text: str) -> roster.RosterMatch:
     people = {"doejane_101": (DOE,), "lab4-user1": (Person("lab4-user1", "lab4-user1", "git"),)}
     return roster.place(read(tmp_path, text), {id_: HandIn(each) for id_, each in people.items()})
 
 
-def names(found: roster.Placed) -> tuple[str, ...]:
+def names(found: roster.RosterMatch) -> tuple[str, ...]:
     return tuple(each.person.name for each in found.absent)
 
 

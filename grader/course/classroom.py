@@ -176,7 +176,7 @@ def _with_people(entry: Entry) -> HandIn:
     return replace(entry.hand_in, people=entry.hand_in.people or (Person(entry.name, entry.id),))
 
 
-def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
+def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
     """Add the roster's facts to a hand-in and apply the late policy. The platform's time takes precedence over the roster's."""
     own = placed.due.get(entry.id)
     hand_in = replace(
@@ -189,7 +189,7 @@ def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
     return late_policy.judged(hand_in, rubric.late, (entry.id, entry.name))
 
 
-def _contradicted(entries: Sequence[Entry], placed: roster.Placed) -> Iterator[str]:
+def _contradicted(entries: Sequence[Entry], placed: roster.RosterMatch) -> Iterator[str]:
     """Yield a line for each submission whose times in the roster and on the platform differ."""
     for entry in entries:
         by_roster, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted

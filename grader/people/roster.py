@@ -159,7 +159,7 @@ def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
 
 
 @dataclass(frozen=True)
-class Placed:
+class RosterMatch:
     """Hand-ins of a class with the roster's facts, and the rows and hand-ins without a match.
 
     `doubtful` has a line on each row that resembles somebody and matches nobody.
@@ -174,7 +174,7 @@ class Placed:
     grace_days: Mapping[str, int] = field(default_factory=dict)
 
 
-def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
+def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
     """Match the roster with the hand-ins, and add its facts to them.
 
     Parameters
@@ -210,7 +210,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
         if listed.due is not None:  # the latest date of its members counts for a group
             due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
-    return Placed(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days)
+    return RosterMatch(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days)
 
 
 def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
