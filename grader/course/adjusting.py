@@ -16,7 +16,7 @@ from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, under, worth, worths
-from grader.people.identity import Meant
+from grader.people.identity import PersonLookup
 from grader.report import words
 
 COLUMNS = ("id", "criterion", "points", "comment")
@@ -160,7 +160,7 @@ def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None)
 def undone_in(out: Path, id_: str, criterion: str) -> OverrideRequest:
     """Return the request of `undone` for a class on disk; `id_` may be an id, a name, a number or an e-mail address."""
     with Store.existing(out) as store:
-        return undone(store, _meant(store).by(id_), criterion)
+        return undone(store, _person_lookup(store).by(id_), criterion)
 
 
 def undone_decision(store: Store, number: int) -> list[OverrideRequest]:
@@ -192,12 +192,12 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
 def placed(out: Path, requests: Sequence[OverrideRequest]) -> list[OverrideRequest]:
     """Replace names, e-mail addresses and numbers in requests by the ids of the submissions."""
     with Store.existing(out) as store:
-        who = _meant(store)
+        who = _person_lookup(store)
     return [replace(request, id=who.by(request.id)) for request in requests]
 
 
-def _meant(store: Store) -> Meant:
-    return Meant({id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people})
+def _person_lookup(store: Store) -> PersonLookup:
+    return PersonLookup({id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people})
 
 
 def listing(out: Path) -> Iterator[str]:

@@ -35,7 +35,7 @@ from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.people import late_policy, roster
 from grader.people.final_grade import FinalGrade, HandIn, Person, graded
-from grader.people.identity import Meant
+from grader.people.identity import PersonLookup
 from grader.people.roster import NO_ROSTER, Roster
 from grader.platforms.classes import Entry, read_class
 from grader.report import words
@@ -148,7 +148,9 @@ def find(request: GradeRequest) -> Class:
             f"{_in_words(request.paths)}: no submission found there; give a folder of submissions or an archive"
         )
     placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
-    entries = _chosen(submissions, request.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
+    entries = _chosen(
+        submissions, request.only, PersonLookup({id_: each.people for id_, each in placed.hand_ins.items()})
+    )
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, request.rubric)) for entry in entries)
     unknown = placed.unknown if listed else ()
     others = {
@@ -566,7 +568,7 @@ def _beside_out(entries: tuple[Entry, ...], request: GradeRequest) -> tuple[Entr
     return tuple(entry for entry in entries if entry not in within)
 
 
-def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: Meant) -> list[Entry]:
+def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: PersonLookup) -> list[Entry]:
     ids = [entry.id for entry in entries]
     wanted = {who.by(word): word for word in only}
     for id_, word in wanted.items():

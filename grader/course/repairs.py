@@ -37,7 +37,7 @@ from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.intake.names import is_code
 from grader.people.final_grade import FinalGrade
-from grader.people.identity import Meant
+from grader.people.identity import PersonLookup
 from grader.report import words
 from grader.report.causes import stops
 
@@ -244,7 +244,7 @@ def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepa
 
 def _final_grade(store: Store, who: str) -> FinalGrade:
     final_grades = store.final_grades()
-    id_ = Meant({id_: each.hand_in.people for id_, each in final_grades.items() if each.hand_in.people}).by(who)
+    id_ = PersonLookup({id_: each.hand_in.people for id_, each in final_grades.items() if each.hand_in.people}).by(who)
     if id_ not in final_grades:
         raise RequestError(f"repair: no submission {printable(who)}{guess_at(who, final_grades)}")
     return final_grades[id_]

@@ -110,7 +110,7 @@ class Directory:
             known.append(match)
 
 
-class Meant:
+class PersonLookup:
     """Resolver of a typed id, number, e-mail address or name to a submission."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
