@@ -107,7 +107,7 @@ class CheckRow:
 
 
 @dataclass(frozen=True)
-class Alike:
+class SimilarPair:
     first: Link
     second: Link
     pair: Pair
@@ -303,9 +303,9 @@ def checks(results: list[Result], titles: Mapping[str, str]) -> list[CheckRow]:
 
 def alike(
     final_grades: Mapping[str, FinalGrade], fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]
-) -> list[Alike]:
+) -> list[SimilarPair]:
     known = {id_: hashes for id_, hashes in fingerprints.items() if id_ in final_grades}
-    return [Alike(link(final_grades[p.first]), link(final_grades[p.second]), p) for p in pairs(known, given)]
+    return [SimilarPair(link(final_grades[p.first]), link(final_grades[p.second]), p) for p in pairs(known, given)]
 
 
 def timing(final_grades: Iterable[FinalGrade]) -> Timing | None:
