@@ -56,9 +56,9 @@ def check(
       imugrade check my_lab --only filtering --watch
       imugrade check my_lab.zip --html report.html
     """
-    wanted = _Wanted(path, only, html, json, prints, verbose, rubric)
+    arguments = _Arguments(path, only, html, json, prints, verbose, rubric)
     if watch:
-        return _watch(wanted, rubric, isolation_level)
+        return _watch(arguments, rubric, isolation_level)
     from grader.commands import opening  # noqa: PLC0415
 
     if path.exists():
@@ -91,11 +91,11 @@ def check(
             )
         except Stopped as stopped:
             print()  # below the terminal's own ^C
-            _show(stopped.result, wanted, {}, printed)
+            _show(stopped.result, arguments, {}, printed)
             raise
     before = history.recalled(path, result)
-    _show(result, wanted, before, printed)
-    _write(result, wanted)
+    _show(result, arguments, before, printed)
+    _write(result, arguments)
     history.remember(path, result, before)
     return 3 if result.status == "incomplete" else 0
 
@@ -104,7 +104,7 @@ _CHECKING = "checking …"
 
 
 @dataclass(frozen=True)
-class _Wanted:
+class _Arguments:
     """The arguments of `check`."""
 
     path: Path
@@ -134,22 +134,22 @@ class _Wanted:
         return () if self.path == Path() else (str(self.path),)
 
 
-def _watch(wanted: _Wanted, rubric: Path | None, isolation_level: str | None) -> int:
+def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | None) -> int:
     from grader.commands.watching import View  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.intake.submission import original_name  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     chosen = rubrics.load(LAB, rubric)
-    rubrics.know_part(chosen, wanted.only)
+    rubrics.know_part(chosen, arguments.only)
     screen = console()
-    view = View(screen, original_name(wanted.path), wanted.command)
+    view = View(screen, original_name(arguments.path), arguments.command)
     view.tell(_CHECKING)  # at once: the rest takes seconds on a cold machine
     from grader.commands import checking, history  # noqa: PLC0415
     from grader.commands.prints import Prints  # noqa: PLC0415
 
     bundle = LAB.truth(None, chosen.settings)
-    written = [each for each in (wanted.html, wanted.json) if each is not None]
+    written = [each for each in (arguments.html, arguments.json) if each is not None]
     before: dict[str, float] | None = None
     printed = Prints()
 
@@ -159,15 +159,15 @@ def _watch(wanted: _Wanted, rubric: Path | None, isolation_level: str | None) ->
 
     try:
         for result in checking.check_on_save(
-            wanted.path, chosen, bundle, only=wanted.only, isolation_level=isolation_level, written=written,
+            arguments.path, chosen, bundle, only=arguments.only, isolation_level=isolation_level, written=written,
             begins=begins, waits=view.refit,
             waiting=view.tell, listen=printed.add,
         ):  # fmt: skip
-            known = history.recalled(wanted.path, result) if before is None else before
-            prints = printed.lines(LAB) if wanted.prints else []
-            view.show(partial(_lines, result, wanted, screen, known, prints), _checked_at())
-            _write(result, wanted)
-            before = history.remember(wanted.path, result, known)
+            known = history.recalled(arguments.path, result) if before is None else before
+            prints = printed.lines(LAB) if arguments.prints else []
+            view.show(partial(_lines, result, arguments, screen, known, prints), _checked_at())
+            _write(result, arguments)
+            before = history.remember(arguments.path, result, known)
     except KeyboardInterrupt:  # it is how one ends it
         print()
     return 0
@@ -181,32 +181,32 @@ def _has_secret() -> bool:
     return bool(os.environ.get(SECRET_VARIABLE, "").strip())
 
 
-def _show(result: Result, wanted: _Wanted, before: Mapping[str, float], printed: Prints) -> None:
+def _show(result: Result, arguments: _Arguments, before: Mapping[str, float], printed: Prints) -> None:
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
     screen = console()
-    for line in _lines(result, wanted, screen, before, printed.lines(LAB) if wanted.prints else []):
+    for line in _lines(result, arguments, screen, before, printed.lines(LAB) if arguments.prints else []):
         terminal.show_line(line, screen)
 
 
 def _lines(
-    result: Result, wanted: _Wanted, screen: Console, before: Mapping[str, float], prints: Sequence[Text]
+    result: Result, arguments: _Arguments, screen: Console, before: Mapping[str, float], prints: Sequence[Text]
 ) -> list[Text]:
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
     lines = terminal.screen(
-        result, screen, LAB, only=wanted.only, before=before, command=wanted.command, repeat=wanted.repeat,
-        verbose=wanted.verbose,
+        result, screen, LAB, only=arguments.only, before=before, command=arguments.command, repeat=arguments.repeat,
+        verbose=arguments.verbose,
     )  # fmt: skip
     return [*lines, *prints]
 
 
-def _write(result: Result, wanted: _Wanted) -> None:
+def _write(result: Result, arguments: _Arguments) -> None:
     from grader.base.files import write_whole  # noqa: PLC0415
 
-    if wanted.html is not None:
+    if arguments.html is not None:
         from grader.engine.chart_data import unpacked  # noqa: PLC0415
         from grader.engine.faults import catalogue  # noqa: PLC0415
         from grader.labs.imu.lab import LAB  # noqa: PLC0415
@@ -214,10 +214,10 @@ def _write(result: Result, wanted: _Wanted) -> None:
         from grader.report.pages import report_page  # noqa: PLC0415
 
         write_whole(
-            wanted.html,
+            arguments.html,
             report_page(FinalGrade("", result, reviewed=True), unpacked(result.evidence.charts), catalogue(LAB)),
         )
-    if wanted.json is not None:
+    if arguments.json is not None:
         from grader.engine.results import to_json  # noqa: PLC0415
 
-        write_whole(wanted.json, to_json(result))
+        write_whole(arguments.json, to_json(result))

@@ -49,6 +49,6 @@ def kit(
         raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50, --github or --gitlab")
     settings = rubrics.load(LAB, rubric).settings
     hidden = LAB.truth(seed, settings) if gradescope and seed is not None else None
-    for each in give.kits(give.Wanted(LAB, out, gradescope, classroom50, github, gitlab, rubric, hidden)):
+    for each in give.kits(give.KitRequest(LAB, out, gradescope, classroom50, github, gitlab, rubric, hidden)):
         print(f"{each.place}  for {each.title}; {each.scenarios}")
     return 0

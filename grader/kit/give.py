@@ -38,8 +38,8 @@ class Kit:
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """The kits to write, each with its folder, or None if not wanted. `hidden` traces go into the Gradescope kit alone."""
+class KitRequest:
+    """The kits to write, each with its folder, or None if it is not wanted. `hidden` traces go into the Gradescope kit alone."""
 
     lab: Lab
     student: Path | None = None
@@ -51,18 +51,18 @@ class Wanted:
     hidden: Traces | None = None
 
 
-def kits(wanted: Wanted) -> Iterator[Kit]:
+def kits(request: KitRequest) -> Iterator[Kit]:
     """Write them one after the other."""
-    if wanted.student is not None:
-        yield student(wanted.lab, wanted.student, wanted.rubric)
-    if wanted.gradescope is not None:
-        yield gradescope(wanted.lab, wanted.gradescope, wanted.rubric, wanted.hidden)
-    if wanted.classroom50 is not None:
-        yield classroom50(wanted.lab, wanted.classroom50, wanted.rubric)
-    if wanted.github is not None:
-        yield github(wanted.lab, wanted.github, wanted.rubric)
-    if wanted.gitlab is not None:
-        yield gitlab(wanted.lab, wanted.gitlab, wanted.rubric)
+    if request.student is not None:
+        yield student(request.lab, request.student, request.rubric)
+    if request.gradescope is not None:
+        yield gradescope(request.lab, request.gradescope, request.rubric, request.hidden)
+    if request.classroom50 is not None:
+        yield classroom50(request.lab, request.classroom50, request.rubric)
+    if request.github is not None:
+        yield github(request.lab, request.github, request.rubric)
+    if request.gitlab is not None:
+        yield gitlab(request.lab, request.gitlab, request.rubric)
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
