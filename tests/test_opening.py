@@ -30,14 +30,14 @@ def test_the_second_line_says_what_was_found_and_what_was_not(tmp_path: Path) ->
 
 
 def test_a_name_of_a_folder_cannot_colour_the_terminal(tmp_path: Path) -> None:
-    assert "\x1b" not in opening.begins(tmp_path / "\x1b[31mred")
+    assert "\x1b" not in opening.checking_line(tmp_path / "\x1b[31mred")
 
 
 def test_what_is_checked_is_said_before_it_is_read_but_not_of_what_is_not_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(hand_in(tmp_path / "me"))
-    assert opening.begins(Path()) == "checking me …"
+    assert opening.checking_line(Path()) == "checking me …"
     assert cli.main(["check", "nowhere"]) == 2
     assert capsys.readouterr().out == ""
 

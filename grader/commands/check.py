@@ -62,7 +62,7 @@ def check(
     from grader.commands import opening  # noqa: PLC0415
 
     if path.exists():
-        print(opening.begins(path), flush=True)  # at once: the rest takes seconds on a cold machine
+        print(opening.checking_line(path), flush=True)  # at once: the rest takes seconds on a cold machine
     from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415
     from grader.engine.reading import read_apart  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415

@@ -17,8 +17,8 @@ if TYPE_CHECKING:  # these lines are printed before slow imports
 OTHERS = "another robot of the same kind, its sensors in another order, other numbers"
 
 
-def begins(path: Path) -> str:
-    """Name the submission before it is read."""
+def checking_line(path: Path) -> str:
+    """Return the first line of `imugrade check`, which names the submission before it is read."""
     return f"checking {printable(Path(os.path.abspath(path)).name, 120)} …"  # "." has a name too
 
 
