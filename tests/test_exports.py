@@ -22,7 +22,7 @@ from grader.course.record import Key, Store
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, beneath
+from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, points_by_check
 from grader.platforms import canvas, moodle, registry
 from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
@@ -203,7 +203,7 @@ def test_a_worksheet_comes_back_with_every_other_byte_as_it_was() -> None:
 def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_of_ours() -> None:
     one = final_grade("a", MOODLE, late=Lateness("2026-11-20T23:59+01:00", 90_000, 2, 20.0))
     criterion = one.result.criteria[0]
-    one = replace(one, adjustments=(Adjustment(criterion.id, 90.0, "seen", "me", "now", beneath(criterion)),))
+    one = replace(one, adjustments=(Adjustment(criterion.id, 90.0, "seen", "me", "now", points_by_check(criterion)),))
     filled = moodle.fill(worksheet('"Participant 12",J,,,,87.5,100,Yes,-,"Marks: old"'), "w.csv", None, class_of(one))
     assert filled.data == worksheet(
         '"Participant 12",J,,,,70,100,Yes,-,"Marks: Sensor access 90 / 100 (overridden); late −20"'
@@ -340,7 +340,7 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
         zero = ["export", str(out), "-f", "csv", "-o", str(tmp_path / "b.csv"), "--unreadable", "0"]
         assert (cli.main(zero), capsys.readouterr().err) == (0, "imugrade: graded: 2\n")
         assert (tmp_path / "b.csv").read_text().splitlines()[2] == "bob,bob,0,0,0,unreadable"
-        by_hand = Adjustment("sensor_access", 3.0, "by mail", "me", "now", beneath(nothing.criteria[0]))
+        by_hand = Adjustment("sensor_access", 3.0, "by mail", "me", "now", points_by_check(nothing.criteria[0]))
         store.adjust([("bob", by_hand)])
         assert cli.main(["export", str(out), "-f", "csv", "-o", str(tmp_path / "c.csv")]) == 0
         assert (tmp_path / "c.csv").read_text().splitlines()[2] == "bob,bob,0,0,3,3,unreadable"

@@ -19,9 +19,9 @@ from grader.people.final_grade import (
     HandIn,
     Lateness,
     Person,
-    beneath,
     hand_in_from_dict,
     hand_in_to_dict,
+    points_by_check,
 )
 from grader.people.identity import Directory, Row
 from grader.people.late_policy import judged
@@ -105,7 +105,7 @@ def test_lateness_takes_no_more_than_there_is_and_nothing_that_is_open() -> None
 
 def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the_sum_is_the_same() -> None:
     first = result(lost(id="x.a"), check(id="x.b"))
-    then = Adjustment("sensor_access", 11.0, "why", "me", "now", beneath(first.criteria[0]))
+    then = Adjustment("sensor_access", 11.0, "why", "me", "now", points_by_check(first.criteria[0]))
     assert FinalGrade("a", first, adjustments=(then,)).outdated() == []
     second = FinalGrade("a", result(check(id="x.a"), lost(id="x.b")), adjustments=(then,))
     assert second.outdated() == [then]
@@ -119,7 +119,7 @@ def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the
 
 def test_what_stands_beside_has_columns_after_the_total() -> None:
     made = result()
-    by_hand = Adjustment("sensor_access", 18.0, "why", "me", "now", beneath(made.criteria[0]))
+    by_hand = Adjustment("sensor_access", 18.0, "why", "me", "now", points_by_check(made.criteria[0]))
     late = HandIn((Person("Müller, J.", section="=B"),), "2026-11-21T23:00:01+00:00", Lateness("x", 86_401, 2, 4.0))
     table = gradebook({"a": FinalGrade("a", made, late, (by_hand,)), "b": FinalGrade("b", made)})
     assert table == (

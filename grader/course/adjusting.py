@@ -15,7 +15,15 @@ from grader.course.publishing import publish_all, write_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
-from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, under, worth, worths
+from grader.people.final_grade import (
+    BONUS,
+    TOTAL,
+    Adjustment,
+    FinalGrade,
+    automatic_points,
+    maximum_by_check,
+    maximum_points,
+)
 from grader.people.identity import PersonLookup
 from grader.report import words
 
@@ -228,7 +236,7 @@ def _problem(
     if override.id not in final_grades:
         return f"{override.place}: there is no submission {printable(override.id)}{guess_at(override.id, final_grades)}"
     final_grade = final_grades[override.id]
-    most = worth(final_grade.result, override.criterion)
+    most = maximum_points(final_grade.result, override.criterion)
     if not override.criterion:
         criteria = ", ".join(each.id for each in final_grade.result.criteria)
         return f"{override.place}: say for what with --criterion: {criteria}, one of their checks, total or bonus"
@@ -277,8 +285,8 @@ def _adjustment(override: OverrideRequest, final_grade: FinalGrade, author: str,
     comment = override.comment.strip().encode("utf-8", "replace").decode()
     if override.alone:
         return Adjustment(override.criterion, None, comment, author, now, alone=True)
-    stands_for = under(final_grade.result, override.criterion) or {}
-    out_of = worths(final_grade.result, stands_for)
+    stands_for = automatic_points(final_grade.result, override.criterion) or {}
+    out_of = maximum_by_check(final_grade.result, stands_for)
     return Adjustment(override.criterion, _number(override.points), comment, author, now, stands_for, out_of)
 
 

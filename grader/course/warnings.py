@@ -9,7 +9,7 @@ from grader.base.text import printable
 from grader.course import missing_packages
 from grader.engine.results import AUTOMATIC, Result
 from grader.engine.rubric import LatePolicy
-from grader.people.final_grade import Adjustment, FinalGrade, summed, under, worth
+from grader.people.final_grade import Adjustment, FinalGrade, automatic_points, maximum_points, summed
 from grader.report import words
 
 A_LINE = 20  # names
@@ -104,11 +104,15 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def _outdated(final_grade: FinalGrade, adjustment: Adjustment) -> str:
-    now = under(final_grade.result, adjustment.criterion)
+    now = automatic_points(final_grade.result, adjustment.criterion)
     then = [points for points in adjustment.beneath.values() if points is not None]
     worth_then = sum(adjustment.out_of.values())
     had = words.fraction(round(sum(then), 2), round(worth_then, 2)) if worth_then else words.number(round(sum(then), 2))
-    new = "gone" if now is None else words.fraction(summed(now), worth(final_grade.result, adjustment.criterion) or 0.0)
+    new = (
+        "gone"
+        if now is None
+        else words.fraction(summed(now), maximum_points(final_grade.result, adjustment.criterion) or 0.0)
+    )
     return (
         f"{printable(final_grade.id)}: {adjustment.criterion} was overridden with {words.number(adjustment.points or 0.0)} "
         f"when it had {had}; the automatic points are now {new}. Adjust it again or withdraw it"

@@ -25,7 +25,7 @@ from grader.desk.review_queue import Item
 from grader.desk.web_requests import WebRequest
 from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
-from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, summed, under, worth
+from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, automatic_points, maximum_points, summed
 from grader.report import charts, words
 from grader.report.pages import Figure, repaired_file
 
@@ -207,7 +207,7 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
 
 def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
     """Return the errors of a form that overrides `target` for these submissions, by field."""
-    most = min((m for each in final_grades if (m := worth(each.result, target)) is not None), default=None)
+    most = min((m for each in final_grades if (m := maximum_points(each.result, target)) is not None), default=None)
     covered = ((words.distinct(each), over) for each in final_grades if (over := adjusting.covering(each, target)))
     errors = {}
     if points and most is not None and not _is_from_0_to(points, most):
@@ -304,8 +304,8 @@ def _overrides(final_grade: FinalGrade, target: str, extras: _PageExtras) -> Ove
     comments = (each for each in final_grade.adjustments if each.alone and each.criterion == target)
     return Overrides(
         target,
-        worth(final_grade.result, target) or 0.0,
-        None if target == BONUS else summed(under(final_grade.result, target) or {}),
+        maximum_points(final_grade.result, target) or 0.0,
+        None if target == BONUS else summed(automatic_points(final_grade.result, target) or {}),
         final_grade.adjustment(target),
         next(comments, None),
         adjusting.covering(final_grade, target),

@@ -228,10 +228,10 @@ class FinalGrade:
         return [each for each in self.adjustments if not each.alone and self._is_outdated(each)]
 
     def _is_outdated(self, adjustment: Adjustment) -> bool:
-        now = under(self.result, adjustment.criterion)
+        now = automatic_points(self.result, adjustment.criterion)
         if now is None or adjustment.beneath != now:
             return True
-        return bool(adjustment.out_of) and adjustment.out_of != worths(self.result, now)
+        return bool(adjustment.out_of) and adjustment.out_of != maximum_by_check(self.result, now)
 
     def _credit_is_open(self) -> bool:
         rows = (check for extension in self.result.extensions for check in extension.checks)
@@ -243,22 +243,22 @@ def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
     return [each.final for each in final_grades if each.result.status == "graded" and each.final is not None]
 
 
-def beneath(criterion: CriterionResult) -> dict[str, float | None]:
+def points_by_check(criterion: CriterionResult) -> dict[str, float | None]:
     """Return the automatic points of each check of a criterion."""
     return {check.id: check.points for check in criterion.checks}
 
 
-def under(result: Result, target: str) -> dict[str, float | None] | None:
+def automatic_points(result: Result, target: str) -> dict[str, float | None] | None:
     """Return the automatic points of each check that an override of `target` replaces; None if there is no such target."""
     if target == BONUS:
         return {}
-    criteria = {criterion.id: beneath(criterion) for criterion in result.criteria}
+    criteria = {criterion.id: points_by_check(criterion) for criterion in result.criteria}
     rows = {id_: points for checks in criteria.values() for id_, points in checks.items()}
     each = {id_: {id_: points} for id_, points in rows.items()}
     return {**each, **criteria, TOTAL: rows}.get(target)
 
 
-def worths(result: Result, ids: Collection[str]) -> dict[str, float]:
+def maximum_by_check(result: Result, ids: Collection[str]) -> dict[str, float]:
     """Return the maximum points of these checks."""
     rows = (check for criterion in result.criteria for check in criterion.checks)
     return {check.id: check.max_points for check in rows if check.id in ids}
@@ -269,7 +269,7 @@ def summed(points: Mapping[str, float | None]) -> float | None:
     return None if None in points.values() else round(sum(p for p in points.values() if p is not None), 2)
 
 
-def worth(result: Result, target: str) -> float | None:
+def maximum_points(result: Result, target: str) -> float | None:
     """Return the most points that an override of `target` may give; None if there is no such target."""
     if target == BONUS:
         return result.max_score
