@@ -101,7 +101,7 @@ def test_what_a_rubric_would_cost_is_told_and_nothing_is_changed(tmp_path: Path)
     keep(tmp_path, changed())
     with Store(tmp_path) as store:
         before = store.final_grades()
-        after = regrade.under(before, changed(PRICES, text=SHIPPED + LATE))
+        after = regrade.regraded(before, changed(PRICES, text=SHIPPED + LATE))
         assert store.final_grades() == before
     moved = {id_: (before[id_].final, each.final) for id_, each in after.items()}
     assert moved == {

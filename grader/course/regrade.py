@@ -18,7 +18,7 @@ from grader.people.final_grade import FinalGrade, HandIn
 _A_LINE = 10  # names
 
 
-def under(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, FinalGrade]:
+def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, FinalGrade]:
     """Return the final grades of a class by another rubric. Nothing is written, and adjustments are kept.
 
     Raises
@@ -41,9 +41,9 @@ def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
     Raises
     ------
     RequestError
-        As `under` does. The record is then unchanged.
+        As `regraded` does. The record is then unchanged.
     """
-    after = store.remark_class(lambda before: under(before, rubric), rubric)
+    after = store.remark_class(lambda before: regraded(before, rubric), rubric)
     write_class(out, after, store, rubric.lab)
     return after
 

@@ -85,7 +85,7 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
     try:
         changed, _ = _changed(book, web_request)
         if (changed.sha256, changed.late) != (base.sha256, base.late):
-            preview = _preview(final_grades, regrade.under(final_grades, changed))
+            preview = _preview(final_grades, regrade.regraded(final_grades, changed))
     except RequestError as error:
         problem = "" if errors else _without_places(str(error))
     made = Counter(id_ for each in final_grades.values() for id_ in each.result.misconceptions)
