@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from grader.course.class_grading import Recipe, recipe
+from grader.course.class_grading import GradingSettings, settings_on_record
 from grader.desk.editing import as_bytes, editable
 from grader.desk.repair_jobs import Job, RepairJobs
 from grader.labs.imu.lab import LAB
@@ -58,8 +58,8 @@ def out(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
 @pytest.fixture
 def desk(out: Path) -> Iterator[Desk]:
     with desk_over(out) as opened:
-        made = recipe(LAB, out, None)
-        fake = Recipe(made.rubric, made.traces, Open(made.rubric, made.traces, out.parent / "seen"))
+        made = settings_on_record(LAB, out, None)
+        fake = GradingSettings(made.rubric, made.traces, Open(made.rubric, made.traces, out.parent / "seen"))
         opened.book.jobs.close()
         opened.book.jobs = RepairJobs(lambda: fake)
         yield opened
@@ -208,8 +208,8 @@ def test_the_desk_answers_while_a_preview_runs_and_says_what_is_going_on(desk: D
 
 
 def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk) -> None:
-    def refused() -> Recipe:
-        return recipe(LAB, Path("nowhere"), None)
+    def refused() -> GradingSettings:
+        return settings_on_record(LAB, Path("nowhere"), None)
 
     desk.book.jobs.close()
     desk.book.jobs = RepairJobs(refused)

@@ -17,7 +17,7 @@ from grader.engine.traces import Traces
 
 
 @dataclass(frozen=True)
-class Recipe:
+class GradingSettings:
     """Rubric and traces of a class, and a picklable function that opens a sandboxed marker with them."""
 
     rubric: Rubric
@@ -25,7 +25,7 @@ class Recipe:
     open_marker: OpenMarker
 
 
-def recipe(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> Recipe:
+def settings_on_record(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> GradingSettings:
     """Return the rubric, traces and marker that graded the class in OUT.
 
     Raises
@@ -38,7 +38,7 @@ def recipe(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) ->
     rubric = class_settings.rubric_of(lab, settings)
     traces = lab.truth(secret, rubric.settings)
     level = settings.isolation if settings else ""
-    return Recipe(rubric, traces, partial(classroom.guarded_marker, rubric, traces, None, trusted, level))
+    return GradingSettings(rubric, traces, partial(classroom.guarded_marker, rubric, traces, None, trusted, level))
 
 
 @contextmanager
@@ -50,6 +50,6 @@ def grading(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -
     RequestError
         If the class was graded on hidden scenarios and there is no secret, or if nothing isolates students' code here.
     """
-    made = recipe(lab, out, secret, trusted=trusted)
+    made = settings_on_record(lab, out, secret, trusted=trusted)
     with made.open_marker() as marker:
         yield Grading(made.rubric, made.traces, marker.mark)

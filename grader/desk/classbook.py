@@ -50,14 +50,14 @@ class Classbook:
     rubric
         What-if starts from it; None is the one that the class was graded by.
     secret, trusted
-        See `class_grading.recipe`; edited copies are graded with them.
+        See `class_grading.settings_on_record`; edited copies are graded with them.
     """
 
     def __init__(
         self, lab: Lab, out: Path, rubric: Path | None = None, secret: str | None = None, *, trusted: bool = False
     ) -> None:
         self.lab, self.out = lab, out
-        self.jobs = RepairJobs(partial(class_grading.recipe, lab, out, secret, trusted=trusted))
+        self.jobs = RepairJobs(partial(class_grading.settings_on_record, lab, out, secret, trusted=trusted))
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store = self.on_thread(lambda: Store.existing(out))
         try:

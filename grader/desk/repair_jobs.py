@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from grader.base.errors import GraderError, RequestError
-from grader.course.class_grading import Recipe
+from grader.course.class_grading import GradingSettings
 from grader.course.pool import Bounds, Pool, Stopped, Unmarked
 from grader.course.repair_log import sha256_of
 from grader.course.repair_suggestions import MOST
@@ -77,16 +77,16 @@ class RepairJobs:
 
     Parameters
     ----------
-    recipe
+    settings_on_record
         Returns how the class is graded now.
     """
 
-    def __init__(self, recipe: Callable[[], Recipe]) -> None:
-        self._recipe = recipe
+    def __init__(self, settings_on_record: Callable[[], GradingSettings]) -> None:
+        self._settings_on_record = settings_on_record
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="repairs")
         self._jobs: OrderedDict[int, Job] = OrderedDict()
         self._results: OrderedDict[str, Result] = OrderedDict()
-        self._open: Recipe | None = None
+        self._open: GradingSettings | None = None
         self._pool: Pool | None = None
         self._stack = ExitStack()
         self._closing = False
@@ -121,7 +121,7 @@ class RepairJobs:
             job.ended.set()
 
     def _grading(self, job: Job) -> Grading:
-        now = self._recipe()
+        now = self._settings_on_record()
         if self._open is None or _digests(now) != _digests(self._open):
             self._stack.close()
             self._results.clear()
@@ -133,7 +133,7 @@ class RepairJobs:
 
         return Grading(opened.rubric, opened.traces, mark)
 
-    def _mark(self, submission: Submission, opened: Recipe, job: Job, cpu_s: float | None) -> Result:
+    def _mark(self, submission: Submission, opened: GradingSettings, job: Job, cpu_s: float | None) -> Result:
         """Grade in the marker process; a copy that was graded just before is not graded again."""
         if cpu_s is not None:
             job.tried += 1
@@ -147,7 +147,7 @@ class RepairJobs:
                 self._results.popitem(last=False)
         return replace(self._results[key], submission=submission.name)
 
-    def _graded(self, submission: Submission, opened: Recipe, cpu_s: float | None = None) -> Result:
+    def _graded(self, submission: Submission, opened: GradingSettings, cpu_s: float | None = None) -> Result:
         if self._pool is None:
             self._pool = self._stack.enter_context(Pool(opened.open_marker, 1, _BOUNDS))
         for _, outcome in list(self._pool.run(iter([submission]), cpu_s)):
@@ -157,8 +157,8 @@ class RepairJobs:
         raise RequestError("the edited copy could not be graded")
 
 
-def _digests(recipe: Recipe) -> tuple[str, str]:
-    return recipe.rubric.sha256, recipe.traces.sha256
+def _digests(settings: GradingSettings) -> tuple[str, str]:
+    return settings.rubric.sha256, settings.traces.sha256
 
 
 def _key(submission: Submission) -> str:
