@@ -56,7 +56,7 @@ RUBRIC_KEYS = {
     "late.grace_minutes": "Minutes after `due` that do not count as late. After them, days count from `due`.",
     "late.per_day": "Deduction for each started day: points, or a percentage of the criteria's points.",
     "late.cut_off_days": "Days after which a submission gets 0. Default: no limit.",
-    "late.tz": "Time zone whose midnight starts a day, for example `Europe/Berlin`. Default: a day is 24 hours.",
+    "late.tz": "Time zone whose clock counts the days, for example `Europe/Berlin`. Default: a day has 24 hours.",
     "late.extensions": "Personal due dates: one line `who: date`. `who` is an id, a name or an e-mail address.",
     "repairs": "Repairs of files that do not run. Default: a person decides on each.",
     "repairs.apply": "`suggested`: `grade` applies an edit of one place if all edits that run earn the same grade. `none`: never.",
