@@ -78,14 +78,14 @@ COUSINS = [
         {ACCEL: "accel_adr = accel_sensor_id", GYRO: "gyro_adr = gyro_sensor_id"},
         "sensor-id-as-address",
         "accel = ",
-        "Neither the id nor 3 * id is the place",
+        "The id and 3 * id are no addresses",
     ),
     _address(
         "three times the id",
         {ACCEL: "accel_adr = 3 * accel_sensor_id", GYRO: "gyro_adr = 3 * gyro_sensor_id"},
         "sensor-id-as-address",
         "accel = ",
-        "Neither the id nor 3 * id is the place",
+        "The id and 3 * id are no addresses",
     ),
     _address("the gyroscope's id", {GYRO: "gyro_adr = gyro_sensor_id"}, "sensor-id-as-address", "gyro = ", "3 * id"),
     _address(
