@@ -1,1 +1,1 @@
-"""The front door of pytest: `pytest --imugrade` shows the checks of a submission as ordinary tests."""
+"""pytest plugin: `pytest --imugrade` shows the checks of a submission as ordinary tests."""

@@ -73,7 +73,7 @@ class PluginRun:
         for part in self._parts():
             files.setdefault(self._file_of(part.names[0]), []).append(part.id)
         nodes: list[pytest.Item | pytest.Collector] = [
-            _File.from_parent(collector, path=path, door=self, criteria=held) for path, held in files.items()
+            _File.from_parent(collector, path=path, plugin_run=self, criteria=held) for path, held in files.items()
         ]
         return pytest.CollectReport(collector.nodeid, "passed", None, nodes)
 
@@ -146,34 +146,34 @@ class PluginRun:
 class _File(pytest.File):
     """One file of the student's, with the criteria that are about it."""
 
-    def __init__(self, *, door: PluginRun, criteria: list[str], **options: Any) -> None:
+    def __init__(self, *, plugin_run: PluginRun, criteria: list[str], **options: Any) -> None:
         super().__init__(**options)
-        self._door, self._held = door, criteria
+        self._plugin_run, self._held = plugin_run, criteria
 
     def collect(self) -> Iterator[pytest.Collector]:
         for criterion in self._held:
-            yield _Criterion.from_parent(self, name=criterion, door=self._door)
+            yield _Criterion.from_parent(self, name=criterion, plugin_run=self._plugin_run)
 
 
 class _Criterion(pytest.Collector):
     """One criterion with its checks."""
 
-    def __init__(self, *, door: PluginRun, **options: Any) -> None:
+    def __init__(self, *, plugin_run: PluginRun, **options: Any) -> None:
         super().__init__(**options)
-        self._door = door
+        self._plugin_run = plugin_run
 
     def collect(self) -> Iterator[pytest.Item]:
-        for name in self._door.checks(self.name, self.path):
-            yield _Check.from_parent(self, name=name, door=self._door)
+        for name in self._plugin_run.checks(self.name, self.path):
+            yield _Check.from_parent(self, name=name, plugin_run=self._plugin_run)
 
 
 class _Check(pytest.Item):
     """One check: its test ends as the check ended."""
 
-    def __init__(self, *, door: PluginRun, **options: Any) -> None:
+    def __init__(self, *, plugin_run: PluginRun, **options: Any) -> None:
         super().__init__(**options)
         assert self.parent is not None
-        self._door, self._criterion = door, self.parent.name
+        self._plugin_run, self._criterion = plugin_run, self.parent.name
 
     def setup(self) -> None:
         """A check that could not be judged is an error, no failure."""
@@ -196,7 +196,7 @@ class _Check(pytest.Item):
 
     @property
     def _found(self) -> CheckResult:
-        return self._door.found[f"{self._criterion}.{self.name}"]
+        return self._plugin_run.found[f"{self._criterion}.{self.name}"]
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """Return the student's message at their own line, without the grader's frames."""
@@ -208,12 +208,12 @@ class _Check(pytest.Item):
 
     def _where(self) -> tuple[str, int]:
         """The line that raised, or the one where what is checked is defined."""
-        place = self._door.places.of(self._found)
+        place = self._plugin_run.places.of(self._found)
         if place is None:
             return self.nodeid.partition("::")[0], 1
-        return os.path.relpath(self._door.path / place.file, self.config.rootpath), place.line or 1
+        return os.path.relpath(self._plugin_run.path / place.file, self.config.rootpath), place.line or 1
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """The line where what is checked is defined, counted from 0."""
-        at = self._door.places.definitions.get(LAB.name_of(f"{self._criterion}.{self.name}"), Place(""))
+        at = self._plugin_run.places.definitions.get(LAB.name_of(f"{self._criterion}.{self.name}"), Place(""))
         return self.path, (at.line or 1) - 1, f"{self._criterion}::{self.name}"

@@ -26,4 +26,4 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.option.imugrade:
         from grader.pytest_plugin.items import PluginRun  # noqa: PLC0415
 
-        config.pluginmanager.register(PluginRun(config), "imugrade-door")
+        config.pluginmanager.register(PluginRun(config), "imugrade-run")
