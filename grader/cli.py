@@ -84,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _misused(problem: Exception, message: str) -> int:
-    """One line; but a group that was called without a command answers with its help, as it is."""
+    """Print one line about a wrong request, or the help of a group called without a command; return exit code 2."""
     if "\n" in message:
         print(message, file=sys.stderr)
         return 2
@@ -107,7 +107,7 @@ def _keep_to_one_core() -> None:
 
 
 def _accept_any_encoding() -> None:
-    """A terminal that has no ✓ gets a question mark, not a traceback."""
+    """Replace characters that the terminal's encoding lacks, such as ✓, by a question mark."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError):
             stream.reconfigure(errors="replace")  # type: ignore[union-attr] # not every stand-in for stdout has it

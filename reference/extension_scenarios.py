@@ -67,7 +67,7 @@ STEEP = Ride(0.02, 2000, (0.2, 0.3, 0.5), (1.1, 0.25, 0.35), 4.0, 0.015)
 
 
 def _wave(rng: np.random.Generator, amplitude: float, low: float, high: float) -> Wave:
-    """A turn that starts level: what a slow filter needs to forget a wrong start is asked of it at rest, not here."""
+    """Return a rotation that starts level, so that a slow filter does not begin with an error."""
     shares = np.array([0.75, 0.25])
     return Wave(amplitude * shares, rng.uniform(low, high, 2), rng.choice([0.0, np.pi], 2))
 
@@ -80,7 +80,7 @@ def _shake(rng: np.random.Generator, acceleration: float) -> Wave:
 
 
 def _drift_of(rng: np.random.Generator, size: float) -> FloatArray:
-    """A bias (3,) that no axis escapes."""
+    """Return a bias (3,) of about `size` on every axis, with random signs."""
     return np.asarray(size * rng.uniform(0.8, 1.2, 3) * rng.choice([-1.0, 1.0], 3), dtype=np.float64)
 
 

@@ -41,7 +41,7 @@ def lab_variant(xml: str, rng: np.random.Generator) -> str:
 
 
 def at_rest(xml: str) -> str:
-    """The same robot with its height, its sole pads and its springs moved until the initial pose is the equilibrium."""
+    """Return the robot with height, sole pads and springs adjusted so that its initial pose is the equilibrium."""
     robot = Robot.of(xml)
     model = robot.model
     balance.settle(model)

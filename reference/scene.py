@@ -104,9 +104,9 @@ def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
 
 
 def paced(settings: Settings, timestep: float) -> Settings:
-    """The same settings for a robot with this time step: whole steps, a few hundred, and another time step that is no longer.
+    """Return the settings for a robot with this time step: durations of a few hundred whole steps, and a shorter second time step.
 
-    A step that is longer than the instructor's might not be stable.
+    A time step that is longer than the instructor's might not be stable.
     """
     n_steps = min(max(round(settings.push_s / timestep), _FEWEST_STEPS), _MOST_STEPS)
     other = round(timestep * min(settings.dirty_timestep / 0.005, 0.8), 9)

@@ -249,7 +249,7 @@ def _extra_sensors(robot: Robot, rng: np.random.Generator) -> Iterator[ET.Elemen
 def _order(
     sensors: list[ET.Element], dims: list[int], model: mujoco.MjModel, rng: np.random.Generator
 ) -> list[ET.Element]:
-    """A random order, then swaps until no address of an IMU's sensor can be guessed, or nearly none in a model that is small."""
+    """Return the sensors in a random order in which (nearly) no address of an IMU's sensor can be guessed from the public model."""
     old = {int(adr) for adr, sensor in zip(model.sensor_adr, sensors, strict=False) if sensor.tag in _IMU}
     limit = int(model.nsensordata)  # an address that is learnt from the variant is in range in other models, too
 

@@ -33,7 +33,7 @@ class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of our
 
 
 class TimedOut(NoAnswer):
-    """It did not answer within its time."""
+    """The student's process did not answer within its CPU time or wall time."""
 
     def __init__(self, message: str, *, cpu_s: float, wall_s: float) -> None:
         super().__init__(message)
@@ -42,7 +42,7 @@ class TimedOut(NoAnswer):
 
 
 class Crashed(NoAnswer):
-    """It ended, by a signal or an exit, without an answer."""
+    """The student's process ended, by a signal or an exit, without an answer."""
 
 
 class Malformed(NoAnswer):

@@ -30,6 +30,6 @@ def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
 
 
 def stamp(value: object) -> str:
-    """The same in UTC as text, so that it sorts as time does; "" if it is none."""
+    """Return a time as ISO 8601 text in UTC, which sorts by time; "" if the value is no time."""
     when = read_stamp(value)
     return when.isoformat(timespec="seconds") if when else ""

@@ -37,7 +37,7 @@ class Download:
     known: Mapping[str, str] = field(default_factory=dict)
 
     def place(self, name: str) -> str:
-        """A name at the top as a path from `path`."""
+        """Return the path, relative to `path`, of a name in the top folder of the download."""
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:

@@ -66,7 +66,7 @@ def _encodable(text: str) -> str:
 
 
 def original(name: str) -> str:
-    """A submission's own name, as JSON can hold it."""
+    """Return a submission's own name with lone surrogates replaced, as JSON cannot hold them."""
     return re.sub("[\ud800-\udfff]", "\ufffd", name)
 
 

@@ -131,7 +131,7 @@ def _brought(lab: Lab, rubric: Path | None) -> LabFile | None:
 
 
 def _named_after(handout: Handout, text: str) -> str:
-    """A starter file with the names of what is handed out in the place of the sheet's."""
+    """Return a starter file with the names of the sheet (robot, sensors) replaced by those of the kit."""
     for sheet, name in handout.names.items():
         text = text.replace(f'"{sheet}"', json.dumps(name, ensure_ascii=False))
     return text
@@ -158,7 +158,7 @@ def _bundle(hidden: Traces) -> dict[str, bytes]:
 
 
 def _refuse_full(out: Path) -> None:
-    """A folder that has something in it: a student's work must not be overwritten."""
+    """Raise RequestError if the folder is not empty, so that no student's work is overwritten."""
     try:
         taken = out.is_dir() and any(out.iterdir())
     except OSError as problem:

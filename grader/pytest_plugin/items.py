@@ -176,7 +176,7 @@ class _Check(pytest.Item):
         self._plugin_run, self._criterion = plugin_run, self.parent.name
 
     def setup(self) -> None:
-        """A check that could not be judged is an error, no failure."""
+        """Raise an error, not a failure, if the grader could not judge the check."""
         if self._found.outcome == "not_judged":
             raise NotJudgedError(self._found.message)
 

@@ -17,7 +17,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
-    """A conftest.py is the student's code: none is loaded beside their checks."""
+    """Load no `conftest.py` with `--imugrade`: it would be student code in the grader's process."""
     if early_config.known_args_namespace.imugrade:
         early_config.known_args_namespace.noconftest = True
 

@@ -73,12 +73,12 @@ def _extension_modules(standard: Sequence[str]) -> list[str]:
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """This interpreter's `sys.path` as far as a sandbox shows it: of folders of packages the packages, of others all or nothing."""
+    """Return the entries of `sys.path` that a sandbox shows, and the folders of the packages that it shows."""
     return (*_search_whole(shown), *packages.folders())
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """The same with a folder that `link_packages` made: one that is not shown whole cannot be searched on every isolation level."""
+    """Return `search` with the folder of links made by `link_packages` for the packages: some levels hide package folders."""
     return (*_search_whole(shown), links)
 
 

@@ -98,7 +98,7 @@ def _take_the_screen_away() -> None:
 
 
 class _Viewer(_Stub):
-    """A viewer that shows nothing, and whose window is closed after a while."""
+    """MuJoCo viewer without a window; `is_running` becomes false after a number of calls or some CPU time."""
 
     def __init__(self, model: Any, data: Any, **_: object) -> None:
         import mujoco
@@ -143,7 +143,7 @@ class _Shell(_Stub):
 
 
 def _send_debuggers_on() -> None:
-    """A break point that was left in goes on at once: nobody is there who would type `c`."""
+    """Make breakpoints do nothing, as nobody can type `c` during grading."""
     go_on = _Stub("debugger")
     vars(sys)["breakpointhook"] = vars(sys)["__breakpointhook__"] = go_on
     vars(pdb)["set_trace"] = go_on

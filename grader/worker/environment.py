@@ -108,9 +108,9 @@ def _place_model(sheet: pathlib.PurePosixPath, file: str, model: str) -> None:
 
 
 def _redirect_model(place: str, sheets_name: str) -> None:
-    """A path that ends in the model's name and does not exist here means the model, to whoever loads, reads or seeks it.
+    """Redirect each missing path that ends in the name of the model to the model: for loading, reading and `os.stat`.
 
-    So does one that ends in the name that the sheet has, whatever robot is graded on.
+    The name on the sheet is redirected, too, whatever robot is graded on.
     """
     import mujoco
 
@@ -161,7 +161,7 @@ def _redirect_model(place: str, sheets_name: str) -> None:
 
 
 def _make_room(file: Any) -> None:
-    """A folder that is written to and is not here stands on the student's desk: an empty one cannot be handed in."""
+    """Create the folder of a file that student code writes: it may exist on the student's computer, but no archive has it empty."""
     if isinstance(file, str | os.PathLike):
         with contextlib.suppress(OSError, ValueError, TypeError, RecursionError):
             os.makedirs(os.path.dirname(os.fspath(file)) or ".", exist_ok=True)
@@ -206,7 +206,7 @@ def _no_hook(*args: Any) -> None:
 
 
 def _make_signals_deadly() -> None:
-    """A process that kills itself ends: as the first process of its namespace it would survive its own signals."""
+    """Make a process end that signals itself: the first process of a PID namespace would ignore its own signals."""
 
     def kill(pid: int, number: int) -> None:
         default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
@@ -225,7 +225,7 @@ _ROUNDING = 1e-12  # a quaternion that was made a unit again is not set from out
 
 
 class _RunRecorder:
-    """A run as it is seen from outside: where it starts, and each time that its state is set between two steps."""
+    """Recorder of a simulation run: its start, and each change of its state between two steps."""
 
     def __init__(self) -> None:
         self._read_state = _state_reader()

@@ -221,7 +221,7 @@ def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str
 
 
 def _bounded(value: Any) -> float:
-    """A coordinate as it can be told: what a filter that runs away makes of an axis has no end."""
+    """Return a coordinate as a finite, bounded number: an unstable filter makes infinite axis limits."""
     return float(np.clip(np.nan_to_num(float(value)), -_FARTHEST, _FARTHEST))
 
 

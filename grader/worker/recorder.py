@@ -82,7 +82,7 @@ class Recorder:
         self._drawn.append(drawn)
 
     def _described(self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Seen | None) -> saved.Drawn:
-        """A figure with what is on it beside these facts; its pixels go by that name."""
+        """Return a figure's facts, with its artists added, and its pixels, which the facts name `name`."""
         try:
             with artist_facts.as_it_was():
                 seen = seen or drawing.look(figure)

@@ -36,7 +36,7 @@ DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 class OutOfTimeError(BaseException):
-    """A statement has had its time. No `Exception`: few programs catch it."""
+    """A statement exceeded its time. It is no `Exception`, so that `except Exception` in student code does not catch it."""
 
 
 class NotThere:
@@ -297,7 +297,7 @@ def _compiled(node: ast.stmt, name: str, flags: int = 0) -> types.CodeType:
 
 
 def _is_text(node: ast.stmt) -> bool:
-    """A text by itself: run as a module of its own it would become its docstring."""
+    """Return whether a statement is a constant alone; compiled by itself, a text would become a module docstring."""
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 

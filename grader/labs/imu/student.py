@@ -140,7 +140,7 @@ class Student(Plotting):
         return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
 
     def filter_alone(self, case: FilterCase) -> FilterRun:
-        """The same of one case, in a process in which there was no filter before."""
+        """Run one filter case in a new process, in which no filter existed before."""
         self.end_session()
         return self.filter([case])[0]
 

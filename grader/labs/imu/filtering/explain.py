@@ -111,7 +111,7 @@ def _from_the_first(run: Run) -> bool:
 
 
 def _from_one_value(run: Run) -> bool:
-    """The same with a value that never changes in the place of the first measurement."""
+    """Return whether each output after the first is a weight of its measurement plus one constant vector."""
     return any(np.ptp(run.y[1:] - w * run.x[1:], axis=0).max() <= ATOL for w in (run.alpha, 1 - run.alpha))
 
 
@@ -249,7 +249,7 @@ def _is_own(facts: Facts) -> bool:
 
 
 def _handed_out(facts: Facts) -> Deviation | None:
-    """A state that is shared may be handed out as well: then what is written into an output does not settle."""
+    """Return a deviation if the filters share a state and also return that array, so that writing into an output changes it."""
     own = facts.own
     both = own.shared and not own.stumbles and own.settles(own.again) and not own.settles(own.spoilt_output)
     return Deviation() if both else None

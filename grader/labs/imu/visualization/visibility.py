@@ -192,7 +192,7 @@ def _sight(curve: Curve, place: _Place, window: _Window | None, others: Sequence
 
 
 def _by_parts(x: Array, inside: Mask, seen: Mask) -> Sight:
-    """A part is inside, or seen, where the point next to its middle is, or any point within it."""
+    """Return for each part of the curve whether it is inside and seen: a point in it is, or the point next to its middle."""
     middles = x.min() + (np.arange(PARTS) + 0.5) / PARTS * np.ptp(x)
     order = np.argsort(x, kind="stable")
     next_to = order[np.clip(np.searchsorted(x[order], middles), 0, len(x) - 1)]

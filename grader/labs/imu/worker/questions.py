@@ -101,7 +101,7 @@ def _compiled(xml: str) -> Any:
 
 
 def model_of(xml: str) -> Any:
-    """A model of its own: what one question does to it, the next does not find."""
+    """Return a fresh copy of a compiled model, so that no question finds the changes of another."""
     return _compiled(xml).__copy__()
 
 
@@ -114,14 +114,14 @@ def simulation_of(xml: str) -> tuple[Any, Any]:
 
 @contextmanager
 def scene(xml: str) -> Iterator[tuple[Any, Any]]:
-    """The same, which the submission's own globals stand for as well."""
+    """Yield a fresh model and data, which the submission's globals also hold in the meantime."""
     model, data = simulation_of(xml)
     with own_globals.standing_for(model, data):
         yield model, data
 
 
 def put_in_state(model: Any, data: Any, qpos: Any, qvel: Any) -> None:
-    """A state as if nothing had been before it, with the sensors read."""
+    """Reset the data, set the state and compute the sensor readings."""
     import mujoco
 
     mujoco.mj_resetData(model, data)
