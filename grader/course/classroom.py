@@ -99,7 +99,7 @@ class Class:
 class ProgressListener(Protocol):
     """Receiver of progress reports of a run."""
 
-    def start(self, total: int) -> None: ...
+    def started(self, total: int) -> None: ...
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
 
@@ -304,7 +304,7 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
         mismatches = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
         remarked = store.notices().get("remark", [])
         store.keep_notices({**mismatches, "remark": remarked})
-        progress.start(len(found.entries))
+        progress.started(len(found.entries))
         with Publisher(request.out, store, request.rubric.lab, min(_WRITERS, _jobs(request))) as publisher:
             run = _Run(request, store, progress, outcome, publisher)
             try:

@@ -31,7 +31,7 @@ class Lines:
     def __exit__(self, *problem: object) -> None:
         return
 
-    def start(self, total: int) -> None:
+    def started(self, total: int) -> None:
         self._total = total
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
@@ -62,7 +62,7 @@ class Bar:
     def __exit__(self, *problem: object) -> None:
         self._progress.stop()
 
-    def start(self, total: int) -> None:
+    def started(self, total: int) -> None:
         self._progress.update(self._task, total=total)
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
