@@ -68,7 +68,8 @@ _ROOTS = np.sqrt(_N / _SIZES)
         (_SIZES, 1.05 * _TRUE * np.where(_SIZES == 100, -1, 1), False),
         (_SIZES[:2], _TRUE[:2], False),
         (_SIZES[-4:], _TRUE[-4:], True),
-        (_SIZES[-3:], _TRUE[-3:], False),
+        (_SIZES[-3:], _TRUE[-3:], True),
+        (_SIZES[-3:], 1.01 * _TRUE[-3:], False),
         (np.array([1, 2, 3, 600]), _curve(sizes=np.array([1, 2, 3, 600])), True),
     ],
 )  # fmt: skip
