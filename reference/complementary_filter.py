@@ -126,7 +126,7 @@ def heading_of(mag: ArrayLike, roll: float, pitch: float) -> float:
 
 
 def wrapped(angle: float) -> float:
-    """The same direction in [−π, π)."""
+    """Return the angle wrapped to [−π, π)."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 

@@ -27,7 +27,7 @@ SETTLED_S = 5.0
 SHEET_S = 3.0
 WINDOWS = (3, 9, 27, 81)
 ALIKE = 0.7
-"""What is smoothed by a filter follows a running mean with a correlation above this, whichever of the windows (rows) is taken."""
+"""Least correlation of a filter's output with a running mean of its input, for each of the windows (rows)."""
 STILL_S = 0.5
 """For how long it is still by then."""
 

@@ -72,7 +72,7 @@ def live_plot(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds: floa
 
 
 def write_animation(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds: float, path: Path) -> None:
-    """The same as `live_plot`, into a GIF that plays at the speed of the simulation."""
+    """Run `live_plot` into a GIF that plays at the speed of the simulation."""
     from matplotlib.animation import PillowWriter  # noqa: PLC0415 - only without a window
 
     figure, traces = canvas(model, duration_seconds, start=data.time)

@@ -20,7 +20,7 @@ from .imu_reader import PUSH
 from .self_contained import NotOneTextError, self_contained
 
 MOST_BYTES = 700_000
-"""Of the text. It goes to the box with every question, and the largest of the models that it was tried on has 110 kB."""
+"""Largest text of a model, in bytes. It goes to the sandbox with every question; the largest model that was tried has 110 kB."""
 STEADY_S = 2.0
 """Longer than any run that is graded."""
 MOST_STEPS = 10_000

@@ -351,7 +351,7 @@ def _read(scene: Scene, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray,
 
 _LIVELY = 0.3
 _TRIES = 500
-"""Of the lab's robot every fourth state is lively. One whose IMU has idle channels has none: the liveliest is taken."""
+"""States that are tried. Every fourth of the lab's robot is lively; with idle channels none is, and the liveliest counts."""
 
 
 def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:

@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 _SPECK = {"type": "sphere", "size": "0.001", "mass": "0", "contype": "0", "conaffinity": "0"}
-"""What stands for a mesh that touches nothing: it keeps its name and its number among the geoms."""
+"""Replacement of a mesh that touches nothing: it keeps its name and its number among the geoms."""
 _OF_MESHES = ("mesh", "fitscale", "density", "fromto", "axisangle", "euler", "xyaxes", "zaxis")
 _SHOWN_ONLY = ("texture", "skin")
 _CLOSE = 1e-3

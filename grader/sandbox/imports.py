@@ -14,7 +14,7 @@ from types import ModuleType
 from . import worker
 
 _NAMES = ("grader.worker", "grader.questions")
-"""What the two packages are called while they are imported: as their sources call each other. A submission finds neither."""
+"""Names of the two packages while they are imported, as their sources call each other. A submission finds neither."""
 
 
 def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough: bool = False) -> worker.Answer:
@@ -40,7 +40,7 @@ def import_where_they_are(modules: Iterable[str]) -> None:
 
 
 _OWN_BUILTINS = dict(vars(builtins))
-"""What the worker code finds as built-in functions: a student's code sets those that everyone else shares."""
+"""Built-in functions of the worker code; student code can set those that all other modules share."""
 
 
 class _Loader(SourceFileLoader):

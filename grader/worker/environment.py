@@ -270,7 +270,7 @@ class _RunRecorder:
 
 
 _SET = ("qpos", "qvel", "force")
-"""What may be set between two steps, in MuJoCo's order of a state."""
+"""Parts of the state that code may set between two steps, in MuJoCo's order."""
 
 
 def _forces(data: Any) -> np.ndarray:

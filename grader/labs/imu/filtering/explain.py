@@ -17,20 +17,20 @@ from grader.labs.imu.lab import LAB
 from grader.labs.imu.parameters import departure, reads_global
 
 LARGEST_NOISE_GAIN = 0.95
-"""Of the variance. The sheet's filter leaves alpha / (2 - alpha) = 0.11 for alpha 0.2, averaging two samples 0.5; no filter 1."""
+"""Largest noise gain (variance ratio) of a filter. The sheet's has alpha / (2 - alpha) = 0.11 at alpha 0.2, a mean of two 0.5."""
 LARGEST_SIGNAL_ERROR = 0.5
-"""Of the signal's spread. The sheet's filter errs by 0.13 at this period; one that loses the signal by 1."""
+"""Largest error as a share of the signal's spread. The sheet's filter errs by 0.13; one that loses the signal by 1."""
 CONSTANT_ATOL = 1e-3
 """m/s². After 300 samples at alpha 0.2 the sheet's filter is at the constant to 1e-28; the smallest fault shifts by more."""
 _NOTHING_LEFT = 1e-3
-"""Of a constant. A high-pass filter leaves nothing of it."""
+"""Largest share of a constant input that a high-pass filter leaves in its output."""
 _WHOLE = 1e-9
 _DECIMALS = range(5)
 """Decimals of a rounding that are looked for; a finer one stays below `ATOL`."""
 _LONGEST = 100
 """Samples that a window is looked for."""
 _NOW_AND_THEN = 0.2
-"""Of all outputs: one that is the measurement more often is no recursion that starts again."""
+"""Largest share of outputs equal to the measurement for a recursion that starts again now and then."""
 _FEWEST = 6
 """Outputs that have to be the sheet's where the others stay."""
 
@@ -88,7 +88,7 @@ WEIGHTS: tuple[tuple[int, str, Callable[[float], tuple[float, float, float]]], .
     (11, "updates-twice", lambda alpha: (1 - (1 - alpha) ** 2, 0, (1 - alpha) ** 2)),
     (13, "one-behind", lambda alpha: (0, alpha, 1 - alpha)),
 )
-"""Of the measurement, the one before and the output before. The second output is left out: a delay changes it."""
+"""Weights of the measurement, the one before and the output before. The second output is left out: a delay changes it."""
 
 
 def _made_of(weights: Callable[[float], tuple[float, float, float]]) -> Callable[[Facts], bool]:
@@ -196,7 +196,7 @@ def _initial_ignored(facts: Facts) -> bool:
 
 OF, START, OWN = "follows_recursion", "starts_from_first_measurement", "instances_independent"
 FOLLOWS = frozenset({START, "passes_constant", "reduces_noise", "preserves_signal", OWN})
-"""What an output that obeys another recursion may miss, too."""
+"""Checks that an output of another recursion may fail, too."""
 
 
 def _of_recursion(cost: int, fault: str, holds: Callable[[Facts], bool]) -> Reason[Facts]:

@@ -27,7 +27,7 @@ _PAST, _SHIFT = 40, 3.0
 _BY_CHANCE = 10.0
 """Times what the same past differs by: another past that changes no more than that is no memory."""
 _SETTLED = 1e-6
-"""Of the largest difference, after 60 samples: at alpha 0.3 the sheet's filter forgets all but 7e-10 of its state by then."""
+"""Share of the largest difference that may be left after 60 samples. At alpha 0.3 the sheet's filter forgets all but 7e-10."""
 _AWAY = 1e4
 """m/s². No measurement of the lab's comes near; beyond it a sum loses the digits that are compared."""
 _FEWEST = 6
@@ -87,7 +87,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Ownership:
-    """The same 60 measurements (alpha 0.3) through six filters, (60, 3) each; who else did what meanwhile, and what changed.
+    """Outputs (60, 3) of six filters for the same measurements (alpha 0.3), which differ in what others did meanwhile.
 
     Attributes
     ----------
