@@ -86,7 +86,8 @@ def check_comparison_plot(facts: Facts) -> Deviation | None:
         if comparison.drawn and comparison.handed_in:
             return None
         affected = 0.5 if comparison.drawn or comparison.handed_in else 1.0
-        return Deviation({"came": comparison.in_words}, affected=affected, fault=comparison.fault)
+        numbers = {"came": comparison.in_words, "stop": comparison.stop_in_words}
+        return Deviation(numbers, affected=affected, fault=comparison.fault)
     if explain.names_are_exchanged(facts):
         return Deviation({"came": "the raw curve with the name of the filtered one"})
     noisy = comparison.clean or any(pair.noisy for pairs in comparison.saved for pair in pairs)

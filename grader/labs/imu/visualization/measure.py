@@ -88,6 +88,14 @@ class Comparison:
     def in_words(self) -> str:
         return "a figure that is not saved" if self.drawn else self.meant[1] or "no figure of both"
 
+    @property
+    def stop_in_words(self) -> str:
+        """The exception that stopped a program, with its file and line; "" if none did."""
+        if self.fault is None:
+            return ""
+        said = printable(f"{self.fault.type}: {self.fault.message}", 300)
+        return f"{said} at {self.fault.where}" if self.fault.where else said
+
 
 @dataclass(frozen=True)
 class Facts:
