@@ -33,8 +33,8 @@ ONE_A_CALL = {
         "scatter(imu_data['time'][i], imu_data['acceleration'][i, k], s=6, color=colour, label=name if i == 0 else None)",
     ),
     "segments": (
-        "n - 1",
-        "plot(imu_data['time'][i:i+2], imu_data['acceleration'][i:i+2, k], '-', color=colour, label=name if i == 0 else None)",
+        "0, n - 1, 2",
+        "plot(imu_data['time'][i:i+3], imu_data['acceleration'][i:i+3, k], '-', color=colour, label=name if i == 0 else None)",
     ),
 }
 
@@ -56,4 +56,4 @@ def test_a_reading_between_the_halves_of_a_step_is_told_what_is_true_of_it(playe
 @pytest.mark.parametrize(("rows", "draw"), ONE_A_CALL.values(), ids=ONE_A_CALL)
 def test_curves_that_are_drawn_one_point_or_segment_a_call_are_curves(rows: str, draw: str, player: Marking) -> None:
     result = marked(player, changed(VERBATIM, READER, {CURVES: EACH.format(rows=rows, draw=draw)}))
-    assert (result.score, list(result.notes)) == (100.0, [])
+    assert (result.score, lost_by(result), list(result.notes)) == (100.0, {}, [])
