@@ -2,9 +2,9 @@
 
 Ctrl-C reaches what the tests start, also where a shell runs them in the background and has switched it off for them. And modules are
 compiled once, as they are wherever the package is installed, also where the environment says otherwise: the tests start hundreds of
-processes.
+processes. And NumPy keeps to one thread, as the command line makes it do: two test workers on two cores would wait for each other's.
 """
-# ruff: noqa: E402 - what is imported before that is not compiled once
+# ruff: noqa: E402 - what is imported before that is not compiled once, and NumPy reads the variables as it is loaded
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ import tempfile
 signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+os.environ.update({f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")})
 
 from collections import Counter, defaultdict
 from collections.abc import Generator, Iterator, Mapping, Sequence

@@ -61,7 +61,8 @@ def looked_at(figure: Figure, patience: Patience) -> Figure:
         window = _window(panel, figure, free)
         seen = []
         for curve, place in zip(panel.curves, its, strict=True):
-            others = [ink[:3] for other in panel.curves if other is not curve for ink in _inks(other)][:_FEW]
+            beneath = (ink[:3] for other in panel.curves if other is not curve for ink in _inks(other))
+            others = list(itertools.islice(beneath, _FEW))
             seen.append(replace(curve, sight=_sight(curve, place, window, others, patience)))
         axes.append(replace(panel, curves=tuple(seen)))
     return replace(figure, axes=tuple(axes))
@@ -274,9 +275,9 @@ def _around(values: NDArray[Any], at: NDArray[np.intp]) -> Array:
     sums = np.pad(values.astype(float), (_AROUND + 1, _AROUND)).cumsum(axis=1)
     for row in range(1, len(sums)):  # faster than `cumsum` along this axis
         sums[row] += sums[row - 1]
-    rows, columns = np.divmod(at, values.shape[1])
-    below, right = rows + 2 * _AROUND + 1, columns + 2 * _AROUND + 1
-    around: Array = sums[below, right] - sums[below, columns] - sums[rows, right] + sums[rows, columns]
+    side = 2 * _AROUND + 1
+    bands = sums[side:] - sums[:-side]
+    around: Array = (bands[:, side:] - bands[:, :-side]).ravel()[at]
     return around
 
 
