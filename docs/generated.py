@@ -21,7 +21,7 @@ from grader.platforms import registry
 from grader.platforms.platform import Platform
 from grader.report import explanations
 from grader.sandbox import packages, surroundings
-from grader.sandbox.isolation_levels import LEVELS, UNWALLED
+from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 
 FOLDER = Path(__file__).resolve().parent
 _MARK = re.compile(r"<!-- generated: ([\w-]+) -->")
@@ -207,11 +207,11 @@ def attacks() -> str:
     table = _table(("Level", "User", *(f"{name} ({count})" for name, count in families.items())), rows)
     unwalled = [
         (entry["family"], name, entry["user"], effect.replace("|", "\\|"))
-        for entry in entries if entry["isolation_level"] == UNWALLED.name
+        for entry in entries if entry["isolation_level"] == NO_ISOLATION.name
         for name, effect in entry["fell"].items()
     ]  # fmt: skip
     effects = _table(("Family", "Submission", "User", "Effect"), unwalled)
-    return f"{table}\n\nWithout isolation (`{UNWALLED.name}`), these attacks succeed:\n\n{effects}"
+    return f"{table}\n\nWithout isolation (`{NO_ISOLATION.name}`), these attacks succeed:\n\n{effects}"
 
 
 def _held(count: int, fell: int | None) -> str:

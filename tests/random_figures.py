@@ -71,7 +71,7 @@ def frame_of(figure: Any, left_out: str = "") -> Frame:
     facts = figures.facts_of(figure, packer)
     if left_out:
         _curve_of(figure, left_out).set_visible(False)
-    seen = drawing.look(figure)
+    seen = drawing.draw_preview(figure)
     facts |= {"event": "saved", "path": "imu_data.png", "format": "png", "size_px": [640, 480]}
     facts |= {"seen": "seen", "extent": list(seen.extent), "dots": seen.dots}
     return Frame({"figures": [facts]}, packer.arrays | {"seen": seen.pixels})

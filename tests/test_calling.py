@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from grader.worker import fuzzy_names, stepping
-from grader.worker.calling import Slot, way_of
+from grader.worker import fuzzy_names, statements
+from grader.worker.calling import Slot, plan_call
 from grader.worker.missing_imports import MissingImports
 
 SLOTS = (
@@ -88,14 +88,14 @@ CALLS: dict[Any, tuple[str, tuple[str, ...]]] = {
 
 @pytest.mark.parametrize("function", CALLS, ids=lambda function: function.__name__)
 def test_a_function_is_called_by_its_own_parameters(function: Any) -> None:
-    way = way_of(function, SLOTS)
+    way = plan_call(function, SLOTS)
     came, departs = CALLS[function]
     assert way(function, VALUES) == tuple(came)
     assert way.departs == departs
 
 
 def test_what_only_position_tells_is_given_as_promised() -> None:
-    assert way_of(_by_position_alone, SLOTS)(_by_position_alone, VALUES) == ("D", "M", "S", "O")
+    assert plan_call(_by_position_alone, SLOTS)(_by_position_alone, VALUES) == ("D", "M", "S", "O")
 
 
 def test_what_may_go_anywhere_goes_to_a_parameter_of_any_name() -> None:
@@ -103,14 +103,14 @@ def test_what_may_go_anywhere_goes_to_a_parameter_of_any_name() -> None:
         return env, sim, idx, length  # type: ignore[no-untyped-def]
 
     slots = (*SLOTS[:2], Slot("seconds", re.compile("sec"), free=True, anywhere=True), SLOTS[-1])
-    assert way_of(function, slots)(function, VALUES | {"seconds": 3.0}) == ("M", "D", "P", 3.0)
+    assert plan_call(function, slots)(function, VALUES | {"seconds": 3.0}) == ("M", "D", "P", 3.0)
 
 
 def test_what_nobody_can_give_raises_as_the_promised_call_does() -> None:
     def function(model, data, secret):
         return secret  # type: ignore[no-untyped-def]
 
-    way = way_of(function, SLOTS)
+    way = plan_call(function, SLOTS)
     assert way.as_promised
     with pytest.raises(TypeError):
         way(function, VALUES)
@@ -123,7 +123,7 @@ LIBRARIES: dict[str, Any] = {"np": ModuleType("numpy")}
 
 def _supplied(text: str) -> list[str]:
     names: dict[str, Any] = {}
-    units = stepping.units_of(ast.parse(text), "file.py")
+    units = statements.units_of(ast.parse(text), "file.py")
     missing = MissingImports(units, ["np"], ["Filter", "reader"], (LIBRARIES | {"reader": "the partner's"}).get)
     missing.before(names)
     for unit in units:
@@ -194,5 +194,5 @@ def test_one_method_a_letter_away_is_the_required_one(text: str, meant: str | No
     names: dict[str, Any] = {}
     exec(text, names)
     known = {"LowPassFilter.update": "of an earlier definition"}
-    fuzzy_names.call_by_right_names(names.get("LowPassFilter"), "LowPassFilter", ["LowPassFilter.update"], known)
+    fuzzy_names.alias_misspelled_method(names.get("LowPassFilter"), "LowPassFilter", ["LowPassFilter.update"], known)
     assert known == ({} if meant is None else {"LowPassFilter.update": meant})

@@ -19,7 +19,7 @@ from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.platforms import job
-from grader.sandbox.isolation_levels import LEVELS, UNWALLED
+from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 from tests.made_up import check, lost, result
 from tests.test_ci_formats import ID
 
@@ -167,7 +167,7 @@ def test_hidden_scenarios_are_graded_with_in_a_private_job_of_the_instructors(na
 def test_a_private_job_needs_isolation_as_any_other(
     monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(Given, "isolation", UNWALLED)
+    monkeypatch.setattr(Given, "isolation", NO_ISOLATION)
     assert cli.main(["ci", "--format", "junit", "--traces", secret, "--private"]) == 2
     assert "this machine cannot keep students' code from reading them" in capsys.readouterr().err
 
@@ -175,7 +175,7 @@ def test_a_private_job_needs_isolation_as_any_other(
 def test_hidden_scenarios_are_refused_where_nothing_isolates_the_code(
     monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(Given, "isolation", UNWALLED)
+    monkeypatch.setattr(Given, "isolation", NO_ISOLATION)
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret]) == 2
     assert "this machine cannot keep students' code from reading them" in capsys.readouterr().err
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret, "--trust-submissions"]) == 0

@@ -28,7 +28,7 @@ def figure() -> Iterator[Any]:
     plt.close(drawn)
 
 
-def saved(figure: Any, **options: Any) -> tuple[drawing.Seen, Any]:
+def saved(figure: Any, **options: Any) -> tuple[drawing.Preview, Any]:
     """What was seen of the figure, and the picture that was written."""
     seen = drawing.save(really_print, figure.canvas, target := io.BytesIO(), None, options)
     return seen, Image.open(target)
@@ -64,7 +64,7 @@ def test_what_drawing_raises_is_raised(figure: Any, spoil: Callable[[Any], None]
 
 def test_looking_shows_what_saving_shows_and_leaves_the_figure_as_it_was(figure: Any) -> None:
     before = figure.dpi
-    assert np.array_equal(drawing.look(figure).pixels, saved(figure)[0].pixels)
+    assert np.array_equal(drawing.draw_preview(figure).pixels, saved(figure)[0].pixels)
     assert figure.dpi == before
 
 
@@ -80,7 +80,7 @@ def test_every_form_of_picture_is_written(figure: Any, form: str) -> None:
 def test_curves_stand_where_matplotlib_puts_them(figure: Any, shape: tuple[float, float]) -> None:
     """The same pixels as in matplotlib's own picture, but for what stands beside the curves."""
     figure.set_size_inches(*shape)
-    seen = drawing.look(figure)
+    seen = drawing.draw_preview(figure)
     figure.savefig(target := io.BytesIO(), dpi=seen.dots)
     own = np.asarray(Image.open(target))[:, :, :3].astype(int)
     blue = (own[:, :, 2] > own[:, :, 0] + 40) & (seen.pixels.shape[:2] == own.shape[:2])

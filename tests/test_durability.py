@@ -48,7 +48,7 @@ def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
     submission = read_submission(write(tidy(), tmp_path / "whole"), LAB.files)
     monkeypatch.setattr(Worker, "ask", disturbed)
     with Marker(rubric.load(LAB), bundles.shipped()) as marker:
-        if not marker.isolation.walled:
+        if not marker.isolation.isolates:
             pytest.skip("there is no zygote without walls")
         result = marker.mark(submission)
     assert asked > number

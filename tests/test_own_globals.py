@@ -54,7 +54,7 @@ READS = {
 def test_globals_that_functions_read_stand_for_what_is_given(given: tuple[Any, Any], code: str, meant: str) -> None:
     program = _loaded(code)
     before = dict(vars(program))
-    with own_globals.standing_for(*given):
+    with own_globals.set_model_and_data(*given):
         got = {"model": given[0], "data": given[1]}
         stands = [name for name, value in got.items() if any(each is value for each in vars(program).values())]
     assert stands == {"both": ["model", "data"], "neither": [], "model": ["model"]}[meant]
@@ -77,8 +77,8 @@ def test_who_reads_a_global_and_not_its_parameter_is_told_of(
     given: tuple[Any, Any], code: str, told: list[str]
 ) -> None:
     program = _loaded(code)
-    with own_globals.standing_for(*given):
-        assert own_globals.read_instead(program.f, SCENE) == told
+    with own_globals.set_model_and_data(*given):
+        assert own_globals.globals_read_instead(program.f, SCENE) == told
 
 
 PLOTS = {
@@ -96,7 +96,7 @@ def test_the_recording_stands_for_the_global_that_a_plot_reads(
 ) -> None:
     program = _loaded(code)
     before, recording = dict(vars(program)), {"time": [0.0]}
-    with own_globals.recorded_as(recording, program.f, calls.PLOTTER[:4]) as read_instead:
+    with own_globals.set_recording(recording, program.f, calls.PLOTTER[:4]) as read_instead:
         assert read_instead == told
         assert any(value is recording for value in vars(program).values()) == stands
     assert vars(program) == before
@@ -116,7 +116,7 @@ MEASURES = {
 def test_a_global_that_a_filter_reads_stands_for_what_it_is_given(code: str, got: object, told: list[str]) -> None:
     program = _loaded(code)
     before = dict(vars(program))
-    measuring, read_instead = own_globals.measured_by(program.update)
+    measuring, read_instead = own_globals.measurement_global(program.update)
     with measuring(5):
         assert program.update(*([] if "update()" in code else [5])) == got
     assert (read_instead, vars(program)) == (told, before)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from grader.worker import faults, stepping
+from grader.worker import faults, statements
 
 WITHIN_S = 0.8
 needs_a_timer = pytest.mark.skipif(
@@ -26,10 +26,10 @@ def run(
     called: str = "lab",
 ) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """The names that the text leaves behind, and what was stepped over."""
-    stepper = stepping.Stepper(skipped or {}, (0, 0), list(wanted))
+    stepper = statements.StatementRunner(skipped or {}, (0, 0), list(wanted))
     names: dict[str, Any] = {"__name__": called}
-    units = stepping.units_of(ast.parse(text), faults.own_name("lab.py"), flags=flags)
-    with stepping.limited(WITHIN_S):
+    units = statements.units_of(ast.parse(text), faults.own_name("lab.py"), flags=flags)
+    with statements.time_limit(WITHIN_S):
         stepper.run(units, "lab.py", names, lambda node: None)
     return names, stepper.noted
 

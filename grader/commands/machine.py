@@ -54,9 +54,9 @@ def _isolation() -> list[Finding]:
     rows = [
         Finding(each.isolation_level.name, each.usable, each.reason or "works here")
         for each in tried
-        if each.isolation_level.walled
+        if each.isolation_level.isolates
     ]
-    if not best.walled:
+    if not best.isolates:
         return [*rows, Finding("in use", False, _UNWALLED)]
     return [*rows, Finding("in use", True, best.name), _one_copy(best)]
 

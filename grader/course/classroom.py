@@ -482,7 +482,7 @@ def guarded_marker(
 ) -> Iterator[Marking]:
     """Open a marker for students' code; refuse if nothing isolates it, or only a level weaker than `at_least`."""
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
-        if not marker.isolation.walled and not trusted:
+        if not marker.isolation.isolates and not trusted:
             raise RequestError(
                 "this machine cannot isolate students' code (`imugrade doctor` says why); "
                 "grade on Linux, or add --trust-submissions if you trust every submission"

@@ -123,7 +123,7 @@ def run(job: Job) -> Result:
     with Marker(
         job.rubric, job.traces, sandbox=open_sandbox_for(job.rubric.lab, submission.files, job.isolation_level)
     ) as marker:
-        if job.hidden and not marker.isolation.walled and not job.trusted:
+        if job.hidden and not marker.isolation.isolates and not job.trusted:
             raise RequestError(
                 "hidden scenarios, but this machine cannot keep students' code from reading them (`imugrade doctor` says why); "
                 "leave --traces out, or add --trust-submissions"

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable
 
 from . import rootfs
-from .paths import arranged
+from .paths import mount_steps
 from .plan import Plan
 
 _SCRATCH_BYTES = 64 << 20
@@ -47,7 +47,7 @@ def _program() -> str:
 
 def _shown(visible: Iterable[str], hidden: Iterable[str]) -> list[str]:
     arguments: list[str] = []
-    steps = arranged(visible, hidden)
+    steps = mount_steps(visible, hidden)
     for kind, place, target in steps:
         if kind == "link":
             arguments += ["--symlink", target, place]

@@ -20,7 +20,7 @@ FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grad
 
 
 @dataclass(frozen=True)
-class Walls:
+class Confinement:
     """Parameters of a worker's isolation, which the zygote (the warm parent) passes on.
 
     Attributes
@@ -48,7 +48,7 @@ class Walls:
     zygote: int
 
 
-def confine(walls: Walls, scratch: str) -> None:
+def confine(walls: Confinement, scratch: str) -> None:
     """Isolate this process irrevocably. `scratch` becomes its only writable folder and its working directory.
 
     Raises
@@ -58,7 +58,7 @@ def confine(walls: Walls, scratch: str) -> None:
     """
     os.umask(0o077)
     os.setsid()
-    _die_first(walls.proc)
+    _raise_oom_score(walls.proc)
     if walls.isolation_level.own_namespaces:
         namespaces.enter_as_worker(walls.proc)
         rootfs.mount_scratch()
@@ -73,16 +73,16 @@ def confine(walls: Walls, scratch: str) -> None:
     linux.prctl(linux.PR_SET_NO_NEW_PRIVS, 1)
     if walls.landlock_abi:
         _forbid_files(walls, scratch, rules)
-    seccomp.enforce(filter_program(walls, os.getpid()))
+    seccomp.enforce(seccomp_program(walls, os.getpid()))
 
 
 @lru_cache(maxsize=2)
-def filter_program(walls: Walls, pid: int) -> bytes:
+def seccomp_program(walls: Confinement, pid: int) -> bytes:
     """Return the seccomp filter program of the worker `pid`."""
     return seccomp.program(walls.machine, pid, own_files_only=walls.isolation_level.own_namespaces)
 
 
-def _die_first(proc: int) -> None:
+def _raise_oom_score(proc: int) -> None:
     """Make this process the kernel's first choice when memory runs out."""
     if proc < 0:
         return
@@ -98,7 +98,7 @@ def _end_with_zygote(zygote: int) -> None:
         os._exit(1)  # it died before it could take us along
 
 
-def _keep_rules(walls: Walls, scratch: str) -> int:
+def _keep_rules(walls: Confinement, scratch: str) -> int:
     """Close all descriptors but the streams, the socket and this worker's Landlock rules; return the rules, or -1 without any."""
     made = dict(walls.rules).get(scratch, -1)
     if made < 0:
@@ -109,13 +109,13 @@ def _keep_rules(walls: Walls, scratch: str) -> int:
     return FIRST_SPARE_FD
 
 
-def _forbid_files(walls: Walls, scratch: str, made: int) -> None:
+def _forbid_files(walls: Confinement, scratch: str, made: int) -> None:
     rules = landlock.ruleset(walls.landlock_abi, ["/"], [], [scratch]) if made < 0 else made
     landlock.enforce(rules)
     os.close(rules)
 
 
-def prove(decoy: str) -> None:
+def test_isolation(decoy: str) -> None:
     """Test the isolation from inside: try to open a socket, start a process, read `decoy` and write outside the folder.
 
     Raises

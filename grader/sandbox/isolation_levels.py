@@ -16,7 +16,7 @@ class IsolationLevel:
         As `provenance.isolation`, `imugrade doctor` and `--isolation` have it.
     around, needs
         Words: what is around a worker, and what a machine must allow for it.
-    walled
+    isolates
         Whether there are walls at all.
     own_root
         Whether the sandbox has a root of its own, in which the host's paths are not there at all.
@@ -29,7 +29,7 @@ class IsolationLevel:
     name: str
     around: str
     needs: str
-    walled: bool = True
+    isolates: bool = True
     own_root: bool = False
     own_namespaces: bool = False
     program: str = ""
@@ -60,17 +60,17 @@ LEVELS = (
         program="bwrap",
     ),
     IsolationLevel("landlock", "limits, Landlock and the allowlist, without any privilege", "Linux 5.13"),
-    IsolationLevel("none", "a fresh process with limits of time and memory", "nothing", walled=False),
+    IsolationLevel("none", "a fresh process with limits of time and memory", "nothing", isolates=False),
 )
-UNWALLED = LEVELS[-1]
+NO_ISOLATION = LEVELS[-1]
 
 
 def _everywhere(_: IsolationLevel) -> bool:
     return True
 
 
-def _behind_walls(isolation_level: IsolationLevel) -> bool:
-    return isolation_level.walled
+def _isolates(isolation_level: IsolationLevel) -> bool:
+    return isolation_level.isolates
 
 
 def _under_own_root(isolation_level: IsolationLevel) -> bool:
@@ -88,9 +88,9 @@ PROMISES = (
     Promise("Nothing from a submission is written unescaped: pages, CSV, XML, terminal, CI commands", _everywhere),
     Promise("Archives and links never lead out of the submission", _everywhere),
     Promise("A submission ends within its time, and its memory is limited per process", _everywhere),
-    Promise("It reads no hidden trace, rubric, seed, other submission or file of the host", _behind_walls),
-    Promise("It changes nothing outside its scratch folder", _behind_walls),
-    Promise("No network, no other process, nothing left running or lying about", _behind_walls),
+    Promise("It reads no hidden trace, rubric, seed, other submission or file of the host", _isolates),
+    Promise("It changes nothing outside its scratch folder", _isolates),
+    Promise("No network, no other process, nothing left running or lying about", _isolates),
     Promise("It cannot tell whether a path of the host exists", _under_own_root),
     Promise("Its disk space is limited in all", _under_own_root),
 )

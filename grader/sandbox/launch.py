@@ -24,12 +24,12 @@ from grader.base.errors import GraderError
 
 from . import bubblewrap, namespaces, rootfs, surroundings, wire
 from .isolation_levels import IsolationLevel
-from .paths import empty
+from .paths import empty_folder
 from .plan import Contents, Plan
 from .printed import Printed
-from .process import WallClock, WallsRefusedError, ZygoteGoneError, is_main_thread
+from .process import IsolationRefusedError, WallClock, ZygoteGoneError, is_main_thread
 
-_WALLS_WITHIN_S = 60.0
+_ISOLATED_WITHIN_S = 60.0
 _READY_WITHIN_S = 300.0
 _WORKER_WITHIN_S = 60.0
 _END_WITHIN_S = 30.0
@@ -65,7 +65,7 @@ class Zygote:
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the zygote
         self._control, self._process = self._start(contents)
         try:
-            self._await_walls()
+            self._await_isolation()
         except BaseException:
             self.close()
             raise
@@ -108,7 +108,7 @@ class Zygote:
             raise
         finally:
             theirs.close()
-        ours.settimeout(_WALLS_WITHIN_S)
+        ours.settimeout(_ISOLATED_WITHIN_S)
         with contextlib.suppress(OSError):
             ours.send(message)
         return ours, process
@@ -153,17 +153,17 @@ class Zygote:
             for font_list in surroundings.font_lists():
                 shutil.copyfile(font_list, os.path.join(cache, os.path.basename(font_list)))
         if uid:
-            _give_away(self._folder, uid["user"], uid["group"])
+            _change_owner(self._folder, uid["user"], uid["group"])
         return tuple(folders), cache
 
-    def _await_walls(self) -> None:
-        message, _ = self._next(_WALLS_WITHIN_S)
+    def _await_isolation(self) -> None:
+        message, _ = self._next(_ISOLATED_WITHIN_S)
         if message is None and self._was_killed():
             raise ZygoteGoneError("it was killed before its walls were up")
         if message is None:
-            raise WallsRefusedError(self._last_words() or "the process ended without a word")
+            raise IsolationRefusedError(self._log_tail() or "the process ended without a word")
         if not message.get("walls"):
-            raise WallsRefusedError(str(message.get("reason")))
+            raise IsolationRefusedError(str(message.get("reason")))
         self.without_landlock = bool(message.get("without_landlock"))
 
     def _was_killed(self) -> bool:
@@ -187,13 +187,13 @@ class Zygote:
                 return
             message, _ = self._next(_READY_WITHIN_S)
             if message is None:
-                raise ZygoteGoneError(f"it did not start: {self._last_words() or 'it ended without a word'}")
+                raise ZygoteGoneError(f"it did not start: {self._log_tail() or 'it ended without a word'}")
             if not message.get("ready"):
                 raise GraderError(f"the worker code did not start: {message.get('reason')}")
             self.start_cpu_s = float(message["cpu_s"])
             self._ready = True
 
-    def _last_words(self) -> str:
+    def _log_tail(self) -> str:
         self._log.seek(0)
         return self._log.read()[-2000:].decode("utf-8", "replace").strip()
 
@@ -214,7 +214,7 @@ class Zygote:
         while number not in table and number not in self._refused:
             message, fds = self._next(max(0.01, deadline - time.monotonic()))
             if message is None:
-                raise ZygoteGoneError(self._last_words())
+                raise ZygoteGoneError(self._log_tail())
             if "spawned" in message:
                 self._spawned[message["spawned"]] = fds[0]
             elif "ended" in message:
@@ -251,7 +251,7 @@ class Zygote:
         try:
             socket.send_fds(self._control, [message], fds)
         except OSError:
-            raise ZygoteGoneError(self._last_words()) from None
+            raise ZygoteGoneError(self._log_tail()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
         """Wait for a worker's end; return how it ended and the CPU seconds that it used."""
@@ -275,7 +275,7 @@ class Zygote:
         self._log.close()
         if self._folder is not None:
             with contextlib.suppress(OSError):
-                empty(self._folder)
+                empty_folder(self._folder)
                 os.rmdir(self._folder)
 
 
@@ -377,7 +377,7 @@ def _harmless_uid(needed: Sequence[str]) -> dict[str, Any]:
     return {"user": namespaces.DROPPED_ID, "group": namespaces.DROPPED_ID, "extra_groups": []}
 
 
-def _give_away(folder: str, user: int, group: int) -> None:
+def _change_owner(folder: str, user: int, group: int) -> None:
     for top, folders, files in os.walk(folder):
         for path in (top, *(os.path.join(top, name) for name in (*folders, *files))):
             os.chown(path, user, group, follow_symlinks=False)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from .isolation_levels import LEVELS, IsolationLevel
 from .plan import Contents
-from .process import WallsRefusedError, ZygoteGoneError
+from .process import IsolationRefusedError, ZygoteGoneError
 
 if TYPE_CHECKING:
     from .launch import Zygote
@@ -28,15 +28,15 @@ class Tried:
 
 def probe() -> list[Tried]:
     """Try every isolation level in a child process, best first, with its walls tested from inside; about 50 ms each."""
-    return [_tried(isolation_level) for isolation_level in LEVELS]
+    return [_try_level(isolation_level) for isolation_level in LEVELS]
 
 
-def _tried(isolation_level: IsolationLevel) -> Tried:
-    if not isolation_level.walled:
+def _try_level(isolation_level: IsolationLevel) -> Tried:
+    if not isolation_level.isolates:
         return Tried(isolation_level, True, "a fresh process with a time limit, and no walls")
     try:
-        zygote = raise_walls(isolation_level, Contents(Path(__file__).parent))
-    except WallsRefusedError as error:
+        zygote = start_zygote(isolation_level, Contents(Path(__file__).parent))
+    except IsolationRefusedError as error:
         return Tried(isolation_level, False, str(error))
     zygote.close()
     return Tried(isolation_level, True, caveat(zygote))
@@ -47,29 +47,29 @@ def caveat(zygote: Zygote) -> str:
     return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
 
 
-def raise_walls(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
+def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
     """Start a zygote on this very isolation level, or raise WallsRefusedError."""
     if sys.platform != "linux":
-        raise WallsRefusedError("needs Linux")
+        raise IsolationRefusedError("needs Linux")
     from . import launch  # noqa: PLC0415 - of Linux only
 
     if isolation_level.program and shutil.which(isolation_level.program) is None:
-        raise WallsRefusedError(f"the program {isolation_level.program} is not installed")
+        raise IsolationRefusedError(f"the program {isolation_level.program} is not installed")
     with contextlib.suppress(ZygoteGoneError):
         return launch.Zygote(isolation_level, contents)
     try:
         return launch.Zygote(isolation_level, contents)
     except ZygoteGoneError as error:
-        raise WallsRefusedError(f"{error}, twice") from None
+        raise IsolationRefusedError(f"{error}, twice") from None
 
 
 def climb(contents: Contents) -> tuple[Zygote | None, str]:
     """Start a zygote on the best isolation level that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
-    for isolation_level in filter(lambda each: each.walled, LEVELS):
+    for isolation_level in filter(lambda each: each.isolates, LEVELS):
         try:
-            zygote = raise_walls(isolation_level, contents)
-        except WallsRefusedError as error:
+            zygote = start_zygote(isolation_level, contents)
+        except IsolationRefusedError as error:
             refused.append(f"{isolation_level.name}: {error}")
             continue
         return zygote, "; ".join(filter(None, [*refused, caveat(zygote)]))

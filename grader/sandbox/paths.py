@@ -52,7 +52,7 @@ def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
     return None, links
 
 
-def arranged(visible: Iterable[str], hidden: Iterable[str], root: str = "") -> list[Step]:
+def mount_steps(visible: Iterable[str], hidden: Iterable[str], root: str = "") -> list[Step]:
     """Return the mounts of a root that shows `visible` without `hidden`, outer folders first.
 
     What is visible below something hidden is shown in its place. Paths that do not exist below `root` are left out.
@@ -77,7 +77,7 @@ def _kind_over(path: str, done: Mapping[str, str]) -> str:
     return done.get(path, "")
 
 
-def around(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
+def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
     """The places that are shown whole, and the folders of which some children are: for walls that can only add."""
     steps = list(steps)
     hidden = [step.place for step in steps if step.kind == "hide"]
@@ -96,7 +96,7 @@ def around(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
     return sorted(whole), sorted(split)
 
 
-def empty(folder: str) -> None:
+def empty_folder(folder: str) -> None:
     """Remove what a hostile program left in `folder`: however deep, whatever its modes; links are never followed."""
     fresh = 0
     while entries := list(os.scandir(folder)):

@@ -20,7 +20,7 @@ from typing import Any
 from grader.base.errors import GraderError
 
 from . import surroundings, wire
-from .paths import empty
+from .paths import empty_folder
 from .plan import Contents
 from .printed import Printed
 from .process import WallClock, is_main_thread
@@ -48,7 +48,7 @@ class PlainProcess:
             raise
 
     def _start(self, contents: Contents, theirs: socket.socket, printed: Printed) -> subprocess.Popen[bytes]:
-        search = surroundings.search_without_walls()
+        search = surroundings.search_without_isolation()
         folders = [str(folder) for folder in (contents.worker_code, contents.questions) if folder]
         plan = {"folders": folders, "search": search, "end_with_parent": is_main_thread()}
         inherited: dict[str, Any] = {"pass_fds": (theirs.fileno(),), "start_new_session": True}
@@ -122,7 +122,7 @@ class PlainProcess:
         if popen is not None:
             _kill_group(popen)
         with contextlib.suppress(OSError):
-            empty(self._place)
+            empty_folder(self._place)
             os.rmdir(self._place)
 
 

@@ -29,7 +29,7 @@ def start(arguments: Sequence[str]) -> Callable[[], None]:
     try:
         answer = load_worker_code(plan["folders"], plan["search"])
     except Exception:
-        worker.give_up(line, traceback.format_exc(limit=-4)[-4000:])
+        worker.refuse_questions(line, traceback.format_exc(limit=-4)[-4000:])
         os._exit(1)
     tempfile.tempdir = None
     _limit()

@@ -15,7 +15,7 @@ def is_main_thread() -> bool:
     return threading.current_thread() is threading.main_thread()
 
 
-class WallsRefusedError(Exception):
+class IsolationRefusedError(Exception):
     """The kernel refuses an isolation step of this level; the message is the reason."""
 
 

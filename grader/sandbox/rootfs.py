@@ -10,7 +10,7 @@ import os
 from collections.abc import Mapping, Sequence
 
 from . import linux
-from .paths import arranged
+from .paths import mount_steps
 from .plan import Plan
 
 OLD = "/old"
@@ -35,7 +35,7 @@ def enter_new_root() -> None:
     os.chdir("/")
 
 
-def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], folders: Mapping[str, str]) -> None:
+def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], folders: Mapping[str, str]) -> None:
     """Bind what a sandbox may see and leave the host behind.
 
     Parameters
@@ -95,7 +95,7 @@ def mount_scratch() -> None:
 
 
 def _show_all(visible: Sequence[str], hidden: Sequence[str]) -> None:
-    steps = arranged(visible, hidden, OLD)
+    steps = mount_steps(visible, hidden, OLD)
     for kind, place, target in steps:
         if kind == "link":
             _link(target, place)

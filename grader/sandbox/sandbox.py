@@ -23,11 +23,11 @@ from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedO
 
 from . import level_choice, surroundings, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
-from .isolation_levels import LEVELS, UNWALLED, IsolationLevel, named
+from .isolation_levels import LEVELS, NO_ISOLATION, IsolationLevel, named
 from .plain import PlainProcess
 from .plan import Contents
 from .printed import Printed
-from .process import Process, WallsRefusedError, ZygoteGoneError
+from .process import IsolationRefusedError, Process, ZygoteGoneError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -73,7 +73,7 @@ class Sandbox:
         surroundings.compile_once([str(f) for f in (self._contents.worker_code, self._contents.questions) if f])
         if isolation_level is None:
             self._zygote, self.why = level_choice.climb(self._contents)
-            self.isolation_level = self._zygote.isolation_level if self._zygote else UNWALLED
+            self.isolation_level = self._zygote.isolation_level if self._zygote else NO_ISOLATION
         else:
             self.isolation_level, self.why = _asked_for(isolation_level), f"{isolation_level} was asked for"
             self._zygote = self._start()
@@ -120,17 +120,17 @@ class Sandbox:
             self._zygote = None
 
     def _start(self) -> Zygote | None:
-        if not self.isolation_level.walled:
+        if not self.isolation_level.isolates:
             return None
         try:
-            return level_choice.raise_walls(self.isolation_level, self._contents)
-        except WallsRefusedError as error:
+            return level_choice.start_zygote(self.isolation_level, self._contents)
+        except IsolationRefusedError as error:
             raise GraderError(
                 f"this machine does not allow the isolation level {self.isolation_level.name!r}: {error}"
             ) from None
 
     def _spawn(self, printed: Printed) -> Process:
-        if not self.isolation_level.walled:
+        if not self.isolation_level.isolates:
             return PlainProcess(self._contents, printed)
         try:
             return self._spawn_once(printed)

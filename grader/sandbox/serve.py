@@ -28,7 +28,7 @@ from .syscalls import machine
 _MAX_MESSAGE = 1 << 20
 _FIRST_HIGH_FD = 100  # above what a worker's own descriptors are moved to
 _LINE_FD = 3
-_COLLECT = (20_000, 5, 10)
+_GC_THRESHOLDS = (20_000, 5, 10)
 """When a worker looks for cycles: it lives for seconds, and what it collects early is a tenth of a figure's time."""
 
 
@@ -41,24 +41,24 @@ def main(control_fd: int) -> Callable[[], None] | None:
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.unpacked(control.recv(_MAX_MESSAGE))
     try:
-        return _live(control, plan)
+        return _isolate_and_serve(control, plan)
     except _GraderGoneError:
         if not plan.isolation_level.own_root:
             with contextlib.suppress(OSError):  # the grader may have been faster
                 folder = os.path.dirname(plan.cache)
-                paths.empty(folder)
+                paths.empty_folder(folder)
                 os.rmdir(folder)
         os._exit(0)
 
 
-def _live(control: socket.socket, plan: Plan) -> Callable[[], None] | None:
+def _isolate_and_serve(control: socket.socket, plan: Plan) -> Callable[[], None] | None:
     try:
         if plan.end_with_parent:
             namespaces.die_with_parent()
         walls = _enter(plan, control)
-        _try_out(walls, plan)
+        _test_confinement(walls, plan)
     except (OSError, KeyError) as error:
-        _tell(control, walls=False, reason=_words(error))
+        _tell(control, walls=False, reason=_reason(error))
         return None
     _tell(control, walls=True, without_landlock=not walls.landlock_abi)
     try:
@@ -85,28 +85,28 @@ def _tell(control: socket.socket, pidfd: int | None = None, **message: Any) -> N
         raise _GraderGoneError from error
 
 
-def _words(error: BaseException) -> str:
+def _reason(error: BaseException) -> str:
     return str(error.args[-1]) if error.args else type(error).__name__
 
 
 # Walls ----------------------------------------------------------------------------------------------------------------
 
 
-def _enter(plan: Plan, control: socket.socket) -> confine.Walls:
+def _enter(plan: Plan, control: socket.socket) -> confine.Confinement:
     """Raise the zygote's own walls. Where workers get namespaces the process forks, and the child goes on as pid 1."""
     if plan.isolation_level.own_namespaces:
         return _enter_full(plan, control)
     version = landlock.abi()
     if not version:
         raise OSError("the kernel has no Landlock")
-    readable, listed = (["/"], []) if plan.isolation_level.own_root else _shown_in_place(plan)
+    readable, listed = (["/"], []) if plan.isolation_level.own_root else _landlock_paths(plan)
     rules = ((scratch, _move_up(landlock.ruleset(version, readable, listed, [scratch]))) for scratch in plan.scratch)
-    return confine.Walls(plan.isolation_level, machine(), version, tuple(rules), _open_proc(), os.getpid())
+    return confine.Confinement(plan.isolation_level, machine(), version, tuple(rules), _open_proc(), os.getpid())
 
 
-def _shown_in_place(plan: Plan) -> tuple[list[str], list[str]]:
+def _landlock_paths(plan: Plan) -> tuple[list[str], list[str]]:
     """Return the paths that Landlock allows where the host's root stays the root, and the folders that may only be listed."""
-    whole, split = paths.around(paths.arranged(plan.visible, plan.hidden))
+    whole, split = paths.shown_and_listed(paths.mount_steps(plan.visible, plan.hidden))
     return [*whole, *plan.code, *rootfs.copies(plan).values()], split
 
 
@@ -118,7 +118,7 @@ def _open_proc() -> int:
         return -1
 
 
-def _enter_full(plan: Plan, control: socket.socket) -> confine.Walls:
+def _enter_full(plan: Plan, control: socket.socket) -> confine.Confinement:
     os.umask(0o022)
     proc = _open_proc()
     fonts = _contents(plan.fonts)
@@ -137,12 +137,12 @@ def _enter_full(plan: Plan, control: socket.socket) -> confine.Walls:
         with open(f"{rootfs.CACHE}/{name}", "xb") as file:
             file.write(data)
     _become_first(control)
-    return confine.Walls(plan.isolation_level, machine(), landlock.abi(), (), proc, 0)
+    return confine.Confinement(plan.isolation_level, machine(), landlock.abi(), (), proc, 0)
 
 
 def _build_root(plan: Plan) -> None:
     rootfs.enter_new_root()
-    rootfs.furnish(plan.visible, plan.hidden, plan.code, rootfs.copies(plan))
+    rootfs.fill_root(plan.visible, plan.hidden, plan.code, rootfs.copies(plan))
     rootfs.close_root()
 
 
@@ -165,14 +165,14 @@ def _become_first(control: socket.socket) -> None:
     os._exit(min(abs(os.waitstatus_to_exitcode(status)), 255))
 
 
-def _try_out(walls: confine.Walls, plan: Plan) -> None:
+def _test_confinement(walls: confine.Confinement, plan: Plan) -> None:
     """Raise a worker's walls in a child and try them from inside; OSError with what did not hold."""
     reader, writer = os.pipe()
     own = _own_pid_namespace(walls)
     pid = namespaces.fork_as_first(own) if own >= 0 else os.fork()
     if pid == 0:
         os.dup2(writer, _LINE_FD)
-        os._exit(_trial(walls, plan))
+        os._exit(_run_test(walls, plan))
     os.close(writer)
     with open(reader, "rb") as report:
         reason = report.read()
@@ -187,18 +187,18 @@ def _try_out(walls: confine.Walls, plan: Plan) -> None:
         raise OSError(reason.decode(errors="replace") or "a worker behind its walls ended without a word")
 
 
-def _trial(walls: confine.Walls, plan: Plan) -> int:
+def _run_test(walls: confine.Confinement, plan: Plan) -> int:
     try:
         confine.confine(walls, plan.scratch[0])
-        confine.prove(plan.decoy)
+        confine.test_isolation(plan.decoy)
     except BaseException as error:
-        os.write(_LINE_FD, _words(error).encode(errors="replace"))
+        os.write(_LINE_FD, _reason(error).encode(errors="replace"))
         return 1
     os.write(_LINE_FD, b"held")
     return 0
 
 
-def _own_pid_namespace(walls: confine.Walls) -> int:
+def _own_pid_namespace(walls: confine.Confinement) -> int:
     return _move_up(os.pidfd_open(os.getpid())) if walls.isolation_level.own_namespaces else -1
 
 
@@ -210,19 +210,19 @@ def _warm_up(plan: Plan) -> Any:
     sys.path[:] = plan.search  # packages may lie where only the grader's own environment says
     copies = rootfs.copies(plan)
     folders = list(copies if plan.isolation_level.own_root else copies.values())
-    with _to_stay():
+    with _imports_frozen():
         from .imports import import_where_they_are, load_worker_code  # noqa: PLC0415 - they pull numpy, which must come after the walls
 
         worker_code = load_worker_code(folders, plan.search, thorough=plan.thorough)
         import_where_they_are(plan.warm)
-    gc.set_threshold(*_COLLECT)
+    gc.set_threshold(*_GC_THRESHOLDS)
     if plan.isolation_level.own_namespaces:
         rootfs.freeze_cache()
     return worker_code
 
 
 @contextlib.contextmanager
-def _to_stay() -> Iterator[None]:
+def _imports_frozen() -> Iterator[None]:
     """Nearly all of what imports make stays: to look for the rest takes a tenth of their time."""
     gc.disable()
     yield
@@ -243,13 +243,13 @@ class _Child:
 
 
 class _Zygote:
-    def __init__(self, control: socket.socket, walls: confine.Walls, plan: Plan, answer: Any) -> None:
+    def __init__(self, control: socket.socket, walls: confine.Confinement, plan: Plan, answer: Any) -> None:
         self._control = control
         self._walls = walls
         self._plan = plan
         self._answer = answer
         self._own = _own_pid_namespace(walls)
-        confine.filter_program(walls, 1)  # most workers are pid 1: they find it ready
+        confine.seccomp_program(walls, 1)  # most workers are pid 1: they find it ready
         self._warm = {*plan.warm}
         self._children: dict[int, _Child] = {}
         self._poll = select.poll()
@@ -266,7 +266,7 @@ class _Zygote:
         while True:
             for fd, _ in self._poll.poll():
                 if fd in self._children:
-                    self._bury(self._children.pop(fd))
+                    self._reap(self._children.pop(fd))
                     continue
                 message, fds = self._next()
                 asked = json.loads(message)
@@ -289,7 +289,7 @@ class _Zygote:
         from .imports import import_where_they_are  # noqa: PLC0415 - see _warm_up
 
         if new := [name for name in modules if name not in self._warm]:
-            with _to_stay():
+            with _imports_frozen():
                 import_where_they_are(new)
             self._warm.update(new)
 
@@ -301,7 +301,7 @@ class _Zygote:
                 raise OSError(f"more than {len(self._plan.scratch)} workers at a time")
             pid = namespaces.fork_as_first(self._own) if self._own >= 0 else os.fork()
         except OSError as error:
-            _tell(self._control, failed=number, reason=_words(error))
+            _tell(self._control, failed=number, reason=_reason(error))
             scratch, pid = None, -1
         if pid == 0 and scratch is not None:
             self._control.detach()  # close_from will close it; a second close would hit a stranger
@@ -309,7 +309,7 @@ class _Zygote:
         for fd in fds:
             os.close(fd)
         if scratch is not None:
-            self._adopt(_Child(number, pid, os.pidfd_open(pid), scratch))
+            self._track(_Child(number, pid, os.pidfd_open(pid), scratch))
         return None
 
     def _free_scratch(self) -> str | None:
@@ -318,17 +318,17 @@ class _Zygote:
         taken = {child.scratch for child in self._children.values()}
         return next((folder for folder in self._plan.scratch if folder not in taken), None)
 
-    def _adopt(self, child: _Child) -> None:
+    def _track(self, child: _Child) -> None:
         self._children[child.pidfd] = child
         self._poll.register(child.pidfd, select.POLLIN)
         _tell(self._control, child.pidfd, spawned=child.number)
 
-    def _bury(self, child: _Child) -> None:
+    def _reap(self, child: _Child) -> None:
         self._poll.unregister(child.pidfd)
         os.close(child.pidfd)
         _, status, used = os.wait4(child.pid, 0)
         if not self._walls.isolation_level.own_namespaces:
-            paths.empty(child.scratch)
+            paths.empty_folder(child.scratch)
         code = os.waitstatus_to_exitcode(status)
         _tell(self._control, ended=child.number, code=code, cpu_s=used.ru_utime + used.ru_stime)
 
@@ -339,7 +339,7 @@ class _Zygote:
             os.waitpid(child.pid, 0)
 
 
-def _work(line_fd: int, printed_fd: int, walls: confine.Walls, scratch: str, answer: Any) -> None:
+def _work(line_fd: int, printed_fd: int, walls: confine.Confinement, scratch: str, answer: Any) -> None:
     """Run a worker in a forked child: attach its socket and output, confine it, answer questions, and exit. Never returns."""
     from . import worker  # noqa: PLC0415 - see _warm_up
 
@@ -350,7 +350,7 @@ def _work(line_fd: int, printed_fd: int, walls: confine.Walls, scratch: str, ans
     try:
         confine.confine(walls, scratch)
     except Exception as error:
-        worker.give_up(line, _words(error))
+        worker.refuse_questions(line, _reason(error))
         os._exit(1)
     os.environ.pop("PWD", None)  # bubblewrap sets it
     os.environ.update(HOME=scratch, TMPDIR=scratch)

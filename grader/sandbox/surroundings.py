@@ -98,7 +98,7 @@ def link_packages(folder: str) -> None:
             os.symlink(path, os.path.join(folder, "__pycache__", name) if compiled else os.path.join(folder, name))
 
 
-def search_without_walls() -> tuple[str, ...]:
+def search_without_isolation() -> tuple[str, ...]:
     """This interpreter's `sys.path` without the grader's source tree, on any system."""
     source = os.path.normcase(_HERE.parents[1])
     return tuple(

@@ -36,7 +36,7 @@ of their own, and a function that is called where one ends maps and unmaps it at
 run.__code__ = run.__code__.replace(co_stacksize=_ROOM)
 
 
-def give_up(line: socket.socket, reason: str) -> None:
+def refuse_questions(line: socket.socket, reason: str) -> None:
     """Say in place of `run` why there will be no answers: the walls could not be raised."""
     line.sendall(wire.pack(NO_NONCE, {"ready": False, "reason": reason}, {}))
 

@@ -20,7 +20,7 @@ _ASKED = frozenset(["axes", "collections", "draw", "legend_handles", "legends", 
 _ASKED |= {"__class__", "__getattr__", "__getattribute__"}
 
 
-class LyingArtistError(ValueError):
+class OverriddenArtistError(ValueError):
     """An artist whose class or who itself answers in place of matplotlib."""
 
 
@@ -49,7 +49,7 @@ def remember(*kinds: type) -> None:
 
 
 @contextlib.contextmanager
-def as_it_was() -> Iterator[None]:
+def original_classes() -> Iterator[None]:
     """Put every class back to what it was, for as long as facts are taken."""
     changed: list[tuple[type, str, Any]] = []
     for kind, members in _CLASSES.items():
@@ -65,14 +65,14 @@ def as_it_was() -> Iterator[None]:
             setattr(kind, name, value)
 
 
-def must_be_honest(*artists: Any) -> None:
-    """Raise LyingArtistError where an artist, or a class of the student's, overrides what is asked of it."""
+def reject_overrides(*artists: Any) -> None:
+    """Raise OverriddenArtistError where an artist, or a class of the student's, overrides what is asked of it."""
     for artist in artists:
         strange = [kind for kind in type(artist).__mro__ if kind not in _CLASSES and kind.__module__ != "builtins"]
         own = [name for kind in strange if not _generated(kind) for name in vars(kind) if _is_asked(name)]
         own += [name for name, value in vars(artist).items() if _is_asked(name) and callable(value)]
         if own:
-            raise LyingArtistError(f"{type(artist).__name__} answers for itself: {own[0]}"[:200])
+            raise OverriddenArtistError(f"{type(artist).__name__} overrides {own[0]}"[:200])
 
 
 def _is_asked(name: str) -> bool:
@@ -93,7 +93,7 @@ def place(axes: Any) -> Any:
     return axes.bbox.transformed(axes.get_figure().canvas.figure.transFigure.inverted())
 
 
-def words(text: Any, behind: Any) -> str:
+def readable_text(text: Any, behind: Any) -> str:
     """Return a text's words if they can be read: visible, large enough, and not in the colour of the background."""
     from matplotlib.colors import to_rgba
 
@@ -103,7 +103,7 @@ def words(text: Any, behind: Any) -> str:
     try:
         drawn, ground = np.array(to_rgba(text.get_color())), np.array(to_rgba(behind))
     except (ValueError, TypeError):
-        return faults.repeatable(str(text.get_text()))[:200]
+        return faults.mask_addresses(str(text.get_text()))[:200]
     strength = float(drawn[3]) * (1.0 if alpha is None else float(alpha))
     lost = ground[3] > 0.5 and np.abs(drawn[:3] - ground[:3]).max() <= _NEAR
-    return "" if strength <= 0.05 or lost else faults.repeatable(str(text.get_text()))[:200]
+    return "" if strength <= 0.05 or lost else faults.mask_addresses(str(text.get_text()))[:200]

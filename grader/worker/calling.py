@@ -46,7 +46,7 @@ class Slot:
 
 
 @dataclass(frozen=True)
-class Way:
+class CallPlan:
     """A way to call one function: slots by position, slots by the function's own names for them, and what it departs in."""
 
     positions: tuple[str, ...]
@@ -60,9 +60,9 @@ class Way:
         return function(*(values[slot] for slot in self.positions if slot in values), **named)
 
 
-def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
+def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
     """Return how a function takes these arguments; as promised where it can, and where nothing else can be made out."""
-    promised = Way(
+    promised = CallPlan(
         tuple(slot.name for slot in slots if slot.passed == "position"),
         {slot.name: slot.name for slot in slots if slot.passed == "option"},
         as_promised=True,
@@ -72,13 +72,13 @@ def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
     except (TypeError, ValueError):
         return promised
     parameters = [p for p in signature.parameters.values() if p.kind not in _VARIADIC]
-    if _takes(signature, promised) and not any(s.passed == "spare" and s.suits(p) for s in slots for p in parameters):
+    if _accepts(signature, promised) and not any(s.passed == "spare" and s.suits(p) for s in slots for p in parameters):
         return promised
-    claims = _claimed(parameters, slots)
+    claims = _assign_slots(parameters, slots)
     if any(p.default is p.empty and p.name not in claims for p in parameters):
         return promised
     leading = [p.name for p in parameters if p.kind is p.POSITIONAL_ONLY]
-    return Way(
+    return CallPlan(
         tuple(claims[name].name for name in leading if name in claims),
         {own: slot.name for own, slot in claims.items() if own not in leading},
         _departures(claims, slots),
@@ -94,18 +94,18 @@ def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
     return any(parameter.kind is parameter.VAR_KEYWORD or slot.suits(parameter) for parameter in parameters)
 
 
-def fitted(
+def adapt(
     function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
 ) -> tuple[Callable[..., Any], list[str]]:
     """A function to be called with the promised positions, whatever its own parameters are, and what it departs in."""
-    way = way_of(function, slots)
+    way = plan_call(function, slots)
     if way.as_promised:
         return function, []
     names = [slot.name for slot in slots if slot.passed == "position"]
     return lambda *given: way(function, {**(spares or {}), **dict(zip(names, given, strict=True))}), list(way.departs)
 
 
-def _takes(signature: inspect.Signature, promised: Way) -> bool:
+def _accepts(signature: inspect.Signature, promised: CallPlan) -> bool:
     """Return whether the function can be called as promised, with each slot where it has no other parameter for it."""
     try:
         bound = signature.bind(*promised.positions, **promised.names).arguments
@@ -114,10 +114,10 @@ def _takes(signature: inspect.Signature, promised: Way) -> bool:
     return all(bound.get(name) == name for name in promised.positions if name in signature.parameters)
 
 
-def _claimed(parameters: Sequence[inspect.Parameter], slots: Sequence[Slot]) -> dict[str, Slot]:
+def _assign_slots(parameters: Sequence[inspect.Parameter], slots: Sequence[Slot]) -> dict[str, Slot]:
     """Assign parameters to slots: by name, by meaning, then required ones by position, then the rest."""
     claims: dict[str, Slot] = {}
-    for suits in (_by_name, Slot.suits, _by_position, _at_last):
+    for suits in (_by_name, Slot.suits, _by_position, _by_leftover):
         for parameter in parameters:
             free = (slot for slot in slots if slot not in claims.values() and suits(slot, parameter))
             if parameter.name not in claims and (slot := next(free, None)):
@@ -133,7 +133,7 @@ def _by_position(slot: Slot, parameter: inspect.Parameter) -> bool:
     return slot.passed == "position" and parameter.default is parameter.empty and parameter.kind in _POSITIONAL
 
 
-def _at_last(slot: Slot, parameter: inspect.Parameter) -> bool:
+def _by_leftover(slot: Slot, parameter: inspect.Parameter) -> bool:
     return slot.anywhere and parameter.kind in _POSITIONAL
 
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 
-def give_back() -> None:
+def install() -> None:
     """Put each name that has gone back in its place, as what the release notes say to use instead."""
-    _of_numpy()
-    _of_matplotlib()
+    _restore_numpy_names()
+    _restore_matplotlib_names()
 
 
-def _of_numpy() -> None:
+def _restore_numpy_names() -> None:
     """NumPy 1.24 took the aliases of built-in types away, 2.0 those of numbers and functions, 2.4 the last of these."""
     types = {"float": float, "int": int, "complex": complex, "object": object, "float_": np.float64}
     types |= {"complex_": np.complex128, "bool8": np.bool_, "unicode_": np.str_, "string_": np.bytes_}
@@ -40,7 +40,7 @@ def _asfarray(values: Any, dtype: Any = np.float64) -> np.ndarray:
     return np.asarray(values, dtype if np.issubdtype(dtype, np.inexact) else np.float64)
 
 
-def _of_matplotlib() -> None:
+def _restore_matplotlib_names() -> None:
     """Matplotlib 3.8 took seaborn's styles away but for those of its version 0.8, 3.6 a canvas' title, 3.9 a way to colour maps."""
     import matplotlib as mpl
     from matplotlib import cm, style

@@ -8,7 +8,7 @@ import linecache
 import re
 from pathlib import Path
 
-from . import faults, fuzzy_names, notebooks, packages, stepping
+from . import faults, fuzzy_names, notebooks, packages, statements
 from .submission import STATE
 
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
@@ -17,7 +17,7 @@ _CONTINUES = re.compile(r"[\s)\]}#]|(?:elif|else|except|finally)\b")  # a line t
 _DEFINES = re.compile(r"^(?:async[ \t]+)?(?:def|class)[ \t]+(\w+)", re.MULTILINE)
 
 
-def units_in(source: bytes, path: str, *, flags: int = 0) -> list[stepping.Unit] | None:
+def units_in(source: bytes, path: str, *, flags: int = 0) -> list[statements.Unit] | None:
     """Return the statements of a file or a cell; None where it does not parse, which `STATE.unreadable` keeps."""
     try:
         return _units(_decoded(source), path, flags)
@@ -26,14 +26,14 @@ def units_in(source: bytes, path: str, *, flags: int = 0) -> list[stepping.Unit]
         return None
 
 
-def units_that_parse(source: bytes, path: str) -> list[stepping.Unit]:
+def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:
     """Return the top-level statements of a file that parse, where the file as a whole does not."""
     own = faults.own_name(path)
     try:
         lines = _decoded(source).splitlines()
         for _ in range(_MOST_LEFT_OUT):
             try:
-                return stepping.units_of(ast.parse("\n".join(lines), own), own)
+                return statements.units_of(ast.parse("\n".join(lines), own), own)
             except SyntaxError as refused:
                 _leave_out(lines, refused)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -54,13 +54,13 @@ def _leave_out(lines: list[str], refused: SyntaxError) -> None:
     lines[first:last] = [""] * (last - first)
 
 
-def _units(text: str, path: str, flags: int) -> list[stepping.Unit]:
+def _units(text: str, path: str, flags: int) -> list[statements.Unit]:
     own = faults.own_name(path)
     linecache.cache[own] = (len(text), None, text.splitlines(keepends=True), own)
     tree = ast.parse(text, own)
     if _RELATIVE.search(text):
-        packages.without_dots(tree, path)  # let files that were written as a package import each other
-    return stepping.units_of(tree, own, flags=flags)
+        packages.make_imports_absolute(tree, path)  # let files that were written as a package import each other
+    return statements.units_of(tree, own, flags=flags)
 
 
 def _decoded(source: bytes) -> str:
@@ -88,10 +88,10 @@ def defined(path: str) -> set[str]:
     for text in texts:
         try:
             parsed = ast.parse(text).body
-            names.update(name for node in parsed for name in stepping.bound(node))
+            names.update(name for node in parsed for name in statements.bound(node))
             nodes += parsed
         except SyntaxError:
             names.update(_DEFINES.findall(text))
         except (ValueError, RecursionError, MemoryError):
             continue
-    return names.union(name for name, _ in fuzzy_names.misspelled(nodes, STATE.at_home_in(path)))
+    return names.union(name for name, _ in fuzzy_names.misspelled(nodes, STATE.names_expected_in(path)))

@@ -1,6 +1,6 @@
 """Stubs of what a program finds on a student's computer and not here: windows, a notebook, a debugger's prompt.
 
-A stub lets a function go on. What fails at a file's top level needs none: it is stepped over, see `stepping`.
+A stub lets a function go on. What fails at a file's top level needs none: it is stepped over, see `statements`.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ from collections.abc import Callable
 from typing import Any
 
 _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
-_GLANCES = 5000  # at a viewer's window before it is closed: a loop that records 5 s needs 2,500
-_PATIENCE_S = 2.0  # of CPU time before it is closed: such a loop needs 0.2, one that draws at every step never ends
-_CPU_CLOCK = time.process_time  # student code finds another one, see `world`
+_MAX_RUNNING_CALLS = 5000  # at a viewer's window before it is closed: a loop that records 5 s needs 2,500
+_MAX_VIEWER_CPU_S = (
+    2.0  # of CPU time before it is closed: such a loop needs 0.2, one that draws at every step never ends
+)
+_CPU_CLOCK = time.process_time  # student code finds another one, see `repeatability`
 _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 _RUN_CELLS = ("time", "timeit", "capture", "prun")
 _MODULES = ("glfw", "IPython.display", "ipdb", "msvcrt", "pudb", "winsound")
@@ -54,19 +56,19 @@ class _Stub(types.ModuleType):
         """Do nothing: nothing is held."""
 
 
-def furnish(run_magic: RunMagic) -> None:
+def install(run_magic: RunMagic) -> None:
     """Put the stubs in place."""
     for name in _MODULES:
         sys.modules[name] = _Stub(name)
     vars(sys.modules["msvcrt"])["kbhit"] = lambda: False
     vars(os)["get_terminal_size"] = lambda *_: os.terminal_size((80, 24))
     vars(os).setdefault("startfile", _Stub("startfile"))
-    _take_the_screen_away()
-    _offer_notebook_names(run_magic)
-    _send_debuggers_on()
+    _use_headless_backends()
+    _install_notebook_names(run_magic)
+    _disable_debuggers()
 
 
-def _take_the_screen_away() -> None:
+def _use_headless_backends() -> None:
     """GUI back ends quietly become Agg, TeX becomes matplotlib's own text, a window accepts any place and size."""
     import matplotlib
     import matplotlib.pyplot as plt
@@ -105,7 +107,7 @@ class _Viewer(_Stub):
 
         scene = mujoco.MjvScene(model, _MAX_MARKS)
         super().__init__("viewer", m=model, d=data, cam=mujoco.MjvCamera(), opt=mujoco.MjvOption(), user_scn=scene)
-        self._glances, self._until_s = _GLANCES, _CPU_CLOCK() + _PATIENCE_S
+        self._glances, self._until_s = _MAX_RUNNING_CALLS, _CPU_CLOCK() + _MAX_VIEWER_CPU_S
 
     def is_running(self) -> bool:
         self._glances -= 1
@@ -115,7 +117,7 @@ class _Viewer(_Stub):
         self._glances = 0
 
 
-def _offer_notebook_names(run_magic: RunMagic) -> None:
+def _install_notebook_names(run_magic: RunMagic) -> None:
     """`display`, `get_ipython` and `IPython`, which notebook code uses without asking."""
     display, shell = sys.modules["IPython.display"], _Shell(run_magic)
     # matplotlib asks for a shell, and for the version, which says what it need not repair
@@ -142,7 +144,7 @@ class _Shell(_Stub):
             exec(compile(cell, "<cell>", "exec"), sys._getframe(1).f_globals)
 
 
-def _send_debuggers_on() -> None:
+def _disable_debuggers() -> None:
     """Make breakpoints do nothing, as nobody can type `c` during grading."""
     go_on = _Stub("debugger")
     vars(sys)["breakpointhook"] = vars(sys)["__breakpointhook__"] = go_on

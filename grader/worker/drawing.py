@@ -40,7 +40,7 @@ _READS_BACK = re.compile(
 
 
 @dataclass(frozen=True)
-class Seen:
+class Preview:
     """Small picture of a figure: pixels (h, w, 3), the exact width and height that they represent, and dots per inch."""
 
     pixels: np.ndarray
@@ -56,29 +56,29 @@ def reads_pictures_back(sources: Iterable[bytes]) -> bool:
 # --- the witness ---------------------------------------------------------------------------------------------------------
 
 
-def look(figure: Any) -> Seen:
+def draw_preview(figure: Any) -> Preview:
     """Draw a figure as a small picture; raise what drawing it in full would raise."""
     from matplotlib.backends.backend_agg import RendererAgg
 
-    before, dots, canvas = figure.dpi, _few_dots(figure), figure.canvas
+    before, dots, canvas = figure.dpi, _preview_dpi(figure), figure.canvas
     width, height = (max(1, int(size * dots)) for size in figure.get_size_inches())
     canvas.draw_idle = _draw_nothing  # pyplot asks for a redraw at full size that nobody would see
     figure.dpi = dots
     try:
         renderer: Any = RendererAgg(width, height, dots)  # type: ignore[no-untyped-call]
         _draw_small(figure, renderer)
-        return _seen(figure, renderer, dots)
+        return _pixels_of(figure, renderer, dots)
     finally:
         figure.dpi = before
 
 
-def _few_dots(figure: Any) -> float:
+def _preview_dpi(figure: Any) -> float:
     width, height = figure.get_size_inches()
     fewest = min(_FEWEST_DOTS, np.sqrt(_MOST_PIXELS / (width * height)))
     return float(min(_MOST_DOTS, max(_SIDE / max(width, height), fewest)))
 
 
-def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
+def _pixels_of(figure: Any, renderer: Any, dots: float) -> Preview:
     """Return the renderer's pixels over a white background."""
     drawn = np.asarray(renderer.buffer_rgba())
     pixels = drawn[:, :, :3]
@@ -87,7 +87,7 @@ def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
         pixels = pixels * opacity + 255 * (1 - opacity)
     step = -(-max(pixels.shape) // int(_SIDE))  # above 1 for a figure like a ribbon
     width, height = (float(size * dots / step) for size in figure.get_size_inches())
-    return Seen(np.array(np.rint(pixels[::step, ::step]), np.uint8), (width, height), dots / step)
+    return Preview(np.array(np.rint(pixels[::step, ::step]), np.uint8), (width, height), dots / step)
 
 
 def _draw_small(figure: Any, renderer: Any) -> None:
@@ -111,7 +111,7 @@ def _draw_figure(figure: Any, renderer: Any) -> None:
         return
     figure.patch.draw(renderer)
     rest = [artist for artist in figure.get_children() if artist is not figure.patch]
-    for artist in sorted(rest, key=_height):
+    for artist in sorted(rest, key=_zorder):
         if isinstance(artist, SubFigure):
             _draw_figure(artist, renderer)
         elif type(artist) is Axes:
@@ -130,36 +130,36 @@ def _draw_panel(axes: Any, renderer: Any) -> None:
     locator = axes.get_axes_locator()
     axes.apply_aspect(locator(axes, renderer) if locator else None)
     framed = axes.axison and axes.get_frame_on()
-    out = {axes.patch, *_ordinary(axes)} | set(() if framed else axes.spines.values())
+    out = {axes.patch, *_undrawn_artists(axes)} | set(() if framed else axes.spines.values())
     if not axes.axison:
         out |= {axes.xaxis, axes.yaxis}
     if framed:
         axes.patch.draw(renderer)
-    for artist in sorted((artist for artist in axes.get_children() if artist not in out), key=_height):
+    for artist in sorted((artist for artist in axes.get_children() if artist not in out), key=_zorder):
         if type(artist) is Axes:
             _draw_panel(artist, renderer)
         else:
             artist.draw(renderer)
 
 
-def _height(artist: Any) -> float:
+def _zorder(artist: Any) -> float:
     return float(artist.get_zorder())
 
 
-def _ordinary(axes: Any) -> Iterator[Any]:
+def _undrawn_artists(axes: Any) -> Iterator[Any]:
     """Yield the artists too small to hide a curve, which need not be drawn; raise what drawing one would raise."""
     for title in (axes.title, axes._left_title, axes._right_title):
         if _is_small(title, _HEADING):
-            _examine(title)
+            _parse_mathematics(title)
             yield title
     for axis in (axes.xaxis, axes.yaxis):
         if axes.axison and axis.get_visible() and _is_ordinary_axis(axis):
-            _examine(axis.label)
+            _parse_mathematics(axis.label)
             yield axis
     legend = axes.get_legend()
     if legend is not None and _is_ordinary_legend(legend):
         for text in (legend.get_title(), *legend.get_texts()):
-            _examine(text)
+            _parse_mathematics(text)
         yield legend
 
 
@@ -209,7 +209,7 @@ def _is_small(text: Any, size: float) -> bool:
     return bool(bare and text.get_fontsize() <= size and len(text.get_text()) <= _FEW_LETTERS)
 
 
-def _examine(text: Any) -> None:
+def _parse_mathematics(text: Any) -> None:
     said = text.get_text()
     if text.get_visible() and ("$" in said or text.get_usetex()) and not _PLAIN_MATHEMATICS.fullmatch(said):
         text.get_window_extent()  # parses mathematics
@@ -218,29 +218,33 @@ def _examine(text: Any) -> None:
 # --- saving --------------------------------------------------------------------------------------------------------------
 
 
-def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> Seen:
+def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> Preview:
     """Save a figure as its small picture and return that; raise what saving it in full would raise."""
     figure = canvas.figure
     drawn: list[Any] = []
-    _dots(asked, figure.dpi)
-    dots = _few_dots(figure)
+    _dpi(asked, figure.dpi)
+    dots = _preview_dpi(figure)
     canvas.draw_idle = _draw_nothing
 
     def draw(renderer: Any) -> None:
         drawn[:] = [renderer]
         _draw_small(figure, renderer)
-        _tell_who_waits(figure, renderer)
+        _send_draw_event(figure, renderer)
 
     figure.draw = draw
     try:
-        really(canvas, target, dots, **options | _whole(figure, options))
+        really(canvas, target, dots, **options | _whole_figure_bbox(figure, options))
     finally:
         vars(figure).pop("draw", None)
-    seen = _seen(figure, drawn[0], dots) if drawn and _has_all(figure, drawn[0], dots) else look(figure)
-    return _cut_out(seen, options.get("bbox_inches"))
+    seen = (
+        _pixels_of(figure, drawn[0], dots)
+        if drawn and _holds_whole_figure(figure, drawn[0], dots)
+        else draw_preview(figure)
+    )
+    return _crop_to_saved_part(seen, options.get("bbox_inches"))
 
 
-def _cut_out(seen: Seen, part: Any) -> Seen:
+def _crop_to_saved_part(seen: Preview, part: Any) -> Preview:
     """Return the picture with white outside of `part`, the rectangle in inches that is saved (`bbox_inches`)."""
     from matplotlib.transforms import BboxBase
 
@@ -253,7 +257,7 @@ def _cut_out(seen: Seen, part: Any) -> Seen:
     return seen
 
 
-def _has_all(figure: Any, renderer: Any, dots: float) -> bool:
+def _holds_whole_figure(figure: Any, renderer: Any, dots: float) -> bool:
     """Return whether a renderer has a pixel buffer of the whole figure; PDF and SVG have none."""
     try:
         shape = np.asarray(renderer.buffer_rgba()).shape[:2]
@@ -262,7 +266,7 @@ def _has_all(figure: Any, renderer: Any, dots: float) -> bool:
     return shape == tuple(max(1, int(size * dots)) for size in figure.get_size_inches()[::-1])
 
 
-def _tell_who_waits(figure: Any, renderer: Any) -> None:
+def _send_draw_event(figure: Any, renderer: Any) -> None:
     from matplotlib.backend_bases import DrawEvent
 
     if figure.canvas.callbacks.callbacks.get("draw_event"):
@@ -273,7 +277,7 @@ def _draw_nothing(*args: Any, **kwargs: Any) -> None:
     """Replace `canvas.draw_idle` during a small drawing: a redraw at full size would be wasted."""
 
 
-def _whole(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
+def _whole_figure_bbox(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
     """Return a `bbox_inches` of the whole figure in place of "tight", whose margin would have to be measured."""
     from matplotlib import rcParams
     from matplotlib.transforms import Bbox
@@ -294,7 +298,7 @@ def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any 
 def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
     """Save a figure in full, for a submission that reads its pictures back; very large pictures get a lower resolution."""
     figure = canvas.figure
-    dots = min(_dots(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
+    dots = min(_dpi(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
     really(canvas, target, dots, **options)
 
 
@@ -307,12 +311,12 @@ def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any,
 
 def blank(figure: Any, asked: Any) -> bytes:
     """Return as many zero bytes as the figure's raw pixels take with this `dpi` of `savefig`."""
-    dots = _dots(asked, figure.dpi)
+    dots = _dpi(asked, figure.dpi)
     width, height = (int(size * dots) for size in figure.get_size_inches())
     return bytes(4 * width * height)
 
 
-def _dots(asked: Any, own: float) -> float:
+def _dpi(asked: Any, own: float) -> float:
     """Return the dots per inch that the `dpi` of `savefig` means; raise ValueError if it is not positive and finite."""
     dots = own if asked is None or asked == "figure" else float(asked)
     if not np.isfinite(dots) or dots <= 0:

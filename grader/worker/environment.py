@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from . import compat, desktop_stubs, sources
+from . import compat, desktop_stubs, repeatability
 
 _MAX_INPUTS = 100
 
@@ -22,9 +22,9 @@ _MAX_INPUTS = 100
 def import_libraries() -> None:
     """Import what every submission needs, pyplot's back end among it: pyplot would wait with that for the first figure."""
     with contextlib.suppress(ImportError):
-        import _ssl  # noqa: F401 - see `sources`
+        import _ssl  # noqa: F401 - see `repeatability`
 
-    with _undocumented():
+    with _without_artist_docs():
         import matplotlib.pyplot as plt
     import mujoco  # noqa: F401
     import numpy.random  # noqa: F401
@@ -35,7 +35,7 @@ def import_libraries() -> None:
 
 
 @contextlib.contextmanager
-def _undocumented() -> Iterator[None]:
+def _without_artist_docs() -> Iterator[None]:
     """matplotlib writes what each kind of artist can be set to into docstrings, a fifth of the time of all imports together."""
     from matplotlib import artist as artists
 
@@ -76,7 +76,7 @@ def use_libraries() -> None:
     PIL.Image.preinit()
 
 
-def furnish(lab_configuration: Mapping[str, Any], *, run_magic: desktop_stubs.RunMagic) -> None:
+def install(lab_configuration: Mapping[str, Any], *, run_magic: desktop_stubs.RunMagic) -> None:
     """Make the worker's process look like the machine that the lab sheet assumes.
 
     Parameters
@@ -91,11 +91,11 @@ def furnish(lab_configuration: Mapping[str, Any], *, run_magic: desktop_stubs.Ru
             lab_configuration["model"],
         )
     _answer_input()
-    compat.give_back()
-    desktop_stubs.furnish(run_magic)
-    sources.furnish(_HOME)
-    _keep_hooks_away()
-    _make_signals_deadly()
+    compat.install()
+    desktop_stubs.install(run_magic)
+    repeatability.install(_HOME)
+    _disable_hooks()
+    _exit_on_own_signals()
     _watch_steps()
 
 
@@ -147,7 +147,7 @@ def _redirect_model(place: str, sheets_name: str) -> None:
 
     def opened(file: Any, mode: str = "r", *args: Any, **options: Any) -> Any:
         if "r" not in mode:
-            _make_room(file)
+            _make_parent_folder(file)
         return really_open(meant(file) if "r" in mode else file, mode, *args, **options)
 
     mujoco.MjModel.from_xml_path = staticmethod(redirecting(mujoco.MjModel.from_xml_path))
@@ -160,7 +160,7 @@ def _redirect_model(place: str, sheets_name: str) -> None:
         accessor.stat, accessor.open = staticmethod(stat), staticmethod(opened)
 
 
-def _make_room(file: Any) -> None:
+def _make_parent_folder(file: Any) -> None:
     """Create the folder of a file that student code writes: it may exist on the student's computer, but no archive has it empty."""
     if isinstance(file, str | os.PathLike):
         with contextlib.suppress(OSError, ValueError, TypeError, RecursionError):
@@ -170,7 +170,7 @@ def _make_room(file: Any) -> None:
 _HOME = "."
 
 
-def settle(folder: str) -> None:
+def remember_folder(folder: str) -> None:
     """Remember the scratch folder: student code may change the working directory."""
     global _HOME  # noqa: PLW0603 - one process, one submission
     _HOME = folder
@@ -193,7 +193,7 @@ def _answer_input() -> None:
 _STEP_S = 2e-4  # about what a step and the reading of two sensors take
 
 
-def _keep_hooks_away() -> None:
+def _disable_hooks() -> None:
     """Leave trace, profile and audit hooks of student code out: what raises in one would end a statement of ours."""
     vars(sys).update(settrace=_no_hook, setprofile=_no_hook, addaudithook=_no_hook)
     monitoring = getattr(sys, "monitoring", None)  # since Python 3.12
@@ -205,12 +205,12 @@ def _no_hook(*args: Any) -> None:
     """Stand in for a function that registers a hook."""
 
 
-def _make_signals_deadly() -> None:
+def _exit_on_own_signals() -> None:
     """Make a process end that signals itself: the first process of a PID namespace would ignore its own signals."""
 
     def kill(pid: int, number: int) -> None:
         default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
-        if pid in (os.getpid(), sources.PID) and default and number not in harmless:
+        if pid in (os.getpid(), repeatability.PID) and default and number not in harmless:
             os._exit(128 + number)
         really_kill(pid, number)
 
@@ -242,7 +242,7 @@ class _RunRecorder:
                 "qpos": np.array(data.qpos), "qvel": np.array(data.qvel), "force": _forces(data),
                 "gravity": np.array(model.opt.gravity), "timestep": np.array([model.opt.timestep], dtype=np.float64),
             }  # fmt: skip
-            self._left = np.concatenate([self._first[name] for name in _SET])
+            self._left = np.concatenate([self._first[name] for name in _STATE_PARTS])
             self._found = self._left.copy()
         elif data is self._data and len(self._changes) < _MOST_CHANGES:
             self._read_state(model, data, self._found)
@@ -255,21 +255,21 @@ class _RunRecorder:
             self._steps += count
             self._read_state(model, data, self._left)
 
-    def told(self) -> dict[str, np.ndarray]:
+    def arrays(self) -> dict[str, np.ndarray]:
         """The first state, how many steps were made, and the later changes: at which steps, and to which states."""
         if not self._first:
             return {}
         states = np.array([state for _, state in self._changes]).reshape(-1, len(self._left))
-        ends = np.cumsum([len(self._first[name]) for name in _SET])[:-1]
+        ends = np.cumsum([len(self._first[name]) for name in _STATE_PARTS])[:-1]
         return {
             **self._first,
             "steps": np.array([self._steps], np.float64),
             "set_at": np.array([step for step, _ in self._changes], np.float64),
-            **{f"set_{name}": part for name, part in zip(_SET, np.split(states, ends, axis=1), strict=True)},
+            **{f"set_{name}": part for name, part in zip(_STATE_PARTS, np.split(states, ends, axis=1), strict=True)},
         }
 
 
-_SET = ("qpos", "qvel", "force")
+_STATE_PARTS = ("qpos", "qvel", "force")
 """Parts of the state that code may set between two steps, in MuJoCo's order."""
 
 
@@ -300,7 +300,7 @@ def watched_run() -> dict[str, np.ndarray]:
     """Return the notes of the run, and stop taking notes."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
-    return course.told() if course else {}
+    return course.arrays() if course else {}
 
 
 def _watch_steps() -> None:
@@ -312,7 +312,7 @@ def _watch_steps() -> None:
                 _RECORDER.before_step(model, data)
             made = step(model, data, *args, **kwargs)
             count = (args[0] if args else kwargs.get("nstep", 1)) if ends else 0
-            sources.CLOCK.passed_s += _STEP_S * count
+            repeatability.CLOCK.passed_s += _STEP_S * count
             if _RECORDER and ends:
                 _RECORDER.after_step(model, data, count)
             return made
@@ -324,7 +324,7 @@ def _watch_steps() -> None:
 
 
 @contextlib.contextmanager
-def at_home(folder: str) -> Iterator[None]:
+def in_scratch_folder(folder: str) -> Iterator[None]:
     """Run with the scratch folder as the working directory, whatever an earlier call changed it to."""
     os.chdir(folder)
     try:

@@ -31,7 +31,7 @@ def is_own(name: str) -> bool:
     return name.startswith(_OWN_PREFIX)
 
 
-def told_at(path: str, line: int, message: str) -> dict[str, Any]:
+def fault_at(path: str, line: int, message: str) -> dict[str, Any]:
     """Facts as `describe` has them, of a line that raised nothing."""
     return {"type": "", "message": message, "file": path[:200], "line": line, "text": None, "name": None}
 
@@ -52,12 +52,12 @@ def describe(error: BaseException) -> dict[str, Any]:
         "line": None,
         "text": None,
     }
-    if is_a(error, SyntaxError) and (held(error, "filename", str) or "").startswith(_OWN_PREFIX):
+    if is_a(error, SyntaxError) and (attribute_of(error, "filename", str) or "").startswith(_OWN_PREFIX):
         found |= {
-            "file": held(error, "filename", str),
-            "line": held(error, "lineno", int),
-            "text": _pointed_at(error),
-            "message": (held(error, "msg", str) or "")[:400],
+            "file": attribute_of(error, "filename", str),
+            "line": attribute_of(error, "lineno", int),
+            "text": _line_with_caret(error),
+            "message": (attribute_of(error, "msg", str) or "")[:400],
         }
     else:
         try:
@@ -73,7 +73,7 @@ def describe(error: BaseException) -> dict[str, Any]:
     if not isinstance(found["line"], int) or abs(found["line"]) > _LAST_LINE:
         found["line"] = None
     named = is_a(error, ImportError) or is_a(error, NameError) or is_a(error, AttributeError)
-    found["name"] = (held(error, "name", str) or "")[:100] or None if named else None
+    found["name"] = (attribute_of(error, "name", str) or "")[:100] or None if named else None
     return found
 
 
@@ -87,7 +87,7 @@ def is_a(error: BaseException, kind: type[BaseException]) -> bool:
     return issubclass(type(error), kind)
 
 
-def held(error: BaseException, name: str, kind: type[T]) -> T | None:
+def attribute_of(error: BaseException, name: str, kind: type[T]) -> T | None:
     """An attribute of an exception; None where it is of another kind, or where the student's code computes it and raises."""
     try:
         value = getattr(error, name, None)
@@ -96,12 +96,12 @@ def held(error: BaseException, name: str, kind: type[T]) -> T | None:
     return value if type(value) is kind else None
 
 
-def _pointed_at(error: BaseException) -> str:
+def _line_with_caret(error: BaseException) -> str:
     """The line that is no Python, and a caret below the place where Python gave up, if it says so."""
-    filename, lineno = held(error, "filename", str) or "", held(error, "lineno", int) or 0
-    whole = (held(error, "text", str) or linecache.getline(filename, lineno)).rstrip()
+    filename, lineno = attribute_of(error, "filename", str) or "", attribute_of(error, "lineno", int) or 0
+    whole = (attribute_of(error, "text", str) or linecache.getline(filename, lineno)).rstrip()
     line = whole.lstrip()
-    column = (held(error, "offset", int) or 0) - 1 - (len(whole) - len(line))
+    column = (attribute_of(error, "offset", int) or 0) - 1 - (len(whole) - len(line))
     return f"{line}\n{' ' * column}^" if 0 <= column <= len(line) <= _LONGEST_POINTED_AT else line
 
 
@@ -111,9 +111,9 @@ def message_of(error: BaseException) -> str:
         text = str(error)
     except BaseException:  # __str__ is the student's code
         text = ""
-    return repeatable(text)[:400]
+    return mask_addresses(text)[:400]
 
 
-def repeatable(text: str) -> str:
+def mask_addresses(text: str) -> str:
     """Mask memory addresses and other long integers in a text, which differ from run to run."""
     return _LONG_INTEGER.sub("…", _ADDRESS.sub("0x…", text))

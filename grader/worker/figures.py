@@ -28,15 +28,15 @@ _MAX_INKS = 8
 
 
 def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
-    artist_facts.must_be_honest(figure, *figure.legends)
+    artist_facts.reject_overrides(figure, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
     artists = [text for part in (figure, *_subfigures(figure)) for text in part.texts]
-    artist_facts.must_be_honest(*artists)
-    texts = [words for text in artists if (words := artist_facts.words(text, behind))]
+    artist_facts.reject_overrides(*artists)
+    texts = [words for text in artists if (words := artist_facts.readable_text(text, behind))]
     return {
-        "title": artist_facts.words(getattr(figure, "_suptitle", None), behind),
-        "xlabel": artist_facts.words(getattr(figure, "_supxlabel", None), behind),
-        "ylabel": artist_facts.words(getattr(figure, "_supylabel", None), behind),
+        "title": artist_facts.readable_text(getattr(figure, "_suptitle", None), behind),
+        "xlabel": artist_facts.readable_text(getattr(figure, "_supxlabel", None), behind),
+        "ylabel": artist_facts.readable_text(getattr(figure, "_supylabel", None), behind),
         "texts": texts[:_MAX_TEXTS],
         "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
         "axes": [_axes(one, packer) for one in axes],
@@ -56,12 +56,12 @@ def _axes(axes: Any, packer: Packer) -> dict[str, Any]:
     legend, behind = axes.get_legend(), axes.get_figure().get_facecolor()
     titles = (axes.title, axes._left_title, axes._right_title)
     labels = (axes.xaxis.label, axes.yaxis.label)
-    artist_facts.must_be_honest(
+    artist_facts.reject_overrides(
         axes, axes.xaxis, axes.yaxis, *titles, *labels, *axes.texts, *([legend] if legend else [])
     )
-    box, part = artist_facts.place(axes), _part_of_a_figure(axes, behind)
+    box, part = artist_facts.place(axes), _subfigure_texts(axes, behind)
     xlabel, ylabel = (
-        artist_facts.words(axis.label, behind) if axes.axison and axis.get_visible() else ""
+        artist_facts.readable_text(axis.label, behind) if axes.axison and axis.get_visible() else ""
         for axis in (axes.xaxis, axes.yaxis)
     )
     return {
@@ -70,10 +70,14 @@ def _axes(axes: Any, packer: Packer) -> dict[str, Any]:
         "xlabel": xlabel or part["xlabel"],
         "ylabel": ylabel or part["ylabel"],
         "title": next(
-            (words for title in titles if (words := artist_facts.words(title, behind)).strip()), part["title"]
+            (words for title in titles if (words := artist_facts.readable_text(title, behind)).strip()), part["title"]
         ),
         "legend": _legends(axes, behind),
-        "texts": [_placed(text) for text in axes.texts[:_MAX_TEXTS] if artist_facts.words(text, axes.get_facecolor())],
+        "texts": [
+            _text_with_place(text)
+            for text in axes.texts[:_MAX_TEXTS]
+            if artist_facts.readable_text(text, axes.get_facecolor())
+        ],
         "curves": _curves(axes, packer),
         "own_height": not axes.get_autoscaley_on(),
         "own_ticks": type(axes.xaxis.get_major_formatter()) is not ScalarFormatter,
@@ -83,20 +87,20 @@ def _axes(axes: Any, packer: Packer) -> dict[str, Any]:
     }
 
 
-def _part_of_a_figure(axes: Any, behind: Any) -> dict[str, str]:
+def _subfigure_texts(axes: Any, behind: Any) -> dict[str, str]:
     """Return a subfigure's texts for all its panels; those of the whole figure are reported by themselves."""
     part = axes.get_figure()
     whole = part is part.canvas.figure
     artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
-    artist_facts.must_be_honest(part, *(artist for artist in artists.values() if artist is not None))
-    return {name: artist_facts.words(artist, behind) for name, artist in artists.items()}
+    artist_facts.reject_overrides(part, *(artist for artist in artists.values() if artist is not None))
+    return {name: artist_facts.readable_text(artist, behind) for name, artist in artists.items()}
 
 
 def _legends(axes: Any, behind: Any) -> list[dict[str, Any]] | None:
     """The legend of a panel, and those of the part of a figure that it stands in."""
     own, part = axes.get_legend(), axes.get_figure()
     around = [] if part is part.canvas.figure else list(part.legends[:4])
-    artist_facts.must_be_honest(*around)
+    artist_facts.reject_overrides(*around)
     entries = [_legend(legend, behind) for legend in around if legend.get_visible()]
     if own is not None and own.get_visible():
         entries.insert(0, _legend(own, axes.get_facecolor()))
@@ -105,12 +109,12 @@ def _legends(axes: Any, behind: Any) -> list[dict[str, Any]] | None:
 
 def _curves(axes: Any, packer: Packer) -> list[dict[str, Any]]:
     room = min(_MAX_CURVES, _MAX_CURVES_IN_ALL - len(packer.arrays) // 2)
-    lines = joined(axes.get_lines()[:_MAX_PIECES], _points_on, _look_of_line)
+    lines = joined(axes.get_lines()[:_MAX_PIECES], _points_on, _style_of_line)
     curves = [_line(pieces, packer) for pieces in lines[: max(room, 0)]]
     others = (
         (pieces[0], drawn)
-        for pieces in joined((*axes.collections, *axes.patches)[:_MAX_PIECES], _points_in, _look_of_points)
-        for drawn in _drawn_by(pieces)
+        for pieces in joined((*axes.collections, *axes.patches)[:_MAX_PIECES], _points_in, _style_of_points)
+        for drawn in _curves_drawn_by(pieces)
     )
     for artist, (x, y, colour) in itertools.islice(others, max(room - len(curves), 0)):
         curves.append(_curve(artist, x, y, colour, packer) | _ink_of(artist, colour))
@@ -121,7 +125,7 @@ def _points_on(line: Any) -> int:
     return int(np.size(np.asarray(line.get_xdata())))
 
 
-def _look_of_line(line: Any) -> tuple[str, ...]:
+def _style_of_line(line: Any) -> tuple[str, ...]:
     return _colour(line.get_color()), str(line.get_linestyle()), str(line.get_marker()), _stroke(line)
 
 
@@ -132,18 +136,18 @@ def _points_in(artist: Any) -> int:
     return int(np.shape(artist.get_offsets())[0]) if isinstance(artist, PathCollection) else MAX_PIECE + 1
 
 
-def _look_of_points(points: Any) -> tuple[str, str]:
-    return _colour(_face(points)), _short(points.get_sizes()[:1])
+def _style_of_points(points: Any) -> tuple[str, str]:
+    return _colour(_face(points)), _masked_text(points.get_sizes()[:1])
 
 
-def _drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
+def _curves_drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
     """Yield points and colour of every curve of artists that are no lines: collections of lines, stairs, scattered points."""
     from matplotlib.collections import Collection, LineCollection
     from matplotlib.patches import StepPatch
 
     artist = pieces[0]
     if isinstance(artist, Collection | StepPatch):
-        artist_facts.must_be_honest(*pieces)
+        artist_facts.reject_overrides(*pieces)
     if isinstance(artist, LineCollection):
         segments, colours = list(artist.get_segments()), list(_plain_floats(artist.get_edgecolor()))
         if is_chain(segments):
@@ -171,7 +175,7 @@ _NOTHING = ("None", "none", "", " ", None)
 
 
 def _line(pieces: list[Any], packer: Packer) -> dict[str, Any]:
-    artist_facts.must_be_honest(*pieces)
+    artist_facts.reject_overrides(*pieces)
     line, (x, y) = pieces[0], _points_of(pieces[0])
     if len(pieces) > 1:
         x, y = end_to_end(np.column_stack(_points_of(piece)) for piece in pieces).T
@@ -200,14 +204,14 @@ def _points_of(line: Any) -> tuple[np.ndarray, np.ndarray]:
 def _stroke(line: Any) -> str:
     """Return what distinguishes lines of one colour: dashes, width and opacity."""
     dashes = getattr(line, "_unscaled_dash_pattern", None)  # matplotlib has no getter for it
-    return _short((dashes, line.get_linewidth(), line.get_alpha()))
+    return _masked_text((dashes, line.get_linewidth(), line.get_alpha()))
 
 
 def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str, Any]:
     n = min(len(x), len(y))
     step = max(1, -(-n // _MAX_POINTS))
     return {
-        "label": _short(str(artist.get_label())),
+        "label": _masked_text(str(artist.get_label())),
         "colour": _colour(colour),
         "kind": "points",
         "n": int(n),
@@ -275,7 +279,7 @@ def _legend(legend: Any, behind: Any) -> list[dict[str, Any]]:
     """Entries as a reader sees them: the words, and the colour and stroke of the sample beside them."""
     handles = getattr(legend, "legend_handles", None) or getattr(legend, "legendHandles", [])
     pairs = list(zip(legend.get_texts()[:_MAX_CURVES], handles, strict=False))
-    artist_facts.must_be_honest(*(artist for pair in pairs for artist in pair))
+    artist_facts.reject_overrides(*(artist for pair in pairs for artist in pair))
     return [_entry(text, handle, behind) for text, handle in pairs]
 
 
@@ -285,7 +289,7 @@ def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
         handle.get_color() if line else (_face(handle) if hasattr(handle, "get_offsets") else handle.get_facecolor())
     )
     return {
-        "text": artist_facts.words(text, behind),
+        "text": artist_facts.readable_text(text, behind),
         "colour": _colour(colour),
         "style": str(handle.get_linestyle())[:8] if line else "",
         "marker": str(handle.get_marker())[:8] if line and hasattr(handle, "get_marker") else "",
@@ -293,13 +297,17 @@ def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
     }
 
 
-def _placed(text: Any) -> dict[str, Any]:
+def _text_with_place(text: Any) -> dict[str, Any]:
     from matplotlib.text import Annotation
 
     where = text.xy if isinstance(text, Annotation) else text.get_position()  # an annotation may stand beside its point
     x, y = (float(v) if isinstance(v, int | float | np.number) else float("nan") for v in where)
-    return {"text": _short(text.get_text()), "place": [_bounded(x), _bounded(y)], "colour": _colour(text.get_color())}
+    return {
+        "text": _masked_text(text.get_text()),
+        "place": [_bounded(x), _bounded(y)],
+        "colour": _colour(text.get_color()),
+    }
 
 
-def _short(text: object) -> str:
-    return faults.repeatable(str(text))[:200]
+def _masked_text(text: object) -> str:
+    return faults.mask_addresses(str(text))[:200]

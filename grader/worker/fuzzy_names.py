@@ -6,12 +6,12 @@ import ast
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
-from . import stepping
+from . import statements
 
 
 def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[str, str]]:
     """Yield each wanted name that these statements do not bind, with the one definition whose name is nearly that."""
-    missed = set(wanted).difference(*map(stepping.bound, nodes))
+    missed = set(wanted).difference(*map(statements.bound, nodes))
     for name in sorted(missed):
         kind = ast.ClassDef if name[0].isupper() else ast.FunctionDef
         near = {node.name for node in nodes if isinstance(node, kind) and is_near(node.name, name)}
@@ -39,7 +39,7 @@ members_of = type.__dict__["__dict__"].__get__
 """The members of a class, whatever its own class would answer."""
 
 
-def call_by_right_names(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:
+def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:
     """Let the one method of a class whose name is nearly a wanted ``Class.method`` be called by that; `known` collects which."""
     for each in wanted:
         kind, _, method = each.partition(".")

@@ -1,6 +1,6 @@
 """Load a submission: write its files into the scratch folder, import them, and report what failed in each.
 
-All definitions of a file or notebook count: module-level statements that fail are skipped, see `stepping`. If the grader sends
+All definitions of a file or notebook count: module-level statements that fail are skipped, see `statements`. If the grader sends
 working stand-ins for broken parts, they replace the student's own definitions, see `standins`.
 """
 
@@ -26,9 +26,9 @@ from . import (
     notebooks,
     packages,
     recorder,
-    sources,
+    repeatability,
     standins,
-    stepping,
+    statements,
 )
 from .missing_imports import MissingImports
 from .submission import STATE
@@ -44,14 +44,14 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     Return the paths of the files that a notebook writes with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
-    STATE.stepper = stepping.Stepper(skipped, tuple(fields["place"]), list(fields["homes"]))
+    STATE.stepper = statements.StatementRunner(skipped, tuple(fields["place"]), list(fields["homes"]))
     STATE.homes = {name: file.removesuffix(".py") for name, file in fields["homes"].items()}
     STATE.required = tuple(file.removesuffix(".py") for file in fields["required"])
     STATE.lab_configuration = fields["lab_configuration"]
     os.makedirs(_FOLDER, exist_ok=True)
     os.chdir(_FOLDER)
     STATE.folder = os.getcwd()
-    environment.settle(STATE.folder)
+    environment.remember_folder(STATE.folder)
     for path, key, levels_above in fields["files"]:
         _write(path, arrays[key].tobytes())
         if 0 < levels_above <= _FOLDER.count("/"):
@@ -60,8 +60,8 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     sent = len(STATE.paths)
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
-    environment.furnish(STATE.lab_configuration, run_magic=_run_magic)
-    sources.seed(fields["seed"])
+    environment.install(STATE.lab_configuration, run_magic=_run_magic)
+    repeatability.seed(fields["seed"])
     recorder.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
     standins.define(fields["standins"])
@@ -72,7 +72,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     """Import one file, or run one notebook, and return the required names that it defines and the skipped statements."""
     del arrays
     path: str = fields["path"]
-    with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
+    with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
         module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
     seen, arrays = recorder.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
@@ -85,7 +85,7 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     """Run one file as `python FILE` does, and return the figures that it saved and its first error."""
     del arrays
     path: str = fields["path"]
-    with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
+    with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
         module = sys.modules["__main__"] = _main_module(path)
         _run_file(path, vars(module))
         if STATE.standins and path in STATE.unreadable:
@@ -139,7 +139,7 @@ def _absent_names(home: str) -> Any:
     def __getattr__(name: str) -> Any:  # noqa: N807 - PEP 562
         if name.startswith("__"):
             raise AttributeError(name)
-        return stepping.NotThere(lambda: NameError(f"{home} did not define {name}"))
+        return statements.MissingName(lambda: NameError(f"{home} did not define {name}"))
 
     return __getattr__
 
@@ -192,7 +192,7 @@ def _prepare_imports() -> None:
 
 def _own_packages() -> set[str]:
     code = [path for path in STATE.paths if path.endswith(".py")]
-    return packages.spoken_of(
+    return packages.imported_packages(
         (Path(STATE.folder, path).read_text("utf-8", "replace") for path in code), code, STATE.required
     )
 
@@ -231,7 +231,7 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
     missing = _missing_imports(path, units, names)
     _run_units(units, path, names, missing)
     missing.at_end(names)
-    STATE.misspelled.setdefault(path, [*standins.put_right(path, units, names)])
+    STATE.misspelled.setdefault(path, [*standins.alias_misspelled(path, units, names)])
     return len(STATE.stepper.noted) == known
 
 
@@ -256,21 +256,21 @@ def _unreadable(path: str) -> dict[str, Any] | None:
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 
-def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], missing: MissingImports) -> None:
+def _run_units(units: list[statements.Unit], path: str, names: dict[str, Any], missing: MissingImports) -> None:
     wanted = STATE.lab_configuration.get("methods", ())
 
     def after(node: ast.stmt) -> None:
         if isinstance(node, ast.ClassDef):
             known = STATE.misspelled_methods.setdefault(path.partition(":cell ")[0], {})
-            fuzzy_names.call_by_right_names(names.get(node.name), node.name, wanted, known)
-        bound = [name for name in stepping.bound(node) if name in STATE.standins]
-        names.update({name: standins.in_place_of(names.get(name), name) for name in bound})
+            fuzzy_names.alias_misspelled_method(names.get(node.name), node.name, wanted, known)
+        bound = [name for name in statements.bound(node) if name in STATE.standins]
+        names.update({name: standins.standin_for(names.get(name), name) for name in bound})
         missing.after(node, names)
 
     STATE.stepper.run(units, path, names, after)
 
 
-def _missing_imports(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> MissingImports:
+def _missing_imports(path: str, units: list[statements.Unit], names: dict[str, Any]) -> MissingImports:
     libraries = STATE.lab_configuration.get("libraries", ())
     missing = MissingImports(units, libraries, STATE.stepper.wanted, _library_or_partner)
     missing.before(names)
@@ -293,7 +293,7 @@ def _run_notebook(path: str) -> types.ModuleType:
 
 
 def _run_cells(path: str, names: dict[str, Any]) -> None:
-    cells: dict[str, list[stepping.Unit]] = {}
+    cells: dict[str, list[statements.Unit]] = {}
     for number, source in enumerate(_cells(path), start=1):
         text, name = source.encode("utf-8", "replace"), f"{path}:cell {number}"
         cells[name] = compiling.units_in(text, name, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT) or []
@@ -302,7 +302,7 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
     for name, units in cells.items():
         _run_units(units, name, names, missing)
     missing.at_end(names)
-    STATE.misspelled.setdefault(path, [*standins.put_right(path, every, names)])
+    STATE.misspelled.setdefault(path, [*standins.alias_misspelled(path, every, names)])
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:

@@ -12,7 +12,7 @@ from inspect import CO_COROUTINE
 from types import FunctionType
 from typing import Any
 
-from . import name_analysis, stepping
+from . import name_analysis, statements
 
 _BRING_NAMES = ("exec", "globals", "vars", "locals", "setattr", "get_ipython")  # unseen; so may a cell that waits
 
@@ -33,7 +33,7 @@ class MissingImports:
 
     def __init__(
         self,
-        units: Sequence[stepping.Unit],
+        units: Sequence[statements.Unit],
         libraries: Collection[str],
         wanted: Collection[str],
         find: Callable[[str], Any],
@@ -42,14 +42,14 @@ class MissingImports:
         self._defined: dict[str, Any] = {}
         nodes = [unit.node for unit in units]
         used, imported = name_analysis.used(nodes), {name for node in nodes for name in name_analysis.imported(node)}
-        missed = used.intersection([*libraries, *wanted]) - imported.union(*map(stepping.bound, nodes))
+        missed = used.intersection([*libraries, *wanted]) - imported.union(*map(statements.bound, nodes))
         if used.intersection(_BRING_NAMES) or any(unit.code.co_flags & CO_COROUTINE for unit in units):
             missed.clear()
         if missed:  # few files miss anything, and to look for names at any depth takes long
             missed -= {name for node in nodes for name in name_analysis.bound(node)}
         self._libraries, self._partners = sorted(missed & set(libraries)), sorted(missed & set(wanted))
         self._renamed = sorted(imported & used & set(wanted))
-        definitions = [node for node in nodes if isinstance(node, stepping.DEFINITIONS)]
+        definitions = [node for node in nodes if isinstance(node, statements.DEFINITIONS)]
         stars = [node for node in nodes if isinstance(node, ast.ImportFrom) and node.names[0].name == "*"]
         self._last_definition = definitions[-1] if definitions else None
         self._last_star = stars[-1] if stars else None
@@ -64,7 +64,7 @@ class MissingImports:
         """Supply what is due after this statement."""
         if node is self._last_star:
             self._supply(self._libraries, names)
-        if isinstance(node, stepping.DEFINITIONS) and node.name in self._wanted:
+        if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:
             self._defined[node.name] = names.get(node.name)
         if node is self._last_definition:
             self._supply(self._partners, names)
@@ -80,7 +80,7 @@ class MissingImports:
     def _supply(self, missed: Sequence[str], names: dict[str, Any]) -> None:
         """Supply the names that are not there, or were imported from where they are not."""
         for name in missed:
-            lacking = name not in names or isinstance(names[name], stepping.NotThere)
+            lacking = name not in names or isinstance(names[name], statements.MissingName)
             if lacking and (found := self._find(name)) is not None:
                 names[name] = found
                 self.supplied.append(name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
-from . import stepping
+from . import statements
 
 _PASSED_OVER = frozenset(("annotation", "returns", "type_params", "ctx", "op", "ops"))
 """Fields of a node that hold no name that the code needs when it runs: type hints among them."""
@@ -48,5 +48,5 @@ def bound(node: ast.AST) -> Iterator[str]:
             yield from imported(each)
         elif isinstance(each, ast.Global | ast.Nonlocal):
             yield from each.names
-        elif isinstance(each, (*stepping.DEFINITIONS, ast.ExceptHandler, ast.MatchAs, ast.MatchStar)):
+        elif isinstance(each, (*statements.DEFINITIONS, ast.ExceptHandler, ast.MatchAs, ast.MatchStar)):
             yield each.name or ""

@@ -59,19 +59,19 @@ def plain_python(cell: str) -> str:
         return ""
     lines = cell.split("\n")
     for _ in range(_MOST_MAGICS):
-        at = _refused(lines)
-        if at is None or not _made_plain(lines, at):
+        at = _rejected_line(lines)
+        if at is None or not _replace_magic(lines, at):
             break
     return "\n".join(lines)
 
 
-def _refused(lines: list[str]) -> int | None:
+def _rejected_line(lines: list[str]) -> int | None:
     """The index of the line that the parser stops at, or of the first of those that it continues."""
     try:
         ast.parse("\n".join(lines))
     except SyntaxError as error:
         at = min(error.lineno or 1, len(lines)) - 1
-        while at > 0 and _goes_on(lines[at - 1]):
+        while at > 0 and _continues(lines[at - 1]):
             at -= 1
         return at
     except (ValueError, RecursionError, MemoryError):
@@ -79,17 +79,17 @@ def _refused(lines: list[str]) -> int | None:
     return None
 
 
-def _goes_on(line: str) -> bool:
+def _continues(line: str) -> bool:
     return line.rstrip().endswith("\\")
 
 
-def _made_plain(lines: list[str], at: int) -> bool:
+def _replace_magic(lines: list[str], at: int) -> bool:
     """Replace a magic and its continuation lines by plain Python, in place; return False if the line at `at` is no magic."""
     plain = _plain_line(lines[at])
     if plain == lines[at]:
         return False
     end = at + 1
-    while end < len(lines) and _goes_on(lines[end - 1]):
+    while end < len(lines) and _continues(lines[end - 1]):
         end += 1
     lines[at:end] = [plain] + [""] * (end - at - 1)
     return True

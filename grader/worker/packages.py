@@ -20,7 +20,7 @@ _OWN = "handed_in"  # what a dot means
 _AMBIGUOUS = "filters"  # scipy, scikit-image and others have such a module, too
 
 
-def spoken_of(sources: Iterable[str], paths: Iterable[str], required: Iterable[str]) -> set[str]:
+def imported_packages(sources: Iterable[str], paths: Iterable[str], required: Iterable[str]) -> set[str]:
     """The packages out of which these sources import files of the submission, or those that it should have."""
     modules = {*required, *(path.split("/")[0].removesuffix(".py") for path in paths)} - {_AMBIGUOUS}
     imports = re.compile(
@@ -31,7 +31,7 @@ def spoken_of(sources: Iterable[str], paths: Iterable[str], required: Iterable[s
     return {package for source in sources for package in imports.findall(source)}
 
 
-def without_dots(tree: ast.Module, path: str) -> None:
+def make_imports_absolute(tree: ast.Module, path: str) -> None:
     """Let a file import from the folder of the submission, or one above, which it takes for a package, by plain names."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level > path.count("/"):
@@ -43,7 +43,7 @@ class PackageFinder:
 
     Parameters
     ----------
-    names : tells what the package is called, as `spoken_of` does; asked once, where an import finds nothing else
+    names : tells what the package is called, as `imported_packages` does; asked once, where an import finds nothing else
     load_init : makes the loader of the package's ``__init__.py``, or None where there is none
     """
 

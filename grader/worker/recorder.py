@@ -22,12 +22,12 @@ class Recorder:
     """The figures saved and shown since the last `take`."""
 
     def __init__(self) -> None:
-        self._drawn: list[saved.Drawn] = []
+        self._drawn: list[saved.RecordedFigure] = []
         self._noted: dict[Any, bool] = {}
         """The figures so far, and whether there was anything on them."""
         self._packer = Packer()
         self._files: dict[str, bytes | None] = {}
-        self._deaf = False
+        self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         """The facts so far, those of figures that are still open and were never saved among them; then start anew.
@@ -41,10 +41,10 @@ class Recorder:
         if with_open:
             for number in plt.get_fignums():
                 self.note(plt.figure(number), event="open")
-        self._deaf = True
+        self._paused = True
         plt.close("all")
-        self._deaf = False
-        strange = saved.settle(self._drawn, folder, self._files)
+        self._paused = False
+        strange = saved.match_files_to_figures(self._drawn, folder, self._files)
         arrays = self._packer.arrays
         arrays |= {one.facts["seen"]: one.seen.pixels for one in self._drawn if one.seen is not None}
         facts = [one.facts for one in self._drawn]
@@ -59,13 +59,13 @@ class Recorder:
         target: Any = None,
         dpi: Any = None,
         kind: str = "",
-        seen: drawing.Seen | None = None,
+        seen: drawing.Preview | None = None,
     ) -> None:
         """Take the facts; `seen` where the figure was looked at already."""
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
         again = known and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
-        if self._deaf or len(self._drawn) >= _MAX_FIGURES or again:
+        if self._paused or len(self._drawn) >= _MAX_FIGURES or again:
             return
         self._noted[figure] = filled
         content, place = (None, None) if event != "saved" or kind in _RAW else saved.content_of(target)
@@ -77,21 +77,23 @@ class Recorder:
             "format": kind,
             "size_px": [round(width * dots), round(height * dots)],
         }
-        drawn = self._described(figure, facts, f"seen{len(self._drawn)}", seen)
+        drawn = self._with_artists(figure, facts, f"seen{len(self._drawn)}", seen)
         drawn.written, drawn.place = content, place
         self._drawn.append(drawn)
 
-    def _described(self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Seen | None) -> saved.Drawn:
+    def _with_artists(
+        self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Preview | None
+    ) -> saved.RecordedFigure:
         """Return a figure's facts, with its artists added, and its pixels, which the facts name `name`."""
         try:
-            with artist_facts.as_it_was():
-                seen = seen or drawing.look(figure)
+            with artist_facts.original_classes():
+                seen = seen or drawing.draw_preview(figure)
                 facts |= figures.facts_of(figure, self._packer)
             facts |= {"seen": name, "extent": list(seen.extent), "dots": seen.dots}
         except Exception as error:  # artists of the student's own making
             facts |= {"unreadable": type(error).__name__, "axes": []}
             seen = None
-        return saved.Drawn(facts, seen)
+        return saved.RecordedFigure(facts, seen)
 
 
 RECORDER = Recorder()

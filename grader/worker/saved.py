@@ -14,24 +14,24 @@ from typing import Any
 
 import numpy as np
 
-from .drawing import Seen
+from .drawing import Preview
 
 PICTURES = (".png", ".jpg", ".jpeg", ".svg", ".pdf", ".webp", ".tif", ".tiff", ".gif")
 _MOST_FILES = 200
 _MOST_READ = 24  # picture files that are looked at
 _LARGEST = 8_000_000  # bytes of a file that is looked at
 _GRID = (60, 48)  # cells that two pictures are compared in
-_ALIKE = 0.7
+_MIN_CORRELATION = 0.7
 """Correlation of what is drawn, cell by cell. Thirty random figures have 0.82 and more with their own canvas in full, and each
 0.55 and less with the canvas of another."""
 
 
 @dataclass
-class Drawn:
+class RecordedFigure:
     """A figure with its facts, and what saving it wrote."""
 
     facts: dict[str, Any]
-    seen: Seen | None
+    seen: Preview | None
     written: bytes | None = None
     place: str | None = None
 
@@ -57,7 +57,9 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
         return None, None
 
 
-def settle(drawn: list[Drawn], folder: str, known: dict[str, bytes | None]) -> list[dict[str, Any]]:
+def match_files_to_figures(
+    drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]
+) -> list[dict[str, Any]]:
     """Tell each figure whether it is still to be found in a file; what other new pictures there are is returned.
 
     Parameters
@@ -75,7 +77,7 @@ def settle(drawn: list[Drawn], folder: str, known: dict[str, bytes | None]) -> l
             again = one.place is not None and any(later.place == one.place for later in drawn[number + 1 :])
             if again or (one.written not in held and (one.place is None or _read(one.place) != one.written)):
                 one.facts["event"] = "overwritten" if one.place else "forgotten"
-    found = [_looked_at(name, content, drawn) for name, content in strange.items()]
+    found = [_match_picture(name, content, drawn) for name, content in strange.items()]
     known.clear()
     known.update(files)
     return [fact for fact in found if fact is not None]
@@ -88,7 +90,7 @@ def _read(path: str) -> bytes | None:
         return None
 
 
-def _looked_at(name: str, content: bytes | None, drawn: list[Drawn]) -> dict[str, Any] | None:
+def _match_picture(name: str, content: bytes | None, drawn: list[RecordedFigure]) -> dict[str, Any] | None:
     """Tie a picture to the figure that it shows; None where there is one."""
     from PIL import Image
 
@@ -100,9 +102,9 @@ def _looked_at(name: str, content: bytes | None, drawn: list[Drawn]) -> dict[str
             cells = _cells(picture)
     except Exception as error:  # any broken file, any codec
         return {"path": name, "reason": type(error).__name__}
-    likeness = [(_likeness(cells, one.seen), number) for number, one in enumerate(drawn) if one.seen is not None]
+    likeness = [(_correlation(cells, one.seen), number) for number, one in enumerate(drawn) if one.seen is not None]
     best, number = max(likeness, default=(0.0, -1))
-    if best < _ALIKE:
+    if best < _MIN_CORRELATION:
         return {"path": name, "reason": ""}
     drawn[number].facts.update(event="saved", path=name, size_px=size, format=name.rpartition(".")[2].lower()[:10])
     return None
@@ -116,7 +118,7 @@ def _cells(picture: Any) -> np.ndarray:
     return np.asarray(flat, dtype=float)
 
 
-def _likeness(cells: np.ndarray, seen: Seen) -> float:
+def _correlation(cells: np.ndarray, seen: Preview) -> float:
     from PIL import Image
 
     its = _cells(Image.fromarray(seen.pixels))

@@ -1,6 +1,6 @@
 """Headless matplotlib backend that mimics a GUI backend and draws no pixels.
 
-While `Screen.standing` is entered, each way of showing a figure (draw, draw_idle, flush_events, blit, pause, show, a saved
+While `Screen.installed` is entered, each way of showing a figure (draw, draw_idle, flush_events, blit, pause, show, a saved
 frame, an animation) calls a callback, and timers and animations run as in the event loop of a GUI.
 """
 
@@ -116,7 +116,7 @@ class Screen:
     # --- standing ------------------------------------------------------------------------------------------------------
 
     @contextlib.contextmanager
-    def standing(self) -> Iterator[None]:
+    def installed(self) -> Iterator[None]:
         """Replace the methods of matplotlib that show or save a figure; restore them on exit."""
         import matplotlib.pyplot as plt
         from matplotlib import animation

@@ -7,7 +7,7 @@ import types
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from . import compiling, fuzzy_names, stepping
+from . import compiling, fuzzy_names, statements
 from .submission import STATE
 
 
@@ -35,7 +35,7 @@ def of_module(module: str) -> dict[str, Any]:
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
-def in_place_of(own: Any, name: str) -> Any:
+def standin_for(own: Any, name: str) -> Any:
     """The stand-in for a definition; for a class one with the methods that it has beside the sheet's: a script may call those."""
     standin = STATE.standins[name]
     if not (issubclass(type(own), type) and isinstance(standin, type)):
@@ -49,11 +49,11 @@ def in_place_of(own: Any, name: str) -> Any:
     return type(name, (standin,), beside)
 
 
-def put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def alias_misspelled(path: str, units: list[statements.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Give a file's definitions that are misspelt their right names; where these have stand-ins, the slips stand for them too."""
-    for name, own in fuzzy_names.misspelled([unit.node for unit in units], STATE.at_home_in(path)):
+    for name, own in fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path)):
         if name in STATE.standins:
-            names[own] = in_place_of(names.get(own), name)
+            names[own] = standin_for(names.get(own), name)
         elif own in names:
             names[name] = names[own]
             yield name, own

@@ -6,7 +6,7 @@ import types
 from collections.abc import Callable
 from typing import Any
 
-from . import stepping
+from . import statements
 
 
 class _State:
@@ -16,7 +16,7 @@ class _State:
         self.standins: dict[str, Any] = {}
         self.modules: dict[str, types.ModuleType] = {}
         self.unreadable: dict[str, dict[str, Any]] = {}
-        self.stepper: stepping.Stepper
+        self.stepper: statements.StatementRunner
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.lab_configuration: dict[str, Any] = {}
@@ -31,7 +31,7 @@ class _State:
         code = (path for path in self.paths if path.endswith((".py", ".ipynb")))
         return sorted(code, key=lambda path: (path.count("/"), path))
 
-    def at_home_in(self, path: str) -> list[str]:
+    def names_expected_in(self, path: str) -> list[str]:
         """The wanted names that a file defines if anything does: those of its own, and those of files that were not handed in."""
         homes = {name: f"{home}.py" for name, home in self.homes.items()}
         return [name for name, home in homes.items() if home == path or home not in self.paths]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .faults import repeatable
+from .faults import mask_addresses
 
 MAX_ELEMENTS = 600_000
 _MAX_ITEMS = 64
@@ -42,7 +42,7 @@ class Packer:
         if value is None:
             return {"kind": "none"}
         if isinstance(value, str):
-            return {"kind": "text", "text": repeatable(str(value))[:200]}
+            return {"kind": "text", "text": mask_addresses(str(value))[:200]}
         if isinstance(value, bool | int | float | np.number | np.bool_):
             return {"kind": "number", "key": self.keep(float(value))}
         if isinstance(value, np.ndarray):
@@ -98,7 +98,7 @@ class Packer:
 
     def _mapping(self, members: dict[Any, Any], kind: str, value: Any, depth: int) -> dict[str, Any]:
         items = [
-            [repeatable(str(name))[:100], self.node(member, depth + 1)]
+            [mask_addresses(str(name))[:100], self.node(member, depth + 1)]
             for name, member in list(members.items())[:_MAX_ITEMS]
         ]
         return {"kind": kind, "type": type(value).__name__[:60], "items": items}

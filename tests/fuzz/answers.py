@@ -31,7 +31,7 @@ from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.replies import RULES
-from grader.sandbox.isolation_levels import UNWALLED
+from grader.sandbox.isolation_levels import NO_ISOLATION
 from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
@@ -133,7 +133,7 @@ class Bench:
     @contextmanager
     def open(self) -> Iterator[Bench]:
         def no_sandbox(sandbox: Sandbox, *args: Any, **kwargs: Any) -> None:
-            sandbox.isolation_level = UNWALLED
+            sandbox.isolation_level = NO_ISOLATION
 
         write_down = CheckRun.end
 

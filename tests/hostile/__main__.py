@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.write:
             record.keep(isolation_level, verdicts)
         tables.append(table(isolation_level, verdicts))
-        fell += sum(bool(verdict.troubles) for verdict in verdicts) if tried.isolation_level.walled else 0
+        fell += sum(bool(verdict.troubles) for verdict in verdicts) if tried.isolation_level.isolates else 0
     print("\n".join(tables))
     return int(fell > 0)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.sandbox.isolation_levels import UNWALLED
+from grader.sandbox.isolation_levels import NO_ISOLATION
 from tests.hostile.judging import Court
 
 
@@ -16,6 +16,6 @@ def court() -> Iterator[Court]:
     if not sys.platform.startswith("linux"):
         pytest.skip("looks for leftovers in /proc")
     with Court(None) as court:
-        if court.isolation_level == UNWALLED.name:
+        if court.isolation_level == NO_ISOLATION.name:
             pytest.skip("nothing isolates here")
         yield court

@@ -10,7 +10,7 @@ from contextlib import suppress
 
 import pytest
 
-from grader.sandbox.isolation_levels import UNWALLED
+from grader.sandbox.isolation_levels import NO_ISOLATION
 from tests.hostile import outputs
 from tests.hostile.bait import SECRET, below
 from tests.hostile.judging import Court
@@ -59,7 +59,7 @@ def no_descendants() -> Iterator[None]:
 
 @pytest.mark.usefixtures("no_descendants")
 def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> None:
-    with Court(UNWALLED.name) as unwalled:
+    with Court(NO_ISOLATION.name) as unwalled:
         troubles = unwalled.try_(in_filter(ESCAPES)).troubles
     assert "report.html: it holds what the decoys hold" in troubles
     assert "result.json: it holds what the decoys hold" in troubles

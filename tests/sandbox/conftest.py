@@ -14,7 +14,7 @@ from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox, Worker
 
 WORKER_CODE = Path(__file__).parent / "probe_worker"
-WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.walled]
+WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.isolates]
 
 
 @pytest.fixture(scope="session")

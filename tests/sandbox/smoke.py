@@ -28,7 +28,7 @@ result = [held(socket.socket), held(os.fork), held(open, {os.path.abspath(__file
 
 def survey() -> None:
     for tried in probe():
-        if tried.usable and tried.isolation_level.walled:
+        if tried.usable and tried.isolation_level.isolates:
             with (
                 Sandbox(Contents(WORKER_CODE), isolation_level=tried.isolation_level.name) as sandbox,
                 sandbox.worker() as worker,
@@ -40,7 +40,7 @@ def survey() -> None:
 def linger(name: str) -> None:
     with Sandbox(Contents(WORKER_CODE), isolation_level=name) as sandbox, sandbox.worker() as worker:
         process = worker._process
-        pids = [process._popen.pid] if not sandbox.isolation_level.walled else [sandbox._zygote.pid, process._pid]  # type: ignore
+        pids = [process._popen.pid] if not sandbox.isolation_level.isolates else [sandbox._zygote.pid, process._pid]  # type: ignore
         print(*pids, flush=True)
         worker.ask("run", {"source": "while True: pass"}, cpu_s=60)
 

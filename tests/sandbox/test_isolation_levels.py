@@ -22,7 +22,7 @@ from grader.sandbox.isolation_levels import LEVELS, PROMISES, IsolationLevel
 from grader.sandbox.launch import Zygote
 from grader.sandbox.level_choice import Tried
 from grader.sandbox.plan import Contents
-from grader.sandbox.process import WallsRefusedError
+from grader.sandbox.process import IsolationRefusedError
 from grader.sandbox.sandbox import Sandbox
 
 from .conftest import WORKER_CODE, run
@@ -50,18 +50,18 @@ def test_security_md_promises_what_the_rungs_do() -> None:
 def test_a_level_that_is_better_keeps_all_that_a_lower_one_does() -> None:
     kept = [{each.words for each in PROMISES if each.kept_on(isolation_level)} for isolation_level in LEVELS]
     assert all(better >= lower for better, lower in itertools.pairwise(kept))
-    assert [isolation_level.walled for isolation_level in LEVELS] == [True, True, True, False]
+    assert [isolation_level.isolates for isolation_level in LEVELS] == [True, True, True, False]
 
 
 def refuse(*names: str) -> Callable[..., Any]:
-    real = level_choice.raise_walls
+    real = level_choice.start_zygote
 
-    def raise_walls(isolation_level: IsolationLevel, *rest: Any) -> Any:
+    def start_zygote(isolation_level: IsolationLevel, *rest: Any) -> Any:
         if isolation_level.name in names:
-            raise WallsRefusedError(f"no {isolation_level.name} today")
+            raise IsolationRefusedError(f"no {isolation_level.name} today")
         return real(isolation_level, *rest)
 
-    return raise_walls
+    return start_zygote
 
 
 def test_a_box_says_why_it_is_not_on_a_higher_level(
@@ -69,7 +69,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_level(
 ) -> None:
     if not isolation_levels["landlock"].usable:
         pytest.skip(isolation_levels["landlock"].reason)
-    monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap"))
+    monkeypatch.setattr(level_choice, "start_zygote", refuse("full", "bubblewrap"))
     with Sandbox(Contents(WORKER_CODE)) as sandbox, sandbox.worker() as worker:
         assert sandbox.isolation_level.name == "landlock"
         assert sandbox.why == "full: no full today; bubblewrap: no bubblewrap today"
@@ -77,15 +77,15 @@ def test_a_box_says_why_it_is_not_on_a_higher_level(
 
 
 def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap", "landlock"))
+    monkeypatch.setattr(level_choice, "start_zygote", refuse("full", "bubblewrap", "landlock"))
     with Sandbox(Contents(WORKER_CODE)) as sandbox, sandbox.worker() as worker:
-        assert not sandbox.isolation_level.walled
+        assert not sandbox.isolation_level.isolates
         assert sandbox.why.endswith("landlock: no landlock today")
         assert run(worker, "result = 1") == {"result": 1}
 
 
 def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(level_choice, "raise_walls", refuse("full"))
+    monkeypatch.setattr(level_choice, "start_zygote", refuse("full"))
     with pytest.raises(GraderError, match="does not allow the isolation level 'full': no full today"):
         Sandbox(Contents(WORKER_CODE), isolation_level="full")
 
@@ -93,21 +93,21 @@ def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypat
 def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.MonkeyPatch, walled_box: Sandbox) -> None:
     """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
-    with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
-        level_choice.raise_walls(walled_box.isolation_level, Contents(WORKER_CODE))
+    with pytest.raises(IsolationRefusedError, match="the grader's files could be read"):
+        level_choice.start_zygote(walled_box.isolation_level, Contents(WORKER_CODE))
 
 
 @pytest.mark.parametrize("times", [1, 2])
 @pytest.mark.parametrize(
     "isolation_level",
-    [isolation_level for isolation_level in LEVELS if isolation_level.walled and not isolation_level.program],
+    [isolation_level for isolation_level in LEVELS if isolation_level.isolates and not isolation_level.program],
     ids=lambda isolation_level: isolation_level.name,
 )  # what bwrap started outlives it, and goes on
 def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
     monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Sandbox], isolation_level: IsolationLevel, times: int
 ) -> None:
     box_on(isolation_level.name)
-    kills, await_walls = iter(range(times)), Zygote._await_walls
+    kills, await_walls = iter(range(times)), Zygote._await_isolation
 
     def killed(zygote: Zygote) -> None:
         if next(kills, None) is not None:
@@ -117,12 +117,12 @@ def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
                     pass
         await_walls(zygote)
 
-    monkeypatch.setattr(Zygote, "_await_walls", killed)
+    monkeypatch.setattr(Zygote, "_await_isolation", killed)
     if times == 1:
-        level_choice.raise_walls(isolation_level, Contents(WORKER_CODE)).close()
+        level_choice.start_zygote(isolation_level, Contents(WORKER_CODE)).close()
     else:
-        with pytest.raises(WallsRefusedError, match="it was killed before its walls were up, twice"):
-            level_choice.raise_walls(isolation_level, Contents(WORKER_CODE))
+        with pytest.raises(IsolationRefusedError, match="it was killed before its walls were up, twice"):
+            level_choice.start_zygote(isolation_level, Contents(WORKER_CODE))
 
 
 def test_a_plain_user_has_the_same_walls() -> None:
@@ -148,7 +148,7 @@ def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, isolat
     out = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=environment)
     assert out.returncode == 0, out.stderr
     held = [line.split()[0] for line in out.stdout.splitlines() if line.endswith(" True")]
-    assert held == [name for name, tried in isolation_levels.items() if tried.usable and tried.isolation_level.walled]
+    assert held == [name for name, tried in isolation_levels.items() if tried.usable and tried.isolation_level.isolates]
 
 
 def _can_be_used_by_all(program: Path) -> bool:
@@ -167,5 +167,5 @@ def test_when_the_grader_is_killed_everything_it_started_ends(sandbox: Sandbox, 
         ended, _, _ = select.select([pidfd], [], [], 10)
         os.close(pidfd)
         assert ended
-    if sandbox.isolation_level.walled:
+    if sandbox.isolation_level.isolates:
         assert list(tmp_path.iterdir()) == []

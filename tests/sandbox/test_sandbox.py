@@ -194,7 +194,7 @@ def test_the_environment_holds_nothing_of_the_graders(sandbox: Sandbox, monkeypa
 
 def test_a_closed_worker_is_gone_at_once(sandbox: Sandbox) -> None:
     with sandbox.worker() as worker:
-        pid = worker._process._pid if sandbox.isolation_level.walled else worker._process._popen.pid  # type: ignore[attr-defined]
+        pid = worker._process._pid if sandbox.isolation_level.isolates else worker._process._popen.pid  # type: ignore[attr-defined]
         os.kill(pid, 0)
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from grader.worker import submission
-from grader.worker.calling import fitted
+from grader.worker.calling import adapt
 from grader.worker.values import Packer, numbers
 
 from . import calls, live
-from .questions import Reply, examined, move_on, put_in_state, scene
+from .questions import Reply, put_in_state, reporting_errors, scene, step_and_shift
 
 _ROLL = re.compile(r"roll|phi", re.IGNORECASE)
 _PITCH = re.compile(r"pitch|theta", re.IGNORECASE)
@@ -43,9 +43,9 @@ def _tilt_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: 
     answer: dict[str, Any] = {"odd": None, "error": None}
     accel, gyro = arrays[case["accel"]], arrays[case["gyro"]]
     rows: list[tuple[float, float]] = []
-    with examined(answer):
-        build, _ = fitted(kind, calls.TILT_FILTER, {"alpha": 0.98})
-        update, _ = fitted(build(case["dt"]).update, calls.TILT_UPDATE, {"dt": case["dt"]})
+    with reporting_errors(answer):
+        build, _ = adapt(kind, calls.TILT_FILTER, {"alpha": 0.98})
+        update, _ = adapt(build(case["dt"]).update, calls.TILT_UPDATE, {"dt": case["dt"]})
         for force, rate in zip(accel, gyro, strict=True):
             value = update(force.copy(), rate.copy())
             rows.append(_roll_and_pitch(value))
@@ -87,7 +87,7 @@ def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     function = submission.find("allan_deviation", fields["path"])
     packer = Packer()
     answer: dict[str, Any] = {"value": None}
-    with examined(answer):
+    with reporting_errors(answer):
         answer["value"] = packer.node(function(arrays["samples"].copy(), float(fields["sample_rate_hz"])))
     return answer, packer.arrays
 
@@ -110,14 +110,14 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     function = submission.find("read_all_imus", fields["path"])
     packer = Packer()
     answer: dict[str, Any] = {"calls": [], "later": None}
-    with examined(answer), scene(fields["model"]) as (model, data):
-        read, _ = fitted(function, calls.IMUS)
+    with reporting_errors(answer), scene(fields["model"]) as (model, data):
+        read, _ = adapt(function, calls.IMUS)
         for index, (qpos, qvel) in enumerate(zip(arrays["qpos"], arrays["qvel"], strict=True)):
             put_in_state(model, data, qpos, qvel)
             readings = read(model, data)
             answer["calls"].append(packer.node(readings))
             if index == 0:
-                move_on(model, data)
+                step_and_shift(model, data)
                 answer["later"] = packer.node(readings)
     return answer, packer.arrays
 

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from grader.worker.calling import Slot, fitted, has_place_for, way_of
+from grader.worker.calling import Slot, adapt, has_place_for, plan_call
 
 
 def _meaning(pattern: str) -> re.Pattern[str]:
     return re.compile(pattern, re.IGNORECASE)
 
 
-def _of_each_sensor(quantity: str, other: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
+def _sensor_patterns(quantity: str, other: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
     """Words for a quantity of the accelerometer, and of the gyroscope, that speak of no other one."""
     accel, gyro = (
         rf"^(?!.*({other}))(({own}).*({quantity})|({quantity}).*_({own}))" for own in ("a", "g|w|omega|rate")
@@ -29,10 +29,10 @@ def _of_each_sensor(quantity: str, other: str) -> tuple[re.Pattern[str], re.Patt
 MODEL, DATA = Slot("model", _meaning(r"^m$|model")), Slot("data", _meaning(r"^d$|data"))
 _ID_TYPES = (int, np.integer, NoneType)  # anything else that a parameter stands for by default is no id: a name, a list
 _SIZE = "std|sigma|noise|dev|var"
-_STDS = _of_each_sensor(_SIZE, "bias|offset|drift")
+_STDS = _sensor_patterns(_SIZE, "bias|offset|drift")
 _ALPHA = _meaning(r"alpha|^[ak]$|smooth|coef|factor|weight|gain|beta|lam")
 _DT = _meaning(r"^(dt|delta.*|time_?step|period|h)$")
-_BIASES = _of_each_sensor("bias|offset|drift|(?<![a-z])b(?![a-z])", _SIZE)
+_BIASES = _sensor_patterns("bias|offset|drift|(?<![a-z])b(?![a-z])", _SIZE)
 
 READER = (
     MODEL,
@@ -91,7 +91,7 @@ PLOTTER = (
     Slot("file_name", _meaning("file|path|save|out|png|name"), "spare"),
     Slot("title", _meaning("title"), "spare"),
 )
-WRITTEN = {"file_name": "imu_data.png", "title": "IMU data"}
+PLOT_TEXTS = {"file_name": "imu_data.png", "title": "IMU data"}
 """Words for a plot that asks for them."""
 
 
@@ -104,7 +104,7 @@ class Reader:
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self._read, self.departs = fitted(function, READER)
+        self._read, self.departs = adapt(function, READER)
         self._first, self._takes_names = True, False
 
     def __call__(self, model: Any, data: Any, *ids: int) -> Any:
@@ -126,18 +126,18 @@ class Reader:
         return self._read(model, data, *(model.sensor(id_).name for id_ in ids))
 
 
-def readings(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
+def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
     """Return the arguments of a `read` that takes readings: each sensor's present values, and the time since the last ones."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
 
-def collecting_by(
+def adapt_collector(
     function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
 ) -> tuple[Callable[..., Any], list[str]]:
     """A function that simulates, to be called as the sheet does, and what it departs in; it gets the ids where it asks for them."""
     steps = round(duration_s / model.opt.timestep)
-    return fitted(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})
+    return adapt(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})
 
 
 BETWEEN_S = 0.002
@@ -145,15 +145,15 @@ BETWEEN_S = 0.002
 _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 
 
-def filter_by(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
+def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
     """Return a function that builds a filter from the sheet's options, and where its signature differs from the sheet's.
 
     One that is made of a cutoff or a time constant gets those of alpha: an RC circuit, sampled by the backward difference, has
     alpha = dt / (RC + dt) and the cutoff 1 / (2 pi RC).
     """
-    in_time = None if has_place_for(FILTER[0], kind) else way_of(kind, _FILTER_IN_TIME)
+    in_time = None if has_place_for(FILTER[0], kind) else plan_call(kind, _FILTER_IN_TIME)
     if in_time is None or not {"cutoff", "time_constant"} & {*in_time.departs}:
-        way = way_of(kind, FILTER)
+        way = plan_call(kind, FILTER)
         return lambda options: way(kind, options), list(way.departs)
 
     def build(options: Mapping[str, Any]) -> Any:

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from grader.worker import submission
-from grader.worker.calling import fitted
+from grader.worker.calling import adapt
 from grader.worker.values import Packer, numbers
 
 from . import calls, own_globals
-from .questions import Reply, examined, parts_of, vectors_in
+from .questions import Reply, parts_of, reporting_errors, vectors_in
 
 
 def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
@@ -32,7 +32,7 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """
     kind = submission.find("LowPassFilter", fields["path"])
     packer = Packer()
-    building = functools.cache(functools.partial(calls.filter_by, kind))
+    building = functools.cache(functools.partial(calls.filter_builder, kind))
     cases = [_filter_case(building, case, arrays, packer) for case in fields["cases"]]
     return {"cases": cases}, packer.arrays
 
@@ -47,43 +47,43 @@ def _filter_case(
     rows: list[np.ndarray] = []
     kept: list[list[tuple[str, np.ndarray]]] = []
     initial = None if case["initial"] is None else np.array(arrays[case["initial"]])
-    with examined(answer):
+    with reporting_errors(answer):
         options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
         if initial is not None:
             options["initial_value"] = initial
         build, in_building = building()
         instance = build(options)
-        measuring, read_instead = own_globals.measured_by(instance.update)
-        update, departs = fitted(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
+        measuring, read_instead = own_globals.measurement_global(instance.update)
+        update, departs = adapt(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
         answer["departs"] = [*in_building, *departs, *read_instead]
         beside = None
         if case["handling"] == "beside":
             other = build(options | {"alpha": 1 - case["alpha"]})
-            beside, _ = fitted(other.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
+            beside, _ = adapt(other.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
         first: Any = None
         for measurement in signal:
             with measuring(measurement):
                 value, row = _filtered(update, measurement, case["handling"], answer, packer)
             first = first if rows else value
             rows.append(row)
-            kept.append(_kept_in(instance) if answer["odd"] and value is not None else [])
+            kept.append(_vectors_kept(instance) if answer["odd"] and value is not None else [])
             if beside is not None:
                 beside(100.0 - 3.0 * measurement)
         if isinstance(first, np.ndarray) and first.size == rows[0].size:
             answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
         answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
     if rows:
-        answer["output"] = packer.keep(_state_in(kept, signal, np.array(rows)))
+        answer["output"] = packer.keep(_hidden_state(kept, signal, np.array(rows)))
     return answer
 
 
-def _kept_in(instance: Any) -> list[tuple[str, np.ndarray]]:
+def _vectors_kept(instance: Any) -> list[tuple[str, np.ndarray]]:
     with suppress(TypeError):
         return [(name, vector.copy()) for name, vector in vectors_in(vars(instance).items())]
     return []
 
 
-def _state_in(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def _hidden_state(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Return the vector that the filter keeps where no update returned one, if only one differs from the input."""
     if not np.isnan(rows).all() or len({tuple(name for name, _ in each) for each in kept}) != 1:
         return rows
@@ -101,7 +101,7 @@ def _filtered(
     try:
         row = numbers(value).copy().reshape(measurement.shape)
     except (TypeError, ValueError):
-        row = _vector_within(value, measurement)
+        row = _first_vector(value, measurement)
         answer["odd"] = answer["odd"] or packer.node(value)
     answer["input_changed"] = answer["input_changed"] or given.tolist() != measurement.tolist()
     if handling == "spoil_input":
@@ -111,7 +111,7 @@ def _filtered(
     return value, row
 
 
-def _vector_within(value: Any, measurement: np.ndarray) -> np.ndarray:
+def _first_vector(value: Any, measurement: np.ndarray) -> np.ndarray:
     """The first vector of what came in place of one that is not what was given; NaN where it holds none."""
     with suppress(TypeError):
         vectors = [vector.copy() for _, vector in vectors_in(parts_of(value))]

@@ -14,7 +14,7 @@ from grader.worker.screen import Screen, open_figures, replaced
 from grader.worker.values import Packer
 
 from . import calls, own_globals
-from .questions import Reply, examined, model_of
+from .questions import Reply, model_of, reporting_errors
 
 _MAX_EVENTS = 5000
 _SNAPSHOTS = 8
@@ -47,13 +47,13 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     data.qvel[0] = fields["push"]
     ids = {"accel": fields["accel_id"], "gyro": fields["gyro_id"]}
     own_globals.provide_ids(ids)
-    watch = _Watch(data, fields["duration_s"])
+    watch = _PlotRecorder(data, fields["duration_s"])
     screen = Screen(watch.seen, watch.done)
     answer: dict[str, Any] = {"returned": False}
     recorder.RECORDER.take(submission.STATE.folder)
-    scene = own_globals.standing_for(model, data)
-    with examined(answer), scene, screen.standing(), watch.counting_steps():
-        plot, _ = calls.collecting_by(function, model, fields["duration_s"], ids)
+    scene = own_globals.set_model_and_data(model, data)
+    with reporting_errors(answer), scene, screen.installed(), watch.counting_steps():
+        plot, _ = calls.adapt_collector(function, model, fields["duration_s"], ids)
         value = plot(model, data, fields["duration_s"])
         screen.show_animations_left()
         answer["returned"] = True
@@ -62,7 +62,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     return watch.reply(answer)
 
 
-class _Watch:
+class _PlotRecorder:
     """Notes what is seen."""
 
     def __init__(self, data: Any, duration_s: float) -> None:

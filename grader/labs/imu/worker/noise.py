@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from grader.worker import sources, submission
-from grader.worker.calling import way_of
+from grader.worker import repeatability, submission
+from grader.worker.calling import plan_call
 from grader.worker.values import Packer, numbers
 
 from . import calls, own_globals
 from .questions import (
     Reply,
     changes_of,
-    examined,
     parts_of,
     put_in_state,
+    reporting_errors,
     scene,
     state_of,
     vectors_in,
@@ -46,17 +46,17 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
     readings = np.full((len(arrays["qpos"]), fields["reads"], 6), np.nan)
     disturbance: list[list[float]] = []
-    with examined(answer), scene(fields["model"]) as (model, data):
+    with reporting_errors(answer), scene(fields["model"]) as (model, data):
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
-        build = _building(fields, model, data, answer)
+        build = _imu_builder(fields, model, data, answer)
         read = build(arrays)
         for state in range(len(readings)):
-            still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
+            still = _FrozenSimulation(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             for index, row in enumerate(readings[state]):
                 _store(read(), row, answer, packer)
                 if index == 0:
                     disturbance.append(still.changes())
-                still.again(row)
+                still.restore(row)
                 answer["done"] += 1
     return answer, packer.arrays | {
         "accel": readings[:, :, :3],
@@ -83,21 +83,21 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": []}
     readings = np.full((len(fields["twins"]), fields["reads"], 6), np.nan)
-    with examined(answer), scene(fields["model"]) as (model, data):
+    with reporting_errors(answer), scene(fields["model"]) as (model, data):
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
-        build = _building(fields, model, data, answer)
+        build = _imu_builder(fields, model, data, answer)
         generators = [(generator, _state(generator)) for generator in _generators()]
         twins = zip(readings, fields["twins"], fields["states"], arrays["biases"], strict=True)
         for rows, stds, state, (accel, gyro) in twins:
-            still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
-            sources.seed(_SEED)
+            still = _FrozenSimulation(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
+            repeatability.seed(_SEED)
             for generator, began in generators:
                 _rewind(generator, began)
             read = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
             for row in rows:
                 _store(read(), row, answer, packer)
                 still.changes()
-                still.again(row)
+                still.restore(row)
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}
 
 
@@ -129,7 +129,7 @@ def _rewind(generator: Any, state: Any) -> None:
         generator.set_state(state)
 
 
-class _Still:
+class _FrozenSimulation:
     """A simulation that is held in one state, whatever the reads do to it.
 
     A read that wrote into the sensors' data spoils the next ones no further. One that stepped or reset, which costs it
@@ -151,7 +151,7 @@ class _Still:
         self._moved = any(found[:3])
         return found
 
-    def again(self, row: np.ndarray) -> None:
+    def restore(self, row: np.ndarray) -> None:
         """Restore the state before the read that returned this row, and remove the effect of the change from the row."""
         if self._moved:
             row -= (self._sensordata - self._clean)[self._columns]
@@ -159,10 +159,10 @@ class _Still:
         self._sensordata[:] = self._clean
 
 
-def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Callable[..., Any]:
+def _imu_builder(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Callable[..., Any]:
     """Return a function that builds a `NoisyIMU` from biases and standard deviations, and returns its read function."""
     kind = submission.find("NoisyIMU", fields["path"])
-    way = way_of(kind, calls.NOISY)
+    way = plan_call(kind, calls.NOISY)
     answer["departs"] = list(way.departs)
     own_globals.provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
     names = ("accel_id", "gyro_id", "accel_noise_std", "gyro_noise_std")
@@ -171,11 +171,11 @@ def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, A
     def build(arrays: dict[str, Any], **stds: float) -> Any:
         biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
         read = way(kind, given | stds | biases).read
-        reading = way_of(read, calls.READ)
+        reading = plan_call(read, calls.READ)
         if reading.as_promised:
             return read
         answer["departs"] = [*dict.fromkeys([*answer["departs"], *reading.departs])]
-        return lambda: reading(read, given | calls.readings(fields, model, data))
+        return lambda: reading(read, given | calls.reading_arguments(fields, model, data))
 
     return build
 
@@ -187,7 +187,7 @@ def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer
             accel, gyro = reading if as_asked else reading.values()
         except (TypeError, ValueError):
             as_asked = False
-            accel, gyro = _two_within(reading)
+            accel, gyro = _two_vectors(reading)
         row[:3] = accel if _is_vector(accel) else np.reshape(accel, 3)
         row[3:] = gyro if _is_vector(gyro) else np.reshape(gyro, 3)
     except (TypeError, ValueError):
@@ -196,7 +196,7 @@ def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer
         answer["odd"] = packer.node(reading)
 
 
-def _two_within(reading: Any) -> Iterable[Any]:
+def _two_vectors(reading: Any) -> Iterable[Any]:
     """Return both vectors of another form: six numbers in a row, or two vectors among other values, named or in order."""
     parts = parts_of(reading)
     if len(parts) == 6:
@@ -221,17 +221,17 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
     readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
-    with examined(answer), scene(fields["model"]) as (model, data):
-        still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
-        build, reads = _building(fields, model, data, answer), []
+    with reporting_errors(answer), scene(fields["model"]) as (model, data):
+        still = _FrozenSimulation(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
+        build, reads = _imu_builder(fields, model, data, answer), []
         for rows in readings:
             reads.append(build({}))
             _store(reads[-1](), rows[0], answer, packer)
             still.changes()
-            still.again(rows[0])
+            still.restore(rows[0])
         for read, rows in zip(reads, readings, strict=True):
             for row in rows[1:]:
                 _store(read(), row, answer, packer)
-                still.again(row)
+                still.restore(row)
             answer["done"] += 1
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}

@@ -48,7 +48,7 @@ def provide_ids_of(model: Any) -> None:
 
 
 @contextmanager
-def standing_for(model: Any, data: Any) -> Iterator[None]:
+def set_model_and_data(model: Any, data: Any) -> Iterator[None]:
     """Set the globals that student functions read as model and data to these; restore them on exit.
 
     These are globals that hold an MjModel or MjData, and unset ones with such a name. If they hold different objects, none is
@@ -57,7 +57,9 @@ def standing_for(model: Any, data: Any) -> Iterator[None]:
     with ExitStack() as stack:
         for name, given in (("model", model), ("data", data)):
             places = [
-                place for module in list(submission.STATE.modules.values()) for place in _places(module, name, given)
+                place
+                for module in list(submission.STATE.modules.values())
+                for place in _scene_globals(module, name, given)
             ]
             if len({id(held) for *_, held in places if held is not None}) <= 1:
                 for module, own, _ in places:
@@ -71,7 +73,7 @@ _MEASUREMENT = re.compile(
 )
 
 
-def measured_by(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
+def measurement_global(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
     """Return a context manager that sets the global which a filter reads as its measurement, and a list with its label.
 
     Without exactly one such global, the context manager does nothing and the list is empty.
@@ -97,7 +99,7 @@ def _module_of(function: Any) -> ModuleType | None:
 
 
 @contextmanager
-def recorded_as(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterator[list[str]]:
+def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterator[list[str]]:
     """Set the global that a plot function reads as its recording to `recording`; restore it on exit.
 
     Parameters
@@ -127,10 +129,10 @@ def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
     return value is None or isinstance(value, dict) or type(value).__module__ in classes
 
 
-def read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
+def globals_read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
     """Return which of model and data a function reads as globals although it has an unused parameter for it.
 
-    Call it while `standing_for` is entered.
+    Call it while `set_model_and_data` is entered.
     """
     import mujoco
 
@@ -152,7 +154,7 @@ def _own_names(function: FunctionType, *slots: Slot) -> list[str]:
     return [p.name for p in parameters if (any(slot.suits(p) for slot in slots) if slots else p.default is p.empty)]
 
 
-def _places(module: ModuleType, name: str, given: Any) -> Iterator[tuple[ModuleType, str, Any]]:
+def _scene_globals(module: ModuleType, name: str, given: Any) -> Iterator[tuple[ModuleType, str, Any]]:
     """Return where a module's functions read a model or data from globals, with the present value."""
     values = vars(module)
     for own in {own for function in _functions(module) for own in _globals_read(function.__code__, "LOAD_GLOBAL")}:

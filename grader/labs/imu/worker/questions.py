@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from grader.worker import environment, faults, recorder, saved, submission
-from grader.worker.calling import way_of
+from grader.worker.calling import plan_call
 from grader.worker.screen import replaced
 from grader.worker.values import Packer, numbers
 
@@ -24,10 +24,10 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 
 
 @contextmanager
-def examined(answer: dict[str, Any]) -> Iterator[None]:
+def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
     """Catch whatever student code raises and note it in the answer."""
     try:
-        with environment.at_home(submission.STATE.folder):
+        with environment.in_scratch_folder(submission.STATE.folder):
             yield
     except BaseException as raised:  # whatever student code raises, SystemExit included
         answer["error"] = faults.describe(raised)
@@ -72,10 +72,10 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"calls": [], "later": [], "departs": []}
     disturbance = []
-    with examined(answer), scene(fields["model"]) as (model, data):
+    with reporting_errors(answer), scene(fields["model"]) as (model, data):
         own_globals.provide_ids_of(model)
         reading_of = calls.Reader(reader)
-        reading_of.departs += own_globals.read_instead(reader, (calls.MODEL, calls.DATA))
+        reading_of.departs += own_globals.globals_read_instead(reader, (calls.MODEL, calls.DATA))
         answer["departs"] = reading_of.departs
         for accel_id, gyro_id in arrays["pairs"]:
             for index in range(len(arrays["qpos"])):
@@ -85,7 +85,7 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
                 answer["calls"].append(packer.node(reading))
                 disturbance.append(changes_of(before, state_of(data)))
                 if index == 0:
-                    move_on(model, data)
+                    step_and_shift(model, data)
                     before = state_of(data)
                     reading_of(model, data, int(accel_id), int(gyro_id))  # into arrays of its own, or the same again
                     disturbance.append(changes_of(before, state_of(data)))
@@ -116,7 +116,7 @@ def simulation_of(xml: str) -> tuple[Any, Any]:
 def scene(xml: str) -> Iterator[tuple[Any, Any]]:
     """Yield a fresh model and data, which the submission's globals also hold in the meantime."""
     model, data = simulation_of(xml)
-    with own_globals.standing_for(model, data):
+    with own_globals.set_model_and_data(model, data):
         yield model, data
 
 
@@ -137,7 +137,7 @@ def changes_of(before: tuple[np.ndarray, ...], after: tuple[np.ndarray, ...]) ->
     return [float(np.max(np.abs(b - a), initial=0.0)) for a, b in zip(before, after, strict=True)]
 
 
-def move_on(model: Any, data: Any) -> None:
+def step_and_shift(model: Any, data: Any) -> None:
     import mujoco
 
     mujoco.mj_step(model, data)
@@ -173,9 +173,9 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {"value": None, "departs": []}
     before = _options(model)
     environment.watch_next_run()
-    with examined(answer), own_globals.standing_for(model, data):
-        collect, departs = calls.collecting_by(function, model, fields["duration_s"], ids)
-        answer["departs"] = [*departs, *own_globals.read_instead(function, (calls.MODEL,))]
+    with reporting_errors(answer), own_globals.set_model_and_data(model, data):
+        collect, departs = calls.adapt_collector(function, model, fields["duration_s"], ids)
+        answer["departs"] = [*departs, *own_globals.globals_read_instead(function, (calls.MODEL,))]
         answer["value"] = packer.node(collect(model, data, fields["duration_s"]))
     answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
     return answer, packer.arrays | {f"first_{name}": value for name, value in environment.watched_run().items()}
@@ -194,7 +194,7 @@ def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     -------
     array ``sensordata`` (steps, n), as it is after each step.
     """
-    return {}, {"sensordata": np.array([np.array(data.sensordata) for _, data in _run_again(fields, arrays)])}
+    return {}, {"sensordata": np.array([np.array(data.sensordata) for _, data in _replayed_steps(fields, arrays)])}
 
 
 def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
@@ -211,14 +211,14 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     reader = submission.find("get_imu_readings", fields["path"])
     answer: dict[str, Any] = {}
     rows: list[np.ndarray] = []
-    with examined(answer):
+    with reporting_errors(answer):
         reading_of = calls.Reader(reader)
-        for model, data in _run_again(fields, arrays):
-            rows.append(_six(reading_of(model, data, fields["accel_id"], fields["gyro_id"])))
+        for model, data in _replayed_steps(fields, arrays):
+            rows.append(_six_numbers(reading_of(model, data, fields["accel_id"], fields["gyro_id"])))
     return answer, {"rows": np.array(rows).reshape(-1, 6)}
 
 
-def _run_again(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
+def _replayed_steps(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
     import mujoco
 
     model = model_of(fields["model"])
@@ -227,7 +227,7 @@ def _run_again(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple
     starts = {0: tuple(arrays[name] for name in ("qpos", "qvel", "force"))}
     changes = zip(*(arrays[name] for name in ("set_at", "set_qpos", "set_qvel", "set_force")), strict=True)
     starts |= {int(step): tuple(state) for step, *state in changes}
-    with own_globals.standing_for(model, data):
+    with own_globals.set_model_and_data(model, data):
         for step in range(fields["steps"]):
             if step in starts:
                 data.qpos[:], data.qvel[:], force = starts[step]
@@ -236,7 +236,7 @@ def _run_again(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple
             yield model, data
 
 
-def _six(reading: Any) -> np.ndarray:
+def _six_numbers(reading: Any) -> np.ndarray:
     try:
         return np.array(reading, dtype=np.float64).reshape(6)
     except (TypeError, ValueError):
@@ -278,12 +278,12 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     given: Any = {
         name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
     }
-    with examined(answer):
-        way = way_of(function, calls.PLOTTER)
+    with reporting_errors(answer):
+        way = plan_call(function, calls.PLOTTER)
         recorded = _recorded(fields["recorder"], arrays, given) if fields["recorder"] else given
-        with own_globals.recorded_as(recorded, function, calls.PLOTTER[:4]) as read_instead:
+        with own_globals.set_recording(recorded, function, calls.PLOTTER[:4]) as read_instead:
             answer["departs"] = [*way.departs, *read_instead]
-            way(function, calls.WRITTEN | given | {"imu_data": recorded})
+            way(function, calls.PLOT_TEXTS | given | {"imu_data": recorded})
     seen, facts = recorder.RECORDER.take(submission.STATE.folder)
     return answer | seen, facts
 
@@ -299,9 +299,9 @@ def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str
     own_globals.provide_ids(ids)
     time, *rows = (arrays[key] for key in recorder["shows"])
     model.opt.timestep = time[0]
-    collect, _ = calls.collecting_by(function, model, time[-1], ids)
+    collect, _ = calls.adapt_collector(function, model, time[-1], ids)
     measured = {int(model.sensor_adr[id_]): of_sensor for id_, of_sensor in zip(ids.values(), rows, strict=True)}
-    with _measuring(time, measured), own_globals.standing_for(model, data):
+    with _measuring(time, measured), own_globals.set_model_and_data(model, data):
         recorded = collect(model, data, time[-1])
     for name, value in series.items():
         with suppress(TypeError, KeyError, IndexError, ValueError, AttributeError):

@@ -66,13 +66,13 @@ _SHAKE = hashlib.shake_128
 _BYTES = _Bytes()
 
 
-def furnish(folder: str) -> None:
+def install(folder: str) -> None:
     """Put the repeatable sources in the place of the real ones; programs in `folder` are the student's."""
     _LIBRARY.own_folder = folder
-    _let_time_pass_with_the_work()
-    _give_repeatable_dates()
-    _give_repeatable_identity()
-    _draw_from_the_stream()
+    _replace_clocks()
+    _replace_dates()
+    _replace_ids()
+    _replace_random_bytes()
 
 
 def seed(number: int) -> None:
@@ -99,7 +99,7 @@ class _Library:
 _LIBRARY = _Library()
 
 
-def _let_time_pass_with_the_work() -> None:
+def _replace_clocks() -> None:
     """Let a pause move the clocks on instead of waiting. What waits by itself goes by `monotonic`, which runs for libraries."""
 
     def sleep(seconds: float) -> None:
@@ -137,7 +137,7 @@ def _let_time_pass_with_the_work() -> None:
     vars(os)["getloadavg"] = lambda: (0.0, 0.0, 0.0)
 
 
-def _give_repeatable_dates() -> None:
+def _replace_dates() -> None:
     """Let dates and broken-down times go by the clock that student code sees."""
 
     def at(convert: Callable[..., Any]) -> Callable[..., Any]:
@@ -176,7 +176,7 @@ def _give_repeatable_dates() -> None:
     vars(datetime).update(datetime=_Real("datetime", (real,), methods), date=_Real("date", (real_date,), today))
 
 
-def _give_repeatable_identity() -> None:
+def _replace_ids() -> None:
     """Number objects, threads and the process in the order in which student code asks for them.
 
     An object that was asked for is kept, so that no later object gets its address and with it its number.
@@ -209,7 +209,7 @@ def _give_repeatable_identity() -> None:
         vars(resource)["getrusage"] = used
 
 
-def _draw_from_the_stream() -> None:
+def _replace_random_bytes() -> None:
     """Let what asks the system for random bytes draw them from our stream: `os.urandom`, `secrets`, `uuid`, unseeded generators."""
     seed_by = random.Random.seed
 

@@ -25,7 +25,7 @@ from typing import Any, TypeGuard
 
 from . import faults
 
-_REAL_CLOCK, _CPU_CLOCK = time.monotonic, time.process_time  # student code finds others, see `world`
+_REAL_CLOCK, _CPU_CLOCK = time.monotonic, time.process_time  # student code finds others, see `repeatability`
 _TICK_S = 0.25
 _IDLE_SHARE = 0.02  # of one processor: whoever uses less only waits
 _HINTS_AS_TEXT = __future__.annotations.compiler_flag
@@ -39,7 +39,7 @@ class OutOfTimeError(BaseException):
     """A statement exceeded its time. It is no `Exception`, so that `except Exception` in student code does not catch it."""
 
 
-class NotThere:
+class MissingName:
     """Stands for a name that could not be imported or defined; whoever uses it gets the error that told so."""
 
     def __init__(self, error: Callable[[], BaseException]) -> None:
@@ -97,16 +97,16 @@ class _Clock:
         if cpu_s - self._seen[0] <= _IDLE_SHARE * (wall_s - self._seen[1]):
             self._idle_s += wall_s - self._seen[1]
         self._seen = (cpu_s, wall_s)
-        if cpu_s + self._idle_s >= self._until_s and _is_of_a_statement(frame):
+        if cpu_s + self._idle_s >= self._until_s and _in_student_statement(frame):
             raise OutOfTimeError
 
 
 _CLOCK = _Clock()
 
 
-def _is_of_a_statement(frame: types.FrameType | None) -> bool:
+def _in_student_statement(frame: types.FrameType | None) -> bool:
     """Return whether a student's statement is running, and not the grader's code between two of them."""
-    while frame is not None and frame.f_code is not Stepper._run_unit.__code__:
+    while frame is not None and frame.f_code is not StatementRunner._run_unit.__code__:
         if faults.is_own(frame.f_code.co_filename):
             return True
         frame = frame.f_back
@@ -114,7 +114,7 @@ def _is_of_a_statement(frame: types.FrameType | None) -> bool:
 
 
 @contextlib.contextmanager
-def limited(within_s: float) -> Iterator[None]:
+def time_limit(within_s: float) -> Iterator[None]:
     """Statements that run in here share so many seconds."""
     _CLOCK.start(within_s)
     try:
@@ -126,7 +126,7 @@ def limited(within_s: float) -> Iterator[None]:
 # --- running -------------------------------------------------------------------------------------------------------------
 
 
-class Stepper:
+class StatementRunner:
     """Runs the statements of files, and keeps what was stepped over.
 
     Parameters
@@ -212,14 +212,14 @@ class Stepper:
         if len(self.noted) >= _MAX_NOTED:
             return
         line = _first_line(unit.node)
-        told = faults.told_at(path, line, why) if type(why) is str else faults.describe(why)  # type: ignore[arg-type] # its `__class__` may be student code
+        told = faults.fault_at(path, line, why) if type(why) is str else faults.describe(why)  # type: ignore[arg-type] # its `__class__` may be student code
         defines = [name for name in (*bound(unit.node), *_imported(unit.node)) if name in self.wanted]
         about = {"path": path, "number": unit.number, "at": line, "how": how, "defines": defines}
         self.noted.append(told | about | {"within": sorted(within)})
 
     def defined(self, names: dict[str, Any]) -> list[str]:
         """Return the wanted names that are defined."""
-        return [name for name in self.wanted if name in names and not isinstance(names[name], NotThere)]
+        return [name for name in self.wanted if name in names and not isinstance(names[name], MissingName)]
 
     def _write_place(self) -> None:
         """Write down the place in case this process does not come back; the file may be closed or full."""
@@ -264,10 +264,10 @@ def _codes_of(value: Any) -> list[types.CodeType]:
     return [each.__code__ for each in functions if isinstance(each, types.FunctionType)]
 
 
-def _not_imported(raised: BaseException) -> NotThere:
+def _not_imported(raised: BaseException) -> MissingName:
     kind = ModuleNotFoundError if faults.is_a(raised, ModuleNotFoundError) else ImportError
-    message, name = faults.message_of(raised), faults.held(raised, "name", str)
-    return NotThere(lambda: kind(message, name=name))
+    message, name = faults.message_of(raised), faults.attribute_of(raised, "name", str)
+    return MissingName(lambda: kind(message, name=name))
 
 
 def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
@@ -284,7 +284,7 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
     """The statements of a file, compiled; SyntaxError where it does not compile as a whole."""
     flags |= _future_flags(tree)
-    if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _waits(tree) and tree.body:
+    if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _awaits(tree) and tree.body:
         whole: types.CodeType = compile(tree, name, "exec", flags, dont_inherit=True)
         return [Unit(0, tree.body[0], whole)]
     statements = [(n, node) for n, node in enumerate(tree.body) if n == 0 or not _is_text(node)]
@@ -301,7 +301,7 @@ def _is_text(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def _waits(tree: ast.Module) -> bool:
+def _awaits(tree: ast.Module) -> bool:
     return any(isinstance(node, ast.Await | ast.AsyncFor | ast.AsyncWith) for node in ast.walk(tree))
 
 
