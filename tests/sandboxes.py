@@ -35,6 +35,12 @@ class Lasting:
     def warm(self, modules: Sequence[str]) -> None:
         self._sandbox.warm(modules)
 
+    def __enter__(self) -> Lasting:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
         """It stays open for the next one."""
 

@@ -31,12 +31,14 @@ import typer.main
 
 from grader import cli
 from grader.course import classroom
-from grader.engine.rubric import shipped
+from grader.engine import lab_sandbox
+from grader.engine.rubric import load, shipped
 from grader.kit import give, wheel
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry
 from grader.report import truth
+from tests import sandboxes
 from tests.classes import Student, canvas, canvas_gradebook, filters_alone, moodle, moodle_worksheet
 from tests.corpus.pieces import tidy
 from tests.corpus.sheet import VERBATIM
@@ -52,6 +54,7 @@ STUDENTS = {
 EXAMPLE = "s06-id-as-address"
 STANDS_FOR = {"SUBMISSIONS": "submissions", "OUT": "out-monday", "DOWNLOAD": "submissions", "ID": "view-not-copy"}
 STANDS_FOR |= {"R": "none", "F": "poison"}
+CRITERIA = tuple(criterion.id for criterion in load(LAB).criteria)
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
 PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "CLASSROOM", "IMUGRADE_SEED")
 
@@ -61,7 +64,7 @@ PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "C
 
 @pytest.fixture(scope="module")
 def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A class that has handed in, its downloads and tables, two gradings of it, and a student's own work."""
+    """A class that has handed in, its downloads and tables, gradings of it, and a student's own work."""
     place = tmp_path_factory.mktemp("ready")
     _hand_in(place)
     with pytest.MonkeyPatch.context() as here:
@@ -69,13 +72,23 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         here.setattr(os, "cpu_count", lambda: 1)  # one marker: each starts for seconds
         for name in PLATFORMS_SAY:
             here.delenv(name, raising=False)
+        _share_a_sandbox(here)
         here.chdir(place)
         truth.save(bundles.obtain("...", None), place)
         assert run(["grade", "submissions", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
+        with here.context() as graded:
+            graded.setenv("IMUGRADE_SEED", "a-secret")
+            assert run(["grade", "submissions", "-o", "out-hidden"])[0] == 0
         shutil.copytree("out-monday", "out-tuesday")
         adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]
         assert run(["adjust", "out-tuesday", "alice", *adjustment])[0] == 0
         yield place
+
+
+def _share_a_sandbox(here: pytest.MonkeyPatch) -> None:
+    """Let all commands of this process use one sandbox: each would open its own, which takes longer than what they do in it."""
+    one = sandboxes.shared()
+    here.setattr(lab_sandbox, "Sandbox", lambda *_, **__: sandboxes.Lasting(one))
 
 
 def _hand_in(place: Path) -> None:
@@ -102,10 +115,10 @@ def _hand_in(place: Path) -> None:
     write(VERBATIM, place / "kit")
 
 
-def _grades_the_class(document: str) -> bool:
-    """Return whether the first command with OUT writes it; otherwise it has to exist."""
-    first = (each.words for each in COMMANDS if each.document == document and "out" in each.words)
-    return "grade" in next(first, ())
+def _grades_another_class(document: str) -> bool:
+    """Return whether the first command with OUT grades others than the class that is graded already: a download, or the examples."""
+    first = next((each.words for each in COMMANDS if each.document == document and "out" in each.words), ())
+    return "grade" in first and "submissions" not in first
 
 
 class Scene:
@@ -120,7 +133,7 @@ class Scene:
         place = self._scratch / document.replace("/", "-")
         if not place.exists():
             shutil.copytree(self._ready, place)
-            if not _grades_the_class(document):
+            if not _grades_another_class(document):
                 shutil.copytree(place / "out-monday", place / "out")
         return place
 
@@ -172,9 +185,10 @@ def test_the_commands_of_a_document_do_what_they_are_documented_for(
 def _do(command: Command, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     program = command.words[0].rpartition("/")[2]
     if program != "imugrade" or command.words[1] in LEAVE_NOTHING:
-        if str(command) in scene.seen and command.place != "heading":
-            return  # it ran for another document, and its folder says nothing to it
-        scene.seen.add(str(command))
+        alike = re.sub(rf"--only ({'|'.join(CRITERIA)})", "--only CRITERION", str(command))
+        if alike in scene.seen and command.place != "heading":
+            return  # it ran for another document, or for another criterion, and its folder says nothing to it
+        scene.seen.add(alike)
     folder = scene.folder(command.document)
     with monkeypatch.context() as here:
         for name, value in command.environment:
