@@ -46,9 +46,10 @@ def check_curves_match_data(facts: Facts) -> Deviation | None:
         return Deviation()
     if came := explain.another_unit(facts):
         return Deviation({"came": came}, affected=0.5)
-    parts = facts.plot.in_part()
-    size = Size("curves over only a part of the recorded time")
-    return Deviation({"came": explain.part_in_words(parts)}, explain.share_missing(facts), size) if parts else None
+    if parts := facts.plot.in_part():
+        size = Size("curves over only a part of the recorded time")
+        return Deviation({"came": explain.part_in_words(parts)}, explain.share_missing(facts), size)
+    return None
 
 
 @PART.check("visualization.axis_labels_with_units", lab_step=4)

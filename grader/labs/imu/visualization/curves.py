@@ -6,19 +6,18 @@ Curves are matched with the data that the plot function was given, not by their 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.engine.figures import PARTS, Axes, Curve, Entry, Figure, Mask, Placed, Sight
-from grader.labs.imu.answers import SENSORS, Array, Collection, column_named
+from grader.engine.figures import Axes, Curve, Entry, Figure, Placed
+from grader.labs.imu.answers import SENSORS, Array
 from grader.labs.imu.visualization.labels import axis_of
 
 _DAY_S = 86400.0  # matplotlib counts dates in days
 FEWEST_POINTS = 50
 """A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
-_NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
 _MATCH = 1e-3
 """Largest difference, as a share of the channel's range over the time of the curve.
 
@@ -27,8 +26,6 @@ Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve mis
 NEARLY_ALL = 0.9
 """Share of the recorded time; a curve over this much of it is drawn in full."""
 _LEAST_PART = 0.05  # of the recorded time: a curve over less shows no motion
-
-_MIDDLES = (np.arange(PARTS) + 0.5) / PARTS
 
 Channel = tuple[int, int]
 """Sensor 0 or 1, axis 0 to 2."""
@@ -40,31 +37,30 @@ _ENOUGH = 0.5
 
 @dataclass(frozen=True)
 class Shown:
-    """A curve that shows a channel: sensor 0 or 1, axis 0 to 2, the scale of y, what x is, and between which shares of the time."""
+    """A curve that shows a channel.
+
+    Attributes
+    ----------
+    sensor, axis : sensor 0 or 1, axis 0 to 2
+    unit, x : the unit of y, and what x is
+    drawn : over which hundredths of the recorded time it is drawn
+    """
 
     sensor: int
     axis: int
     unit: str
     x: str
     curve: Curve
-    part: tuple[float, float] = (0.0, 1.0)
+    drawn: range = range(100)
 
     @property
     def channel(self) -> Channel:
         return self.sensor, self.axis
 
     @property
-    def drawn(self) -> Mask:
-        """Over which parts of the recorded time it is drawn."""
-        first, last = self.part
-        return (first <= _MIDDLES) & (last >= _MIDDLES)
-
-    @property
-    def sight(self) -> Sight:
-        """The visible parts of the recorded time."""
-        (first, last), own = self.part, self.curve.sight
-        along = np.clip((_MIDDLES - first) / (last - first) * PARTS, 0, PARTS - 1).astype(int)
-        return Sight(self.drawn & own.inside[along], self.drawn & own.seen[along])
+    def share_inside(self) -> float:
+        """How much of what is drawn lies within the limits of the axes."""
+        return float(self.curve.sight.inside.mean())
 
 
 @dataclass(frozen=True)
@@ -94,11 +90,6 @@ class Panel:
     def area(self) -> float:
         left, low, right, high = self.axes.position
         return (right - left) * (high - low)
-
-    def leaves_out(self, curve: Curve) -> bool:
-        """Return whether any point of a curve lies outside the limits of the axes."""
-        limits = (sorted(self.axes.x_limits), sorted(self.axes.y_limits))
-        return any(bool(np.any((v < low) | (v > high))) for v, (low, high) in zip(curve.points, limits, strict=True))
 
     def is_inset_of(self, other: Panel) -> bool:
         """Return whether it repeats, much smaller, what another panel shows; that one has the names for both."""
@@ -164,40 +155,23 @@ class Plot:
         """True if the numbers beside the time axis may be others than those that are drawn."""
         return any(panel.axes.own_ticks for panel in self.panels)
 
-    def sight(self, channel: Channel) -> Sight:
-        """Return the visible parts of a channel in all panels together."""
-        sights = [shown.sight for shown in self.shown if shown.channel == channel]
-        return Sight(np.any([each.inside for each in sights], axis=0), np.any([each.seen for each in sights], axis=0))
+    def of_channel(self, channel: Channel) -> list[Shown]:
+        return [shown for shown in self.shown if shown.channel == channel]
 
-    def drawn_of(self, channel: Channel) -> Mask:
-        """Over which parts of the recorded time a channel is drawn, in all panels together."""
-        drawn: Mask = np.any([shown.drawn for shown in self.shown if shown.channel == channel], axis=0)
-        return drawn
+    def in_part(self) -> dict[Channel, float]:
+        """The channels that are drawn over a part of the recorded time alone, with that share of it."""
+        drawn = {c: {part for shown in self.of_channel(c) for part in shown.drawn} for c in sorted(self.drawn)}
+        return {channel: len(parts) / 100 for channel, parts in drawn.items() if len(parts) < 100 * NEARLY_ALL}
 
-    def in_part(self) -> dict[Channel, Mask]:
-        """The channels that are drawn over a part of the recorded time alone, with that part."""
-        parts = {channel: self.drawn_of(channel) for channel in CHANNELS if channel in self.drawn}
-        return {channel: part for channel, part in parts.items() if part.mean() < NEARLY_ALL}
+    def cut_off(self) -> dict[Channel, float]:
+        """The channels that the limits leave outside for the most part, with the share that is inside."""
+        shares = {channel: sum(s.share_inside for s in self.of_channel(channel)) for channel in sorted(self.drawn)}
+        return {channel: share for channel, share in shares.items() if share < _ENOUGH}
 
     @property
     def is_cropped(self) -> bool:
-        """Return whether some channel has points outside the limits in every panel that draws it.
-
-        Also True if the code sets the limits of y itself: other data may lie outside them.
-        """
-        if any(panel.axes.own_height for panel in self.panels):
-            return True
-        drawn = [(panel, shown) for panel in self.panels for shown in panel.shown]
-        return bool(self.drawn - {shown.channel for panel, shown in drawn if not panel.leaves_out(shown.curve)})
-
-    def cut_off(self) -> dict[Channel, Sight]:
-        """The channels that the limits of the axes leave outside for the most part of what is drawn of them."""
-        sights = {channel: self.sight(channel) for channel in CHANNELS if channel in self.drawn}
-        return {
-            channel: sight
-            for channel, sight in sights.items()
-            if sight.inside.sum() < _ENOUGH * self.drawn_of(channel).sum()
-        }
+        """True if curves leave the limits, or the code sets those of y itself: other data may lie outside them."""
+        return any(panel.axes.own_height for panel in self.panels) or any(s.share_inside < 1 for s in self.shown)
 
 
 def joined(figures: Sequence[Figure]) -> Figure:
@@ -266,35 +240,25 @@ def _channel(curve: Curve, series: Mapping[str, Array]) -> Shown | None:
                 wanted = np.interp(stamps, time, series[key][:, axis])
                 for unit, scale in _UNITS[sensor]:
                     if np.all(np.abs(curve.y - scale * wanted) <= _MATCH * scale * np.ptp(wanted)):
-                        return Shown(sensor, axis, unit, kind, curve, _part(stamps, time))
+                        first, last = np.interp([stamps.min(), stamps.max()], time[[0, -1]], (0, 100))
+                        return Shown(sensor, axis, unit, kind, curve, range(round(first), round(last)))
     return None
-
-
-def _part(stamps: Array, time: Array) -> tuple[float, float]:
-    first, last = np.interp([stamps.min(), stamps.max()], time[[0, -1]], (0.0, 1.0))
-    return float(first), float(last)
 
 
 def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
     """Return the kinds that x may be, with time stamps: those that span the recorded time first, then those of a part of it.
 
-    Rows of thinned data are counted anew, and spread over the recorded time: over a part of it nobody knows what they are.
+    Rows of thinned data may be counted anew, and are then spread over the recorded time.
     """
     rows = np.arange(len(time))
     kinds = [("s", x), ("ms", x / 1000), ("us", x / 1e6), ("ns", x / 1e9), ("s from start", x + time[0])]
     kinds.append(("date", (x - x[0]) * _DAY_S + time[0]))
     kinds += [("index", np.interp(x, rows, time)), ("index", np.interp(x - 1, rows, time))]
-    spread = [("index", np.interp(x * ((len(time) - 1) / max(1, len(x) - 1)), rows, time))] * (len(x) < len(time))
-    whole, part = (NEARLY_ALL, 2 - NEARLY_ALL), (_LEAST_PART, NEARLY_ALL)
-    return [*_spanning(whole, kinds + spread, time), *_spanning(part, kinds, time)]
-
-
-def _spanning(
-    shares: tuple[float, float], kinds: Sequence[tuple[str, Array]], time: Array
-) -> Iterator[tuple[str, Array]]:
-    """The readings under which x spans at least the first of these shares of the recorded time, and less than the second."""
-    least, most = (share * (time[-1] - time[0]) for share in shares)
-    return ((kind, stamps) for kind, stamps in kinds if np.isfinite(stamps).all() and least <= np.ptp(stamps) < most)
+    if len(x) < len(time):
+        kinds.append(("index", np.interp(x * ((len(time) - 1) / max(1, len(x) - 1)), rows, time)))
+    spans = [float(np.ptp(stamps) / np.ptp(time)) for _, stamps in kinds]
+    whole = [kind for kind, span in zip(kinds, spans, strict=True) if NEARLY_ALL <= span < 2 - NEARLY_ALL]
+    return whole + [kind for kind, span in zip(kinds, spans, strict=True) if _LEAST_PART <= span < NEARLY_ALL]
 
 
 _UNITS = (
@@ -316,43 +280,6 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
     return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
 
 
-# --- what else was recorded ----------------------------------------------------------------------------------------------
-
-
-def as_recorded(own: Collection, series: Mapping[str, Array]) -> dict[str, Array]:
-    """Return what a submission records beside the three series, as it would have recorded it of the true ones.
-
-    Multiples of a series, of a column and of a magnitude are made anew; everything else stays.
-    """
-    return {name: _as_recorded(name, value, own, series) for name, value in own.extras.items()}
-
-
-def _as_recorded(name: str, value: Array, own: Collection, series: Mapping[str, Array]) -> Array:
-    if value.ndim == 0:
-        return value
-    derived = _derived(name, own, series)
-    alike = [(true, rows) for rows, true in derived if rows.shape == value.shape and rows.any() == value.any()]
-    for true, recorded in alike:
-        scale = np.vdot(value, recorded) / max(np.vdot(recorded, recorded), 1e-300)
-        if np.abs(value - scale * recorded).max() <= 1e-9 * max(1.0, np.abs(value).max()):
-            return scale * true if recorded.any() else true
-    return value
-
-
-def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:
-    """Yield what may follow from the three series, as recorded and as true: first what the name speaks of."""
-    if own.time is not None:
-        yield own.time, series["time"]
-    said, axis = column_named(name), axis_of(name)
-    for key in sorted(SENSORS, key=lambda key: key != said):
-        recorded, true = getattr(own, key), series[key]
-        if recorded is not None:
-            for i in sorted(range(3), key=lambda i: i != axis):
-                yield recorded[:, i], true[:, i]
-            yield recorded, true
-            yield np.linalg.norm(recorded, axis=1), np.linalg.norm(true, axis=1)
-
-
 # --- legends -------------------------------------------------------------------------------------------------------------
 
 
@@ -365,22 +292,12 @@ def names_of(panel: Panel, figure: Figure) -> list[str | None]:
             entries += other.legend  # twin axes share one legend
     own = {s.curve.colour for s in panel.shown}
     neutral = [text for text in axes.texts if text.colour not in own]
-    room = _NEAR * float(np.ptp(axes.y_limits))
-    return [name_of(s.curve, entries, axes.texts) or _beside(s, neutral, room) for s in panel.shown]
+    return [name_of(s.curve, entries, axes.texts) or _beside(s, neutral) for s in panel.shown]
 
 
-def _beside(shown: Shown, texts: Sequence[Placed], room: float) -> str | None:
-    """A text in a colour of its own that names the curve's axis and stands near it.
-
-    Where curves run close together nobody can tell which of them such a text stands nearest to, so none is called wrong by it.
-    """
-    x, y = shown.curve.points
-    for text in texts:
-        at, height = text.place
-        within = x.min() - _NEAR * np.ptp(x) <= at <= x.max() + _NEAR * np.ptp(x)
-        if within and y.min() - room <= height <= y.max() + room and axis_of(text.text) == shown.axis:
-            return text.text
-    return None
+def _beside(shown: Shown, texts: Sequence[Placed]) -> str | None:
+    """Return a text in a colour of its own that names the curve's axis; nobody can tell which curve of several it is next to."""
+    return next((text.text for text in texts if axis_of(text.text) == shown.axis), None)
 
 
 def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> str | None:

@@ -6,7 +6,6 @@ import functools
 from collections.abc import Callable, Iterable, Mapping
 
 from grader.engine.charging import Part
-from grader.engine.figures import Mask
 from grader.engine.findings import Deviation, Raised
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.lab import LAB
@@ -88,7 +87,7 @@ def _is_not_seen(facts: Facts) -> bool:
 def share_missing(facts: Facts) -> float:
     """Return the share of the points that the curves lose: by channel, and most where a reader is misled."""
     plot, parts = facts.plot, facts.plot.in_part()
-    kept = (min(_IN_PART, float(parts[c].mean())) if c in parts else 1.0 for c in plot.drawn - set(facts.cut_off))
+    kept = (min(_IN_PART, parts[c]) if c in parts else 1.0 for c in plot.drawn - set(facts.cut_off))
     lost = 1 - sum(kept) / len(CHANNELS)
     return max(lost, _MISLEADS) if facts.cut_off or _shows_others(facts) else lost
 
@@ -105,8 +104,7 @@ def missing_in_words(facts: Facts) -> str:
 
 
 def _outside(facts: Facts) -> str:
-    share = min(float(sight.inside.mean()) for sight in facts.cut_off.values())
-    return f"{round(100 * (1 - share))} % of {_named(facts.cut_off)}"
+    return f"{round(100 * (1 - min(facts.cut_off.values())))} % of {_named(facts.cut_off)}"
 
 
 def _named(channels: Iterable[Channel]) -> str:
@@ -114,9 +112,8 @@ def _named(channels: Iterable[Channel]) -> str:
     return " and ".join(f"{word} {', '.join(axes)}" for word, axes in of_sensors if axes)
 
 
-def part_in_words(parts: Mapping[Channel, Mask]) -> str:
-    share = min((float(part.mean()) for part in parts.values()), default=1.0)
-    return f"{_named(parts)} over only {round(100 * share)} % of the recorded time"
+def part_in_words(parts: Mapping[Channel, float]) -> str:
+    return f"{_named(parts)} over only {round(100 * min(parts.values()))} % of the recorded time"
 
 
 def is_against_no_time(facts: Facts) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from grader.base.errors import NoAnswer
 from grader.base.text import printable
-from grader.engine.figures import Curve, Figure, Sight
+from grader.engine.figures import Curve, Figure
 from grader.engine.findings import A_PERSON_MAY, Charge, Charged, Deviation, Fault, Missing, Ours, Raised, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
@@ -104,7 +104,7 @@ class Facts:
     Attributes
     ----------
     plot : the figure that shows most of the data
-    cut_off : the channels that lie outside the axis limits for the most part
+    cut_off : the channels that lie outside the axis limits for the most part, with the share that is inside
     recorded : the unit in which the submission itself records each sensor, if a label names another one than is drawn
     fault : the exception that broke the plot off
     departs : the sheet's parameters that `plot_imu_data` could not be called with
@@ -114,7 +114,7 @@ class Facts:
     plot: Plot
     file: File = field(default_factory=File)
     comparison: Comparison = field(default_factory=Comparison)
-    cut_off: Mapping[Channel, Sight] = field(default_factory=dict)
+    cut_off: Mapping[Channel, float] = field(default_factory=dict)
     recorded: tuple[str, str] = ("", "")
     fault: Fault | None = None
     departs: tuple[str, ...] = ()
@@ -136,7 +136,7 @@ def measure(student: Student, truth: Traces) -> Facts:
     plots = candidates(student, truth, drawing)
     plot, file = best_of(plots) or _NO_PLOT, _file(student, drawing, plots)
     stopped = {} if any(map(curves.has_curves, drawing.figures)) else _drawn_by_no_code(student)
-    outside: Mapping[Channel, Sight] = {}
+    outside: Mapping[Channel, float] = {}
     if not stopped:
         outside = _cut_off(student, truth, plot)
         stopped = _unseen(student, truth, plot, outside)
@@ -182,10 +182,10 @@ def _own_recording(student: Student, truth: Traces) -> Collection | None:
 
 
 def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:
-    """Return the true series under the submission's own names, with what else it records."""
+    """Return the true series under the submission's own names."""
     if own is None or any(name.isdigit() for name in own.keys.values()):
         return series
-    return {own.keys.get(key, key): value for key, value in series.items()} | curves.as_recorded(own, series)
+    return {own.keys.get(key, key): value for key, value in series.items()}
 
 
 def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, str]:
@@ -278,7 +278,7 @@ def _handed_in(student: Student, name: str) -> bool:
 # ---- what is seen of it ----
 
 
-def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, Sight]:
+def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, float]:
     """Return the channels that the limits of the axes cut off of the recording of the lab.
 
     Limits that are written into the code are chosen for the data that the code records. So that is drawn, too, where they leave
@@ -289,15 +289,15 @@ def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, Sight
     series = series_of(truth, "push")
     figures = drawing_of_data(student, truth, "push").figures
     of_lab = best_of([Plot(figure, curves.panels(figure, series)) for figure in figures]) or Plot(plot.figure, [])
-    here = {channel: sight for channel, sight in plot.cut_off().items() if channel not in of_lab.drawn}
-    return here | {channel: sight for channel, sight in of_lab.cut_off().items() if channel in plot.drawn}
+    here = {channel: share for channel, share in plot.cut_off().items() if channel not in of_lab.drawn}
+    return here | {channel: share for channel, share in of_lab.cut_off().items() if channel in plot.drawn}
 
 
-def _unseen(student: Student, truth: Traces, plot: Plot, outside: Mapping[Channel, Sight]) -> dict[str, Exception]:
+def _unseen(student: Student, truth: Traces, plot: Plot, outside: Mapping[Channel, float]) -> dict[str, Exception]:
     """Return why the panels cannot be judged: no curves, none that a reader sees, or none that has to do with the data."""
     if not plot.panels:
         return dict.fromkeys((*OF_WORDS, "curves_match_data"), Skipped("a figure with curves"))
-    if plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()}:
+    if any(shown.channel not in outside or shown.curve.sight.seen.any() for shown in plot.shown):
         return {}
     if not plot.strange:
         return dict.fromkeys(OF_WORDS, Skipped("a figure with visible curves"))
