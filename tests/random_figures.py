@@ -12,7 +12,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 
-from grader.engine.figures import Figure, Sight, figures_of
+from grader.engine.figures import Figure, VisibleParts, figures_of
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 from grader.worker import drawing, figures
@@ -30,11 +30,11 @@ class Made:
     """A figure with what a reader sees of each of its curves."""
 
     seed: int
-    of: dict[str, Sight]
+    of: dict[str, VisibleParts]
     """By the curve's label."""
 
     @property
-    def sights(self) -> list[Sight]:
+    def sights(self) -> list[VisibleParts]:
         return list(self.of.values())
 
 
@@ -56,7 +56,9 @@ def made(seed: int, left_out: str = "") -> Made:
     """The figure of this seed, as facts and pixels, looked at; with a curve that is claimed and not drawn."""
     with figure_of(seed) as figure:
         found = looked_at(told(figure, left_out), Patience())
-    return Made(seed, {curve.label: curve.sight for panel in found.axes for curve in panel.curves if curve.n > 3})
+    return Made(
+        seed, {curve.label: curve.visible_parts for panel in found.axes for curve in panel.curves if curve.n > 3}
+    )
 
 
 def told(figure: Any, left_out: str = "") -> Figure:
@@ -190,7 +192,7 @@ def _furnish(rng: Any, axes: Any, t: Any) -> None:
             axes.text(0.1, 0.8, "a word of explanation", transform=axes.transAxes)
 
 
-def share_seen(sight: Sight) -> float:
+def share_seen(sight: VisibleParts) -> float:
     """Of what is inside."""
     return float(sight.seen.sum() / max(1, sight.inside.sum()))
 

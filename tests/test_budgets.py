@@ -14,7 +14,7 @@ import pytest
 
 from grader.base.errors import Malformed
 from grader.engine import fingerprint
-from grader.engine.figures import Array, Axes, Curve, Figure, Sight
+from grader.engine.figures import Array, Axes, Curve, Figure, VisibleParts
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.visualization import comparing, labels
@@ -145,7 +145,7 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
 
 def drawn(x: Array, y: Array, label: str = "") -> Curve:
     """A curve that is seen from end to end."""
-    sight = Sight(np.ones(100, bool), np.ones(100, bool))
+    sight = VisibleParts(np.ones(100, bool), np.ones(100, bool))
     return Curve(label, "#1f77b4", "line", len(x), x, y, "-", "-", "-", 1.0, ("#1f77b4ff",), 1.5, sight)
 
 

@@ -19,7 +19,7 @@ from grader.course.submission_archive import LARGEST, pack, unpack
 from grader.desk.regrade_requests import read_in
 from grader.desk.similarity_groups import similarity_groups
 from grader.engine import rubric
-from grader.engine.findings import A_PERSON_MAY, Where
+from grader.engine.findings import NEEDS_REVIEW, Where
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person
@@ -231,7 +231,7 @@ NEEDY = (
     Student("odd", {ADDRESS: 0.0}, {ADDRESS: {"not_understood": True}}),
     Student("sly", {ADDRESS: 0.0}, {ADDRESS: {"misconceptions": ("tampering",)}}),
     Student("late", hand_in=HandIn(late=Lateness("", None))),
-    Student("drew", notes=(f"imu_data.png was handed in: {A_PERSON_MAY} for it",)),
+    Student("drew", notes=(f"imu_data.png was handed in: {NEEDS_REVIEW} for it",)),
     Student("edge", {TITLES: 0.5, "sensor_access.leaves_simulation_alone": 0.0, "visualization.two_labelled_panels": 0.0,
                      "visualization.saves_image": 0.0, "visualization.axis_labels_with_units": 0.0}),
     Student("slow", dict.fromkeys([c.id for c in rubric.load(LAB).checks], 0.0), {c.id: {"outcome": "timeout"} for c in rubric.load(LAB).checks}),

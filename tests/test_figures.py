@@ -9,7 +9,18 @@ import numpy as np
 import pytest
 
 from grader.engine import replies
-from grader.engine.figures import Axes, Curve, Entry, Figure, Placed, Sight, Stray, figures_of, picture_of, strays_of
+from grader.engine.figures import (
+    Axes,
+    Curve,
+    Entry,
+    Figure,
+    Placed,
+    UnidentifiedPicture,
+    VisibleParts,
+    figures_of,
+    picture_of,
+    strays_of,
+)
 from grader.sandbox.wire import Frame
 from tests.random_figures import figure_of, frame_of
 
@@ -34,7 +45,7 @@ RULES = {
     Axes: replies._AXES.keys() | {"curves"},
     Figure: replies._FIGURE.keys() - {"legends"} | {"event", "path", "format", "size_px", "axes", "legend"},
 }
-OURS = {"sight", "pixels"}
+OURS = {"visible_parts", "pixels"}
 """What no rule names: the first is found out here, the second is looked at as an array, the third is a figure by itself."""
 
 
@@ -46,7 +57,7 @@ def test_every_field_of_a_record_is_one_that_the_rule_has_looked_at(kind: Any) -
 def test_what_the_box_says_to_be_seen_is_not_believed(frame: Frame) -> None:
     for axes in facts_of(frame)["axes"]:
         for curve in axes["curves"]:
-            curve.update(visible=True, sight="all of it")
+            curve.update(visible=True, visible_parts="all of it")
     (figure,) = figures_of(frame)
     curves = [curve for axes in figure.axes for curve in axes.curves]
     assert curves
@@ -66,7 +77,7 @@ def test_of_a_figure_that_cannot_be_read_only_the_file_is_told(frame: Frame) -> 
 )
 def test_a_curve_is_hidden_where_hardly_an_eighth_of_it_is_seen(inside: int, seen: int, hidden: bool) -> None:
     parts = np.arange(100)
-    assert Sight(parts < inside, parts < seen).is_hidden is hidden
+    assert VisibleParts(parts < inside, parts < seen).is_hidden is hidden
 
 
 def test_a_text_on_a_panel_keeps_its_place_and_its_colour(frame: Frame) -> None:
@@ -76,7 +87,9 @@ def test_a_text_on_a_panel_keeps_its_place_and_its_colour(frame: Frame) -> None:
 
 
 def test_pictures_beside_the_figures_keep_their_reason() -> None:
-    assert strays_of(Frame({"strange": [{"path": "a.png", "reason": "OSError"}]}, {})) == (Stray("a.png", "OSError"),)
+    assert strays_of(Frame({"strange": [{"path": "a.png", "reason": "OSError"}]}, {})) == (
+        UnidentifiedPicture("a.png", "OSError"),
+    )
 
 
 def test_a_picture_that_cannot_be_read_is_none() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from grader.engine.findings import A_PERSON_MAY
+from grader.engine.findings import NEEDS_REVIEW
 from grader.engine.grader import Marker
 from grader.intake import Submission
 from grader.labs.imu import bundles
@@ -50,7 +50,7 @@ def test_a_plot_without_code_earns_its_form_and_a_person_is_asked_to_look(
     result = marker.mark(Submission("s", "s", files, (), "ready", ""), only="visualization")
     points = [check.points or 0.0 for check in result.criteria[0].checks if not check.id.endswith("comparison_plot")]
     assert sum(points) == pytest.approx(earned)
-    assert any(A_PERSON_MAY in note for note in result.notes) is bool(earned)
+    assert any(NEEDS_REVIEW in note for note in result.notes) is bool(earned)
 
 
 def test_a_picture_of_any_colours_is_reduced_quickly() -> None:

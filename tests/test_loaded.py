@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from grader.base.errors import Crashed, TimedOut
-from grader.engine.load_report import Endings
+from grader.engine.load_report import DeadlyStatements
 from grader.sandbox.wire import Frame
 
 CRASH, LATE = Crashed("it ended"), TimedOut("no answer", cpu_s=1.0, wall_s=1.0)
@@ -24,22 +24,22 @@ def frame(*stepped_over: dict[str, object]) -> Frame:
 
 
 def test_who_ends_the_process_once_may_be_innocent_and_twice_is_not_run_again() -> None:
-    endings = Endings()
+    endings = DeadlyStatements()
     endings.learn_place(PLACE, CRASH, ())
-    assert (endings.beside(()), endings.found_out) == ([], 1)
+    assert (endings.to_skip(()), endings.count) == ([], 1)
     endings.learn_place(PLACE, CRASH, ())
-    assert endings.beside(()) == [("lab.py", 3, "it ends the process")]
+    assert endings.to_skip(()) == [("lab.py", 3, "it ends the process")]
 
 
 def test_what_had_to_be_ended_is_not_run_again_but_beside_other_stand_ins() -> None:
-    endings = Endings()
+    endings = DeadlyStatements()
     endings.learn_place(PLACE, LATE, ["NoisyIMU"])
-    assert [where[:2] for where in endings.beside(["NoisyIMU"])] == [("lab.py", 3)]
-    assert endings.beside(["NoisyIMU", "LowPassFilter"]) == []
+    assert [where[:2] for where in endings.to_skip(["NoisyIMU"])] == [("lab.py", 3)]
+    assert endings.to_skip(["NoisyIMU", "LowPassFilter"]) == []
 
 
 def test_no_process_can_claim_so_many_that_the_next_question_grows_too_long() -> None:
-    endings = Endings()
+    endings = DeadlyStatements()
     for start in range(0, 400, 40):
         endings.learn_overrun(frame(*(overran("lab.py", start + n) for n in range(40))), ())
-    assert len(endings.beside(())) == 24
+    assert len(endings.to_skip(())) == 24

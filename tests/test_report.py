@@ -14,7 +14,7 @@ from rich.console import Console
 
 from grader.engine.chart_data import Chart
 from grader.engine.faults import catalogue
-from grader.engine.figures import Axes, Curve, Entry, Figure, Sight
+from grader.engine.figures import Axes, Curve, Entry, Figure, VisibleParts
 from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.charts import drawn
@@ -85,7 +85,7 @@ def index(results: Mapping[str, Result]) -> str:
 def hostile_charts() -> list[Chart]:
     """A student's words wherever a figure has words, and a colour that is none."""
     colour, x = '"><script>', np.arange(3.0)
-    seen = Sight(np.ones(100, bool), np.ones(100, bool))
+    seen = VisibleParts(np.ones(100, bool), np.ones(100, bool))
     line = Curve(HOSTILE, colour, "line", 3, x, x, "-", "None", "", 1.0, (colour,), 1.5, seen)
     legend = (Entry(HOSTILE, colour, "-", "None", ""),)
     ends = (0.0, 1.0)

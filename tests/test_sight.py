@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from grader.engine.figures import Curve, Figure, Sight
+from grader.engine.figures import Curve, Figure, VisibleParts
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from tests.random_figures import every, told
 
@@ -41,8 +41,8 @@ def claiming(figure: Figure, **claims: Any) -> Figure:
     return replace(figure, axes=(replace(panel, curves=(replace(panel.curves[0], **claims), *panel.curves[1:])),))
 
 
-def first_sight(figure: Figure) -> Sight:
-    return curve_of(looked_at(figure, Patience())).sight
+def first_sight(figure: Figure) -> VisibleParts:
+    return curve_of(looked_at(figure, Patience())).visible_parts
 
 
 def test_a_curve_in_the_open_is_seen_from_end_to_end(axes: Any) -> None:

@@ -77,10 +77,10 @@ def asked(talk: SubmissionSession, times: int) -> Iterator[bool]:
 def test_answers_that_come_late_use_up_the_time_of_their_part_and_of_no_other() -> None:
     sandbox = Boxes(cpu_s=0.1, wall_s=25.0)
     talk = conversation(sandbox)
-    talk.turn_to("filtering")
+    talk.account_to("filtering")
     assert list(asked(talk, 6)) == [True, True, True, False, False, False]
     assert sum(worker.wall_s for worker in sandbox.workers) == 4 * SHARE_S
-    talk.turn_to("noise_model")
+    talk.account_to("noise_model")
     assert list(asked(talk, 1)) == [True]
 
 

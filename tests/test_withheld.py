@@ -11,7 +11,7 @@ import pytest
 
 from grader.engine import hidden_feedback
 from grader.engine.faults import catalogue
-from grader.engine.findings import CheckFailed, Ours, Size
+from grader.engine.findings import CheckFailed, GraderText, Size
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
@@ -124,11 +124,11 @@ STEP = "Hold it against Step 6."
     ("hint", "mistakes", "said"),
     [
         ("", (), PUBLIC),
-        (Ours(STEP), (), f"{STEP} {PUBLIC}"),
+        (GraderText(STEP), (), f"{STEP} {PUBLIC}"),
         (STEP, (), PUBLIC),
-        (f"{Ours(STEP)} 1.25", (), PUBLIC),
-        (Ours(STEP) + " 1.25", (), PUBLIC),
-        (Ours(STEP), ("alpha-swapped",), STEP),
+        (f"{GraderText(STEP)} 1.25", (), PUBLIC),
+        (GraderText(STEP) + " 1.25", (), PUBLIC),
+        (GraderText(STEP), ("alpha-swapped",), STEP),
         (STEP, ("alpha-swapped",), MISTAKES["alpha-swapped"].hint),
         ("", ("alpha-swapped",), MISTAKES["alpha-swapped"].hint),
     ],

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import open_sandbox_for
-from grader.engine.reading import Alone, Reader
+from grader.engine.reading import Reader, SingleSubmission
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.session import Listener
@@ -62,7 +62,7 @@ def check_on_save(
     waiting : called with what a marking waits for, if that takes long
     listen : called with what the student's code prints
     """
-    handed_in = Alone(path, rubric.lab.files)
+    handed_in = SingleSubmission(path, rubric.lab.files)
     with (
         Reader() as reader,
         Marker(

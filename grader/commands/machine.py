@@ -12,7 +12,7 @@ from grader import __version__
 from grader.base.errors import GraderError, RequestError
 from grader.course import missing_packages
 from grader.engine.reading import Reader
-from grader.engine.recording import rehearse
+from grader.engine.recording import try_recording
 from grader.labs.imu.lab import LAB
 from grader.platforms.classes import read_class
 from grader.sandbox import one_copy
@@ -94,7 +94,7 @@ def _version(package: str) -> tuple[bool | None, str]:
 def _reference() -> Finding:
     """Return whether a secret can record hidden scenarios here, tested with a throw-away secret."""
     try:
-        recorded = rehearse(LAB)
+        recorded = try_recording(LAB)
     except (GraderError, RequestError, OSError) as problem:
         return Finding("reference", False, str(problem))
     if recorded is None:

@@ -22,7 +22,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from grader.base.errors import RequestError
-from grader.engine.processes import starting_ours
+from grader.engine.processes import starting_processes
 from grader.engine.results import Result
 
 if TYPE_CHECKING:
@@ -251,7 +251,7 @@ class _Desk:
         self.stopped = ""
         self.began: float | None = None
         context = multiprocessing.get_context("spawn")
-        with starting_ours() as begin:
+        with starting_processes() as begin:
             self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=begin)
             self._opened = self._executor.submit(_open, open_marker)
 

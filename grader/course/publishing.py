@@ -19,7 +19,7 @@ from grader.course.record import Store, charts
 from grader.engine.faults import catalogue
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
-from grader.engine.processes import context, starting_ours
+from grader.engine.processes import context, starting_processes
 from grader.engine.results import to_json
 from grader.people.final_grade import FinalGrade
 from grader.platforms.gradebook import gradebook
@@ -145,7 +145,7 @@ class Publisher:
 
 
 def _writers(processes: int) -> ProcessPoolExecutor:
-    with starting_ours() as begin:
+    with starting_processes() as begin:
         executor = ProcessPoolExecutor(processes, context(), begin)
         for _ in range(processes):  # an executor starts a process only for a task
             executor.submit(int)

@@ -18,7 +18,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 
-from grader.engine.processes import starting_ours
+from grader.engine.processes import starting_processes
 
 _CPU_S = 10
 """CPU seconds for all edits of a place. A file of the sheet's length takes 0.2, one of 100 kB about 5."""
@@ -46,7 +46,7 @@ class Candidates:
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
     """Return at most `most` candidates from a new process; none if the process exceeded a limit."""
-    with starting_ours() as begin:
+    with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
         made = executor.submit(_within_limits, content, row, name, most, cpu_s)
     try:

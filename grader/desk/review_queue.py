@@ -12,7 +12,7 @@ from grader.course.groups import Group, alike
 from grader.course.record import RegradeRequest, Review, about, why_empty
 from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
-from grader.engine.findings import A_PERSON_MAY
+from grader.engine.findings import NEEDS_REVIEW
 from grader.engine.lab import Lab
 from grader.engine.results import AUTOMATIC, Result
 from grader.people.final_grade import FinalGrade
@@ -151,7 +151,7 @@ def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
             "outdated",
             f"{each.criterion} was set to {points} on {each.at}; the automatic points or their maximum have changed since.",
         )
-    yield from (Reason("picture", note) for note in words.notes(result) if A_PERSON_MAY in note)
+    yield from (Reason("picture", note) for note in words.notes(result) if NEEDS_REVIEW in note)
     yield from _near_a_boundary(final_grade, result)
 
 

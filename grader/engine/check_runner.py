@@ -32,7 +32,7 @@ from grader.engine.faults import rows
 from grader.engine.feedback import Feedback, cause_key, feedback_on
 from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
 from grader.engine.lab import Lab
-from grader.engine.public_look import PublicLook
+from grader.engine.public_session import PublicSession
 from grader.engine.rubric import OwnChecks
 from grader.engine.submission_session import SubmissionSession
 from grader.engine.traces import Traces
@@ -72,7 +72,7 @@ class CheckRun:
     """One run of the checks on one submission: selects its checks and records how each of them ended."""
 
     def __init__(
-        self, lab: Lab, student: SubmissionSession, truth: Traces, only: str | None, look: PublicLook | None = None
+        self, lab: Lab, student: SubmissionSession, truth: Traces, only: str | None, look: PublicSession | None = None
     ) -> None:
         self.student, self.truth, self._only = student, truth, only
         self._lab, self._mistakes, self._look = lab, rows(lab), look
@@ -91,11 +91,11 @@ class CheckRun:
 
     def begin(self, this: Check) -> None:
         """Prepare a check: account its time to its part, and replace earlier parts that lost points by sound stand-ins."""
-        self.student.turn_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
+        self.student.account_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
         if self._alone:
             return
-        turn = _turn(self._lab, this.criterion)
-        before = [part for part in self._lab.parts if part.needed and _turn(self._lab, part.id) < turn]
+        turn = _grading_order(self._lab, this.criterion)
+        before = [part for part in self._lab.parts if part.needed and _grading_order(self._lab, part.id) < turn]
         self.student.replace_broken([name for part in before if part.id in self._lost for name in part.names])
 
     def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
@@ -108,7 +108,7 @@ class CheckRun:
         elif isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
             finding = self._without_secrets(ended)
             same = (hidden_feedback.cause_key if self._secret else cause_key)(finding, this.criterion)
-            verdict = self._told(finding, self._reported.get(same) if same else None)
+            verdict = self._feedback(finding, self._reported.get(same) if same else None)
             if same:
                 self._reported.setdefault(same, this.title)
         else:
@@ -125,7 +125,7 @@ class CheckRun:
             return finding
         return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)
 
-    def _told(self, finding: BaseException, earlier: str | None) -> Feedback:
+    def _feedback(self, finding: BaseException, earlier: str | None) -> Feedback:
         if (
             self._secret
             and earlier is None
@@ -134,7 +134,7 @@ class CheckRun:
             return hidden_feedback.feedback_on(finding, self._mistakes)
         return feedback_on(finding, earlier, self._mistakes)
 
-    def lost_beside_standins(self, criterion: str) -> bool:
+    def lost_with_standins(self, criterion: str) -> bool:
         """Return whether a part lost points while stand-ins were in use.
 
         Stand-ins follow the sheet; the part may work with the student's own version of the replaced names."""
@@ -143,7 +143,7 @@ class CheckRun:
         return bool(needed and self.student.broken) and criterion in self._lost
 
     @contextmanager
-    def alone(self, criterion: str) -> Iterator[None]:
+    def rerun_without_standins(self, criterion: str) -> Iterator[None]:
         """Examine a part again without stand-ins; the new outcomes count if at least one check ends better and none worse."""
         beside = {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
         stories, titles = self._reported, {each.check.title for each in beside.values()}
@@ -164,7 +164,7 @@ class CheckRun:
             self._lost.add(criterion)
 
 
-def _turn(lab: Lab, criterion: str) -> int:
+def _grading_order(lab: Lab, criterion: str) -> int:
     return lab.examined.index(criterion) if criterion in lab.examined else len(lab.examined)
 
 
@@ -202,8 +202,8 @@ class Session:
         for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
             own = list(items)
             _run(own)
-            if check_run.lost_beside_standins(criterion):
-                with check_run.alone(criterion):
+            if check_run.lost_with_standins(criterion):
+                with check_run.rerun_without_standins(criterion):
                     _run(own)
 
     @property
@@ -231,7 +231,7 @@ class Session:
         self.troubles += [f"{name} is no check: write @check(...) above it" for name in names]
         twice = Counter(_check(item).id for item in checks)
         self.troubles += [f"there are {count} checks {id_}" for id_, count in twice.items() if count > 1]
-        self._items = sorted(checks, key=lambda item: _turn(self._lab, _check(item).criterion))
+        self._items = sorted(checks, key=lambda item: _grading_order(self._lab, _check(item).criterion))
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         self._now.begin(_check(item))

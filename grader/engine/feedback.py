@@ -11,7 +11,7 @@ from grader.base.text import printable
 from grader.engine.faults import Mistake
 from grader.engine.findings import Charge, Charged, CheckFailed, Fault, Missing, Raised, Skipped, Unusable, Where
 from grader.engine.results import Outcome, message_of
-from grader.engine.submission_session import THERE
+from grader.engine.submission_session import AVAILABLE_PACKAGES
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Feedback:
     place = f" at {fault.where}" if fault.where else ""
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
     if fault.type == "ModuleNotFoundError":
-        said += THERE
+        said += AVAILABLE_PACKAGES
     mistake = mistake_of(fault, mistakes)
     return Feedback(
         "error",

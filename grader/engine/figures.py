@@ -1,6 +1,6 @@
 """Records of drawn figures with their axes and curves, made from a worker's reply that passed the rule for drawings.
 
-Texts, limits and curves are what the worker claims. The pixels are the evidence: a curve's `sight` is what they show of it.
+Texts, limits and curves are what the worker claims. The pixels are the evidence: a curve's `visible_parts` is what they show of it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ PARTS = 100
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class VisibleParts:
     """Visible parts of a curve.
 
     Attributes
@@ -49,7 +49,7 @@ class Sight:
         return bool(self.inside.any()) and float(self.seen.sum() / self.inside.sum()) < FEWEST_SEEN
 
 
-_NOT_LOOKED_AT = Sight(np.ones(PARTS, bool), np.zeros(PARTS, bool))
+_NOT_EXAMINED = VisibleParts(np.ones(PARTS, bool), np.zeros(PARTS, bool))
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Curve:
     alpha : opacity, 0 to 1
     inks : the colours that it leaves in the picture, ``#rrggbbaa``; empty if there are too many to tell
     width : width of the stroke or of the marker, in points (1/72 inch)
-    sight : its visible parts; none until the pixels were examined
+    visible_parts : its visible parts; none until the pixels were examined
     """
 
     label: str
@@ -101,11 +101,11 @@ class Curve:
     alpha: float
     inks: tuple[str, ...]
     width: float
-    sight: Sight
+    visible_parts: VisibleParts
 
     @property
     def visible(self) -> bool:
-        return not self.sight.is_hidden
+        return not self.visible_parts.is_hidden
 
     @cached_property
     def points(self) -> tuple[Array, Array]:
@@ -188,7 +188,7 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Stray:
+class UnidentifiedPicture:
     """A picture file that shows none of the figures; `reason` says why it cannot be read, and is empty if it can."""
 
     path: str
@@ -221,9 +221,9 @@ def figures_of(frame: Frame) -> list[Figure]:
     return [_figure(facts, frame.arrays) for facts in frame.fields["figures"]]
 
 
-def strays_of(frame: Frame) -> tuple[Stray, ...]:
+def strays_of(frame: Frame) -> tuple[UnidentifiedPicture, ...]:
     """Return the picture files of a reply that show none of its figures."""
-    return tuple(_record(Stray, facts) for facts in frame.fields["strange"])
+    return tuple(_record(UnidentifiedPicture, facts) for facts in frame.fields["strange"])
 
 
 def picture_of(frame: Frame) -> Picture | None:
@@ -251,7 +251,7 @@ def _figure(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Fig
 
 def _axes(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Axes:
     curves = tuple(
-        _record(Curve, curve, x=arrays[curve["x"]], y=arrays[curve["y"]], sight=_NOT_LOOKED_AT)
+        _record(Curve, curve, x=arrays[curve["x"]], y=arrays[curve["y"]], visible_parts=_NOT_EXAMINED)
         for curve in facts["curves"]
     )
     texts = tuple(_record(Placed, text) for text in facts["texts"])

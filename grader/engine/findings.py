@@ -9,7 +9,7 @@ from typing import Any
 
 from grader.base.text import printable
 
-A_PERSON_MAY = "an instructor may give more points"
+NEEDS_REVIEW = "an instructor may give more points"
 """Part of a note; it puts the submission into the review queue."""
 
 
@@ -88,7 +88,7 @@ def _power(exponent: int) -> str:
     return f"{10.0**exponent:g}"
 
 
-class Ours(str):
+class GraderText(str):
     """Text that is a constant of the grader's code. Joined with other text it is a plain `str`, which may hold a student's text."""
 
     __slots__ = ()
@@ -157,7 +157,7 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
     expected, got : the expected and the actual result: number, unit and place
     mistakes : ids of the mistakes that the measurement shows; empty if it shows none
     keeps : share of the points that is still earned, 0 to 1
-    hint : hint to show instead of those of the mistakes; for a hidden scenario it is shown only if it is `Ours`
+    hint : hint to show instead of those of the mistakes; for a hidden scenario it is shown only if it is `GraderText`
     off : size of the error, shown in place of the data for a hidden scenario
     fault : the exception that caused it; gives the place
     """

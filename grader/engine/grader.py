@@ -17,11 +17,11 @@ from grader.engine.chart_data import Evidence, packed
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import CheckRun, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD
-from grader.engine.findings import Ours
+from grader.engine.findings import GraderText
 from grader.engine.fingerprint import fingerprint
 from grader.engine.lab_sandbox import libraries_of, open_sandbox
 from grader.engine.marks import marked
-from grader.engine.public_look import PublicLook
+from grader.engine.public_session import PublicSession
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from grader.engine.session import SEED, Listener
@@ -115,7 +115,7 @@ class Marker:
             return self._result(submission, submission.status, {}, [], started, only)
         student = self._student(submission.files, submission.above, waiting, cpu_s)
         student.listen = listen if self._traces.name == "public" else None
-        look = PublicLook(lambda: self._public_student(submission)) if self._secret else None
+        look = PublicSession(lambda: self._public_student(submission)) if self._secret else None
         check_run = CheckRun(self._lab, student, self._traces, only, look)
         try:
             self._run(check_run)
@@ -189,7 +189,7 @@ class Marker:
         for id_, each in odd.items():
             control = self._control.get(id_)
             if each.check.criterion in bonuses or (control is not None and control.feedback is not None):
-                student.note(Ours(f"{id_}: the grader could not read what the code returned; please review it"))
+                student.note(GraderText(f"{id_}: the grader could not read what the code returned; please review it"))
                 lost[id_] = replace(each, feedback=NOT_UNDERSTOOD)
         return {**judgements, **lost}
 
@@ -287,7 +287,7 @@ def _as_far_as_it_came(result: Result) -> Result:
     """Reword the rows of unjudged checks: they were stopped by an interrupt, not by a fault of the grader."""
 
     def reached(check: CheckResult) -> CheckResult:
-        return check.saying("the check was stopped before them") if check.outcome == "not_judged" else check
+        return check.with_message("the check was stopped before them") if check.outcome == "not_judged" else check
 
     criteria = tuple(replace(part, checks=tuple(map(reached, part.checks))) for part in result.criteria)
     extensions = tuple(replace(part, checks=tuple(map(reached, part.checks))) for part in result.extensions)

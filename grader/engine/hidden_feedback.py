@@ -1,8 +1,8 @@
 """Feedback on hidden scenarios: kind and size of an error, but nothing that code could choose after it has seen hidden data.
 
 With a secret, a worker holds hidden data from `submit` on. So feedback consists of constants of the grader's code (those of this
-module, of the fault table and those marked as `Ours`) and a power of ten. It holds no text, name, number, shape, line, file or exit
-code of the student's. Messages about loading come from a process with the public robot, see `public_look`.
+module, of the fault table and those marked as `GraderText`) and a power of ten. It holds no text, name, number, shape, line,
+file or exit code of the student's. Messages about loading come from a process with the public robot, see `public_session`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from grader.base.errors import Crashed, NoAnswer, TimedOut
 from grader.engine import feedback
 from grader.engine.faults import Mistake
 from grader.engine.feedback import Feedback, hint_of, mistake_of, no_answer, public, seen_elsewhere
-from grader.engine.findings import Charge, Charged, CheckFailed, Missing, Ours, Raised, Skipped
+from grader.engine.findings import Charge, Charged, CheckFailed, GraderText, Missing, Raised, Skipped
 from grader.engine.results import Outcome
 
 _TOLD_TYPES = (
@@ -76,7 +76,7 @@ def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     kinds = [mistakes[id_].title for id_ in finding.mistakes]
     got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or _DOES_NOT
-    own = [finding.hint] if isinstance(finding.hint, Ours) else [mistakes[id_].hint for id_ in finding.mistakes]
+    own = [finding.hint] if isinstance(finding.hint, GraderText) else [mistakes[id_].hint for id_ in finding.mistakes]
     return Feedback(
         outcome,
         finding.keeps,

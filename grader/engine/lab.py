@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from grader.engine.traces import Traces
     from grader.sandbox.wire import Frame
 
-_FURNITURE = re.compile(r"\bFURNITURE_([A-Z]+)\b")
+_CONFIGURATION = re.compile(r"\bCONFIGURATION_([A-Z]+)\b")
 
 
 @dataclass(frozen=True)
@@ -82,15 +82,15 @@ class Handout:
     names: Mapping[str, str] = field(default_factory=dict)
 
 
-def _brings_nothing(settings: Mapping[str, Any]) -> None:
+def _no_file(settings: Mapping[str, Any]) -> None:
     """Supply no files: the default of `Lab.brought`."""
 
 
-def _nothing_more(own: LabFile | None) -> Handout:
+def _no_handout(own: LabFile | None) -> Handout:
     return Handout()
 
 
-def _any_will_do(settings: Mapping[str, Any], traces: Traces) -> None:
+def _accept_all(settings: Mapping[str, Any], traces: Traces) -> None:
     """Accept any traces: the default of `Lab.match`."""
 
 
@@ -147,9 +147,9 @@ class Lab:
     charts: Callable[[Any, Traces], tuple[Chart, ...]]
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
     truth: Callable[[str | None, Mapping[str, Any]], Traces]
-    match: Callable[[Mapping[str, Any], Traces], None] = _any_will_do
-    brought: Callable[[Mapping[str, Any]], LabFile | None] = _brings_nothing
-    handout: Callable[[LabFile | None], Handout] = _nothing_more
+    match: Callable[[Mapping[str, Any], Traces], None] = _accept_all
+    brought: Callable[[Mapping[str, Any]], LabFile | None] = _no_file
+    handout: Callable[[LabFile | None], Handout] = _no_handout
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
@@ -207,9 +207,9 @@ class Lab:
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
-        """Return the source of the sound stand-in for a name; ``FURNITURE_IMU`` in it becomes the configuration's ``imu``."""
+        """Return the source of the sound stand-in for a name; ``CONFIGURATION_IMU`` in it becomes the configuration's ``imu``."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
-        return _FURNITURE.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
+        return _CONFIGURATION.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
 
 def lab_of(module: str) -> Lab:

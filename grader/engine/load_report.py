@@ -126,7 +126,7 @@ def mistake_of(each: SteppedOver) -> str:
 
 
 @dataclass(frozen=True)
-class _Ending:
+class _DeadlyStatement:
     """A statement that ended its process or exceeded its time.
 
     `beside` is the set of stand-ins in use at that time; `within` the required names whose code was running, if known.
@@ -138,26 +138,26 @@ class _Ending:
     beside: frozenset[str]
     within: frozenset[str] | None = None
 
-    def still(self, beside: Collection[str]) -> bool:
+    def applies(self, beside: Collection[str]) -> bool:
         """Return whether to skip the statement with these stand-ins: they are the same, or none replaces code that was running."""
         return self.beside == frozenset(beside) or (self.within is not None and self.within.isdisjoint(beside))
 
 
-class Endings:
+class DeadlyStatements:
     """Record of one submission's statements that end their process or exceed their time."""
 
     def __init__(self) -> None:
-        self._known: list[_Ending] = []
+        self._known: list[_DeadlyStatement] = []
         self._suspects: set[tuple[str, int, frozenset[str]]] = set()
 
     @property
-    def found_out(self) -> int:
+    def count(self) -> int:
         """Number of records; it grows with each call of `learn_place` or `learn_overrun` that records something new."""
         return len(self._suspects) + len(self._known)
 
-    def beside(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
+    def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
         """Return file, number and reason of each statement to skip with these stand-ins."""
-        return [(each.path, each.number, each.why) for each in self._known if each.still(standins)]
+        return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
         """Record the statement during which the process ended, so that it is skipped after one timeout or two crashes.
@@ -174,13 +174,13 @@ class Endings:
         suspect = (*place, frozenset(standins))
         if isinstance(nothing, TimedOut) or suspect in self._suspects:
             why = _OVERRAN if isinstance(nothing, TimedOut) else _ENDED
-            self._known.append(_Ending(*place, why, frozenset(standins)))
+            self._known.append(_DeadlyStatement(*place, why, frozenset(standins)))
         self._suspects.add(suspect)
 
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
         """Record the statements that a reply reports as overrun, so that they are skipped from now on."""
         beside = frozenset(standins)
-        new = [_Ending(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]
+        new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]
         self._known = list(dict.fromkeys([*self._known, *new]))[:_MOST]  # a process may report any number of them
 
 

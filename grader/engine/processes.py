@@ -15,7 +15,7 @@ from typing import Any
 
 
 @contextmanager
-def starting_ours() -> Iterator[Callable[[], None]]:
+def starting_processes() -> Iterator[Callable[[], None]]:
     """Start processes of the grader in this context, and yield what each of them calls first.
 
     The context changes the working folder, so that a new Python imports no student's module. The yielded function returns the new
@@ -23,7 +23,7 @@ def starting_ours() -> Iterator[Callable[[], None]]:
     """
     in_main = threading.current_thread() is threading.main_thread()
     begin = partial(_begin_process, os.getcwd(), in_main)
-    with _interrupts_ignored(), _beside_no_student(), _though_a_daemon(), warnings.catch_warnings():
+    with _interrupts_ignored(), _in_library_folder(), _daemon_allowed(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # about NumPy's idle threads; nothing waits for them
         yield begin
 
@@ -48,7 +48,7 @@ def _interrupts_ignored() -> Iterator[None]:
 
 
 @contextmanager
-def _beside_no_student() -> Iterator[None]:
+def _in_library_folder() -> Iterator[None]:
     """Work in the standard library's folder, so that a new Python process does not import a student's `signal.py`."""
     before = os.getcwd()
     os.chdir(os.path.dirname(os.__file__))
@@ -59,7 +59,7 @@ def _beside_no_student() -> Iterator[None]:
 
 
 @contextmanager
-def _though_a_daemon() -> Iterator[None]:
+def _daemon_allowed() -> Iterator[None]:
     """Let a daemon process, such as a Dask worker, start children.
 
     Python forbids it because children could outlive the daemon; the grader's processes do not."""

@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Protocol, TypeVar
 
 from grader.base.errors import RequestError
-from grader.engine.processes import context, starting_ours
+from grader.engine.processes import context, starting_processes
 from grader.intake import Submission, read_submission
 from grader.intake.names import safe_id
 from grader.intake.submission import original_name, unread
@@ -42,7 +42,7 @@ Entry = TypeVar("Entry", bound=Readable)
 
 
 @dataclass(frozen=True)
-class Alone:
+class SingleSubmission:
     """A single submission, outside a class."""
 
     path: Path
@@ -67,9 +67,9 @@ def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
     their own code there.
     """
     if sys.platform != "linux":
-        return Alone(path, required).read()
+        return SingleSubmission(path, required).read()
     with Reader() as reader:
-        return reader.read(Alone(path, required))
+        return reader.read(SingleSubmission(path, required))
 
 
 class Reader:
@@ -149,7 +149,7 @@ class Reader:
         start = context()
         self._line, theirs = start.Pipe()
         copied = (self._line,) if start.get_start_method() == "fork" else ()
-        with starting_ours() as begin, theirs:
+        with starting_processes() as begin, theirs:
             process = start.Process(target=_serve, args=(theirs, copied, self._memory_bytes, begin), daemon=True)
             process.start()
         self._process = process

@@ -81,7 +81,7 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
     return traces
 
 
-def rehearse(lab: Lab) -> Traces | None:
+def try_recording(lab: Lab) -> Traces | None:
     """Record hidden traces from a random secret, to test whether this machine can; return None without the recorder.
 
     Raises

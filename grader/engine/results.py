@@ -53,7 +53,7 @@ class CheckResult:
         """The sentence, the expected and the actual value, as one text."""
         return message_of(self.said, self.expected, self.got)
 
-    def saying(self, sentence: str) -> CheckResult:
+    def with_message(self, sentence: str) -> CheckResult:
         """Return the row with this sentence as its message and without a place; the hint stays."""
         return replace(self, said=sentence, expected="", got="", where=None)
 
@@ -341,14 +341,14 @@ def from_dict(record: Mapping[str, Any]) -> Result:
             id_: Unrepaired(keeps, tuple(named)) for id_, (keeps, named) in record.get("unrepaired", {}).items()
         },
     )
-    _hold_to_their_kinds(result)
+    _check_types(result)
     return result
 
 
 _OUTCOMES, _STATUSES = frozenset(get_args(Outcome)), frozenset(get_args(Status))
 
 
-def _hold_to_their_kinds(result: Result) -> None:
+def _check_types(result: Result) -> None:
     """Raise ValueError if a value read from a record, which anyone may have written, is of the wrong kind."""
     checks = [check for part in result.parts for check in part.checks]
     numbers = [

@@ -14,7 +14,7 @@ import numpy as np
 from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from grader.base.text import printable
 from grader.engine.findings import Missing
-from grader.engine.load_report import Endings, Loaded, overran
+from grader.engine.load_report import DeadlyStatements, Loaded, overran
 from grader.sandbox.printed import PLACE_AT, PLACE_BYTES
 from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
@@ -65,7 +65,7 @@ class _Session:
         self.has_seen_data = False
         self._heard = 0
 
-    def news(self) -> str:
+    def new_output(self) -> str:
         """Return the text that the worker printed since the last call."""
         text = self.worker.printed()
         news, self._heard = text[self._heard :], len(text)
@@ -100,7 +100,7 @@ class SandboxSession:
     ) -> None:
         self._sandbox, self._lab, self._above = sandbox, lab, above
         self.files = dict(files)
-        self._furniture = lab_configuration
+        self._lab_configuration = lab_configuration
         self._call_cpu_s, self._share_cpu_s = call_cpu_s, submission_cpu_s / (len(lab.parts) + 1)
         self._waiting = waiting
         self._part = ""
@@ -110,7 +110,7 @@ class SandboxSession:
         self._session: _Session | None = None
         self.deadly: dict[str, NoAnswer] = {}
         self._suspects: set[str] = set()
-        self._endings = Endings()
+        self._endings = DeadlyStatements()
         self._noted: set[str] = set()
         self._strays: dict[str, dict[str, str]] = {}
         self.broken: set[str] = set()
@@ -156,7 +156,7 @@ class SandboxSession:
 
     def _pass_on_prints(self) -> None:
         if self.listen is not None and self._session is not None:
-            self.listen(self._part, self._session.news())
+            self.listen(self._part, self._session.new_output())
 
     def _fresh_session(self) -> _Session:
         if self._session is None or not self._session.worker.alive:
@@ -173,14 +173,14 @@ class SandboxSession:
         files, arrays = self._files_to_send()
         fields = {
             "files": files,
-            "lab_configuration": self._furniture,
+            "lab_configuration": self._lab_configuration,
             "seed": SEED,
             "withheld": sorted(self.deadly),
-            "skipped": self._endings.beside(self.broken),
+            "skipped": self._endings.to_skip(self.broken),
             "place": (PLACE_AT, PLACE_BYTES),
             "homes": dict(self._lab.homes),
             "required": list(self._lab.files),
-            "standins": {name: self._lab.standin(name, self._furniture) for name in sorted(self.broken)},
+            "standins": {name: self._lab.standin(name, self._lab_configuration) for name in sorted(self.broken)},
         }
         written = worker.ask("submit", fields, arrays, cpu_s=self._call_cpu_s).fields["written"]
         self.paths = frozenset([path for path, _, _ in files] + written)
@@ -190,7 +190,7 @@ class SandboxSession:
         arrays: dict[str, np.ndarray] = {}
         total = 0
         wanted = [p for p in self.files if PurePosixPath(p).suffix.lower() in _SENT and p not in self.deadly]
-        for path in sorted(wanted, key=self._turn_of):
+        for path in sorted(wanted, key=self._send_order):
             content = self.files[path]
             total += len(content)
             if total > _SENT_BYTES:
@@ -200,7 +200,7 @@ class SandboxSession:
             arrays[key] = np.frombuffer(content, dtype=np.uint8)
         return rows, arrays
 
-    def _turn_of(self, path: str) -> tuple[bool, bool, str]:
+    def _send_order(self, path: str) -> tuple[bool, bool, str]:
         """Return the sort key of a file to send: the lab's required files first, then other code, then data."""
         return (path not in self._lab.homes.values(), not path.endswith((".py", ".ipynb")), path)
 
@@ -209,7 +209,7 @@ class SandboxSession:
         """CPU time of the submission's code so far."""
         return sum(self._used_cpu_s.values())
 
-    def turn_to(self, part: str) -> None:
+    def account_to(self, part: str) -> None:
         """Account the time of all further questions to this part, so that an endless loop uses no other part's time."""
         if part != self._part:
             self._pass_on_prints()
@@ -225,7 +225,7 @@ class SandboxSession:
             fields = {**fields, "within_s": _OF_ITS_TIME * limit_s}
         before, began = worker.cpu_s, worker.wall_s
         try:
-            return self._asked(session, op, fields, arrays or {}, limit_s)
+            return self._checked_answer(session, op, fields, arrays or {}, limit_s)
         except TimedOut:
             self._overrun[self._part] += 1
             raise
@@ -245,7 +245,7 @@ class SandboxSession:
         """Return the wall-clock seconds that the current part has left."""
         return _WALL_PER_CPU * self._share_cpu_s - self._used_wall_s[self._part]
 
-    def _asked(
+    def _checked_answer(
         self, session: _Session, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray], limit_s: float
     ) -> Frame:
         try:
@@ -277,7 +277,7 @@ class SandboxSession:
         finally:
             timer.cancel()
 
-    def ask_aside(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
+    def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
         """Ask a worker that does not hold the submission, so that its code cannot change the answer."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
@@ -294,13 +294,13 @@ class SandboxSession:
             raise answer.with_traceback(None)  # else its traceback grows each time it is raised
         return answer  # type: ignore[no-any-return]
 
-    def known_as(self, called: str, key: Any, ask: Callable[[], T]) -> T:
+    def once_named(self, called: str, key: Any, ask: Callable[[], T]) -> T:
         """Do the same as `once`, and make the answer available to `answered` under a name."""
         if called:
             self._called[called] = key
         return self.once(key, ask)
 
-    def answered(self, called: str) -> Any:
+    def stored_answer(self, called: str) -> Any:
         """Return the stored answer of a name; None if there is none. No question is asked."""
         answer = self._answers.get(self._called.get(called))
         return None if isinstance(answer, Exception) else answer
@@ -312,15 +312,15 @@ class SandboxSession:
         does so twice. If a statement was found to end the process, ask again without it.
         """
         while True:
-            known = self._endings.found_out
+            known = self._endings.count
             try:
-                return self._twice(ask)
+                return self._ask_twice(ask)
             except NoAnswer:
-                if self._endings.found_out == known:
+                if self._endings.count == known:
                     raise
                 self.end_session()
 
-    def _twice(self, ask: Callable[[], T]) -> T:
+    def _ask_twice(self, ask: Callable[[], T]) -> T:
         try:
             return ask()
         except (Crashed, Malformed, GraderError):

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from grader.base.errors import NoAnswer, TimedOut
 from grader.base.text import printable
 from grader.engine.breakpoints import breakpoints
-from grader.engine.findings import Fault, Missing, Ours, Where
+from grader.engine.findings import Fault, GraderText, Missing, Where
 from grader.engine.load_report import Loaded, loaded_from, mistake_of
 from grader.engine.question import Question
 from grader.engine.session import SandboxSession
@@ -21,8 +21,10 @@ _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
 _MOST_PLACES = 4  # files that a note lists
 _MOST_BREAKPOINTS = 3
-_DID = {"hints": "was run without its type hints"}
-THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
+_HOW_IN_WORDS = {"hints": "was run without its type hints"}
+AVAILABLE_PACKAGES = (
+    "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
+)
 
 T = TypeVar("T")
 
@@ -41,7 +43,7 @@ class SubmissionSession(SandboxSession):
 
     def answer(self, question: Question[T], called: str = "") -> T:
         """Return the converted answer to a question; equal questions are asked once. `answered` finds it by `called`."""
-        return self.known_as(called, question.key, lambda: question.becomes(self._put(question)))
+        return self.once_named(called, question.key, lambda: question.becomes(self._put(question)))
 
     def _put(self, question: Question[Any]) -> Frame:
         place = {"path": self.place_of(question.about)}
@@ -52,11 +54,11 @@ class SubmissionSession(SandboxSession):
             raise self.deadly[path].with_traceback(None)
         session = self._fresh_session()
         if path not in session.loaded:
-            known = self._endings.found_out
+            known = self._endings.count
             try:
                 frame = self.ask("load", {"path": path})
             except NoAnswer as nothing:
-                if session.loaded or self._endings.found_out > known or self._may_be_innocent(path, nothing):
+                if session.loaded or self._endings.count > known or self._deserves_second_load(path, nothing):
                     return self._load_alone(path)
                 self.deadly[path] = nothing
                 raise
@@ -67,7 +69,7 @@ class SubmissionSession(SandboxSession):
             self._answers.setdefault(("load", path), loaded)
         return session.loaded[path]
 
-    def _may_be_innocent(self, path: str, nothing: NoAnswer) -> bool:
+    def _deserves_second_load(self, path: str, nothing: NoAnswer) -> bool:
         """Return whether to load a file once more: after its first failure that is not a timeout, see `retried`."""
         again = not isinstance(nothing, TimedOut) and path not in self._suspects
         self._suspects.add(path)
@@ -94,7 +96,7 @@ class SubmissionSession(SandboxSession):
             self._note_load_problems(home, loaded)
             self._note_defined_again(home, name)
             return home
-        for path in self._elsewhere(name, home):
+        for path in self._other_files_defining(name, home):
             if name in (loaded := self.load(path)).names:
                 self.used += [path] if path not in self.used else []
                 self._note_load_problems(path, loaded)
@@ -125,7 +127,7 @@ class SubmissionSession(SandboxSession):
             them = "it" if "," not in names else "them"
             self.note(f"{printable(path, 120)} uses {names} without an import; the grader supplied {them}")
         for first in loaded.stepped_over[:1]:
-            did = _DID.get(first.how, "was skipped")
+            did = _HOW_IN_WORDS.get(first.how, "was skipped")
             more = len(loaded.stepped_over) - 1
             others = f"; so {'were' if more > 1 else 'was'} {more} more statement{'s' * (more > 1)}" if more else ""
             self.note(f"{first.where} {did}: {first.why}{others}; the rest of the file was used")
@@ -141,7 +143,7 @@ class SubmissionSession(SandboxSession):
         code = {each: content for each, content in sorted(self.files.items()) if each.endswith((".py", ".ipynb"))}
         found = {each: count for each, content in code.items() if (count := len(defines.findall(content)))}
         if sum(found.values()) > 1:
-            where = _together([printable(each, 80) for each in [*found][:_MOST_PLACES]])
+            where = _enumerated([printable(each, 80) for each in [*found][:_MOST_PLACES]])
             which = "last one" if found.get(path, 0) > 1 else "one"
             self.note(
                 f"{name} is defined {sum(found.values())} times, in {where}; the {which} in {printable(path, 80)} was graded"
@@ -154,7 +156,7 @@ class SubmissionSession(SandboxSession):
                 "grading. A program from `imugrade repro` stops there"
             )
 
-    def _elsewhere(self, name: str, home: str) -> list[str]:
+    def _other_files_defining(self, name: str, home: str) -> list[str]:
         if self._outline is None:
             try:
                 self._outline = self.retried(lambda: self.ask("outline", {})).fields["names"]
@@ -166,11 +168,11 @@ class SubmissionSession(SandboxSession):
 
     def _missing(self, name: str, home: str) -> Missing:
         there = [home] if home in self.paths else []
-        places = (*there, *self._elsewhere(name, home))
+        places = (*there, *self._other_files_defining(name, home))
         for path in places:
             for each in self.load(path).stepped_over:
                 if name in each.defines:
-                    more = THERE if each.fault.type == "ModuleNotFoundError" else ""
+                    more = AVAILABLE_PACKAGES if each.fault.type == "ModuleNotFoundError" else ""
                     why = f"{each.where} did not define {name}: {each.why}{more}"
                     return Missing(name, mistake_of(each), why, each.at)
         for path in places:
@@ -180,14 +182,14 @@ class SubmissionSession(SandboxSession):
             return Missing(name, "file-missing", f"{home} was not handed in, and no other file defines {name}")
         return Missing(name, "name-missing", f"{home} does not define {name}")
 
-    def note(self, text: str, hidden: Ours | None = None) -> None:
+    def note(self, text: str, hidden: GraderText | None = None) -> None:
         """Add a note, once.
 
-        With a secret, only constants of the grader's code are added: `hidden`, or a text that is `Ours` itself. Any other text may
-        hold hidden data; `PublicLook` then provides the notes about loading.
+        With a secret, only constants of the grader's code are added: `hidden`, or a text that is `GraderText` itself. Any other
+        text may hold hidden data; `PublicSession` then provides the notes about loading.
         """
         said = hidden or text
-        if self.secret and not isinstance(said, Ours):
+        if self.secret and not isinstance(said, GraderText):
             self.withheld_note = True
             return
         shown = printable(said if self.secret else text, _LONGEST_NOTE)
@@ -203,14 +205,14 @@ def _refused(name: str, fault: Fault, path: str) -> Missing:
 
 def _found_in(path: str, strays: Mapping[str, str]) -> str:
     """Return the note about names that were found in another file than the lab expects."""
-    names, homes = _together(strays), _together(dict.fromkeys(strays.values()))
+    names, homes = _enumerated(strays), _enumerated(dict.fromkeys(strays.values()))
     were, them = ("were", "them") if len(strays) > 1 else ("was", "it")
     return printable(
         f"{names} {were} found in {printable(path, 80)}; the sheet expects {them} in {homes}", _LONGEST_NOTE
     )
 
 
-def _together(names: Iterable[str]) -> str:
+def _enumerated(names: Iterable[str]) -> str:
     """Return the names as ``a, b and c``."""
     *others, last = names or [""]
     return f"{', '.join(others)} and {last}" if others else last

@@ -85,4 +85,4 @@ def held_back(result: Result) -> Result:
 
 
 def _held_back(part: Part) -> tuple[CheckResult, ...]:
-    return tuple(c.saying(_HELD_BACK[c.outcome]) if lost(c) else c for c in part.checks)
+    return tuple(c.with_message(_HELD_BACK[c.outcome]) if lost(c) else c for c in part.checks)

@@ -54,7 +54,7 @@ class Made(Student):
         self.parts, self.robot = parts, robot_of(truth())
         self.files, self.notes, self.broken, self.drawn = {}, [], set(), ()  # type: ignore[assignment, misc]
         self._answers, self._called, self._lab = {}, {}, LAB
-        self._furniture = {"methods": ()}
+        self._lab_configuration = {"methods": ()}
         np.random.seed(0)  # as the worker code seeds what it loads
 
     def place_of(self, name: str) -> str:
@@ -84,7 +84,7 @@ class Made(Student):
             frame = Frame(*HANDLERS[op](fields, arrays))
         return self._lab.checked(op, frame, fields, arrays) if op != "replay" else frame
 
-    def ask_aside(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
+    def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
         return self.ask(op, fields, arrays)
 
 

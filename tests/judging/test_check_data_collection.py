@@ -624,7 +624,7 @@ def test_rows_that_the_submissions_own_reader_gives_are_the_readers_fault_alone(
 def test_the_charts_of_a_report_find_the_recording() -> None:
     student = Made(simulate_and_collect=_function(Recorder()))
     COUNT(student, truth())
-    assert len(student.answered("push").time) == 600
+    assert len(student.stored_answer("push").time) == 600
 
 
 def _two_of_three(values: np.ndarray) -> np.ndarray:

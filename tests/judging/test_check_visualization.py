@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Sight, Stray
+from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, UnidentifiedPicture, VisibleParts
 from grader.engine.findings import Fault
 from grader.engine.load_report import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
@@ -30,7 +30,7 @@ SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
     checks.check_comparison_plot,
 )
 _COLOURS = ("#ff0000", "#00ff00", "#0000ff", "#888800", "#008888", "#880088")
-_IN_FULL = Sight(np.ones(100, bool), np.ones(100, bool))
+_IN_FULL = VisibleParts(np.ones(100, bool), np.ones(100, bool))
 
 
 class Plotted(Made):
@@ -54,7 +54,7 @@ class Plotted(Made):
     def scripts(self) -> Iterator[Drawing]:
         return iter(self._scripts)
 
-    def answered(self, called: str) -> Drawing:
+    def stored_answer(self, called: str) -> Drawing:
         return self._drawing
 
     def replace_broken(self, names: Sequence[str]) -> None:
@@ -237,7 +237,7 @@ def _first_is_wrong(sheet: Sheet) -> None:
 _ALL = [(sensor, axis) for sensor in (0, 1) for axis in range(3)]
 
 
-def _sights(channels: Iterable[tuple[int, int]], sight: Sight) -> Callable[[Sheet], None]:
+def _sights(channels: Iterable[tuple[int, int]], sight: VisibleParts) -> Callable[[Sheet], None]:
     """These channels are seen so, and the others in full."""
     chosen = set(channels)
 
@@ -248,20 +248,20 @@ def _sights(channels: Iterable[tuple[int, int]], sight: Sight) -> Callable[[Shee
     return change
 
 
-def _seen_so(curve: Curve, sensor: int, chosen: set[tuple[int, int]], sight: Sight) -> Curve:
-    return replace(curve, sight=sight) if (sensor, "xyz".index(curve.label)) in chosen else curve
+def _seen_so(curve: Curve, sensor: int, chosen: set[tuple[int, int]], sight: VisibleParts) -> Curve:
+    return replace(curve, visible_parts=sight) if (sensor, "xyz".index(curve.label)) in chosen else curve
 
 
 def _unseen(*channels: tuple[int, int]) -> Callable[[Sheet], None]:
     """Drawn, and covered."""
-    return _sights(channels, Sight(np.ones(100, bool), np.zeros(100, bool)))
+    return _sights(channels, VisibleParts(np.ones(100, bool), np.zeros(100, bool)))
 
 
 def _inside(channels: Iterable[tuple[int, int]], parts: slice) -> Callable[[Sheet], None]:
     """These parts alone lie within the limits of the axes."""
     mask = np.zeros(100, bool)
     mask[parts] = True
-    return _then(_sights(channels, Sight(mask, mask)), _says(0, x_limits=(0.0, 0.5)))
+    return _then(_sights(channels, VisibleParts(mask, mask)), _says(0, x_limits=(0.0, 0.5)))
 
 
 def _rows(channels: Iterable[tuple[int, int]], rows: slice) -> Callable[[Sheet], None]:
@@ -356,7 +356,7 @@ def _broken(event: str, reason: str) -> Callable[[], Made]:
     """A figure that met this end, and a file that cannot be read for that reason; of a stray one there is none."""
 
     def student() -> Made:
-        strays = (Stray("whole.png", ""), Stray(f"plots/\x07{'imu' * 30}.png", reason))
+        strays = (UnidentifiedPicture("whole.png", ""), UnidentifiedPicture(f"plots/\x07{'imu' * 30}.png", reason))
         return Plotted(Drawing((replace(Sheet().figure, event=event),), strange=strays))
 
     return student

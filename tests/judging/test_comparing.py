@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.engine.figures import Curve, Figure, Sight
+from grader.engine.figures import Curve, Figure, VisibleParts
 from grader.labs.imu.answers import Array
 from grader.labs.imu.visualization import comparing
 from grader.labs.imu.visualization.comparing import Compared
@@ -31,8 +31,8 @@ def figure(*curves: Curve, ylabel: str = "m/s²", **words: object) -> Figure:
     return _figure(replace(_with_curves(Sheet().panels[0], *curves), ylabel=ylabel, **words))  # type: ignore[arg-type]
 
 
-def seen(parts: int) -> Sight:
-    return Sight(np.ones(100, bool), np.arange(100) < parts)
+def seen(parts: int) -> VisibleParts:
+    return VisibleParts(np.ones(100, bool), np.arange(100) < parts)
 
 
 def _averaged(window: int) -> Callable[[Array], Array]:
@@ -129,11 +129,11 @@ RAW, SMOOTH = curve(NOISY, "raw"), curve(FILTERED, "filtered")
     ("raw", "smooth", "pairs"),
     [
         (RAW, SMOOTH, 1),
-        (replace(RAW, sight=seen(12)), SMOOTH, 1),
-        (replace(RAW, sight=seen(11)), SMOOTH, 0),
-        (RAW, replace(SMOOTH, sight=seen(0)), 0),
-        (replace(RAW, sight=Sight(np.arange(100) < 6, np.arange(100) < 5)), SMOOTH, 1),
-        (replace(RAW, sight=Sight(np.arange(100) < 6, np.arange(100) < 4)), SMOOTH, 0),
+        (replace(RAW, visible_parts=seen(12)), SMOOTH, 1),
+        (replace(RAW, visible_parts=seen(11)), SMOOTH, 0),
+        (RAW, replace(SMOOTH, visible_parts=seen(0)), 0),
+        (replace(RAW, visible_parts=VisibleParts(np.arange(100) < 6, np.arange(100) < 5)), SMOOTH, 1),
+        (replace(RAW, visible_parts=VisibleParts(np.arange(100) < 6, np.arange(100) < 4)), SMOOTH, 0),
         (RAW, replace(SMOOTH, kind="nothing"), 0),
         (replace(RAW, kind="points"), SMOOTH, 1),
         (curve(NOISY[:49], "raw", TIME[:49]), SMOOTH, 0),
@@ -204,7 +204,7 @@ def test_curves_of_these_names_are_compared_whatever_the_filter_has_made() -> No
     assert found == [Compared("raw", "filtered", True)]
     assert comparing.named_comparisons(figure(curve(CLEAN, "raw"), zeros)) == [Compared("raw", "filtered", False)]
     assert comparing.named_comparisons(figure(RAW)) == []
-    assert comparing.named_comparisons(figure(RAW, replace(zeros, sight=seen(0)))) == []
+    assert comparing.named_comparisons(figure(RAW, replace(zeros, visible_parts=seen(0)))) == []
 
 
 @pytest.mark.parametrize(
@@ -224,5 +224,5 @@ def test_a_figure_that_compares_nothing_is_described_by_its_curves(curves: list[
 
 
 def test_a_figure_with_a_curve_that_nobody_sees_says_so() -> None:
-    hidden = replace(curve(FILTERED, "filtered"), sight=seen(0))
+    hidden = replace(curve(FILTERED, "filtered"), visible_parts=seen(0))
     assert comparing.in_words(figure(curve(NOISY, "raw"), hidden)) == (2, "a plot on which a curve cannot be seen")

@@ -210,5 +210,5 @@ def test_the_worker_is_asked_every_case_once_and_sound_code_is_charged_nothing()
 
     student = Made(LowPassFilter=LowPassFilter)
     assert judged(measure(student, truth())) == {}
-    assert [len(run.output) for run in student.answered("filter")[:4]] == [400, 400, 400, 100]
+    assert [len(run.output) for run in student.stored_answer("filter")[:4]] == [400, 400, 400, 100]
     checks.check_follows_recursion(student, truth())

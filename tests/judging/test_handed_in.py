@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Picture
-from grader.engine.findings import A_PERSON_MAY, Charged, Missing
+from grader.engine.findings import NEEDS_REVIEW, Charged, Missing
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.visualization.measure import _handed_in, measure
 from tests.judging.made import truth
@@ -67,4 +67,4 @@ def test_a_picture_counts_where_plot_imu_data_draws_nothing(student: Handing, co
     student.notes.clear()
     stopped = measure(student, truth()).stopped
     assert [type(each) for each in stopped.values()].count(Charged) == 6 * counts
-    assert [A_PERSON_MAY in note for note in student.notes] == [True] * counts
+    assert [NEEDS_REVIEW in note for note in student.notes] == [True] * counts

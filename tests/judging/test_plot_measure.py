@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.base.errors import NoAnswer
-from grader.engine.figures import Axes, Figure, Sight
+from grader.engine.figures import Axes, Figure, VisibleParts
 from grader.engine.findings import Fault, Missing, Raised
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import measure
@@ -135,18 +135,18 @@ def test_what_a_plot_raises_counts_where_it_has_drawn_nothing() -> None:
 # ---- what is seen in it ----
 
 
-def _sight(inside: int, seen: int) -> Sight:
+def _sight(inside: int, seen: int) -> VisibleParts:
     """So many hundredths of a curve within the limits, and so many of it seen."""
     parts = np.arange(100)
-    return Sight(parts < inside, parts < seen)
+    return VisibleParts(parts < inside, parts < seen)
 
 
-def _sighted(figure: Figure, sight: Sight, *channels: tuple[int, int]) -> Figure:
+def _sighted(figure: Figure, sight: VisibleParts, *channels: tuple[int, int]) -> Figure:
     """The figure with another sight of these curves, or of all."""
 
     def seen(axes: Axes, sensor: int) -> Axes:
         curves = (
-            replace(curve, sight=sight) if not channels or (sensor, axis) in channels else curve
+            replace(curve, visible_parts=sight) if not channels or (sensor, axis) in channels else curve
             for axis, curve in enumerate(axes.curves)
         )
         return replace(axes, curves=tuple(curves))
@@ -222,7 +222,7 @@ class Limited(Plotted):
         return self.of_push if np.array_equal(sheet["time"], truth()["push"]["time"]) else self._drawing
 
 
-def _of_lab(sight: Sight, *channels: tuple[int, int]) -> Drawing:
+def _of_lab(sight: VisibleParts, *channels: tuple[int, int]) -> Drawing:
     """The lab's own recording, with these channels seen so."""
     return Drawing((_sighted(Sheet("push").figure, sight, *channels),))
 

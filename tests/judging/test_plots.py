@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.engine.figures import Axes, Curve, Entry, Figure, Placed, Sight
+from grader.engine.figures import Axes, Curve, Entry, Figure, Placed, VisibleParts
 from grader.labs.imu.answers import KEYS, Array
 from grader.labs.imu.visualization import curves as plots
 from grader.labs.imu.visualization.curves import Panel, Shown
@@ -18,7 +18,7 @@ from tests.judging.test_check_visualization import Sheet, _curve, _figure, _with
 pytestmark = pytest.mark.quick
 SERIES = {key: truth()["tumbling"][key] for key in KEYS}
 TIME, ACCEL, RATE = (SERIES[key] for key in KEYS)
-UNSEEN = Sight(np.ones(100, bool), np.zeros(100, bool))
+UNSEEN = VisibleParts(np.ones(100, bool), np.zeros(100, bool))
 Change = Callable[[Array], Array]
 
 
@@ -149,8 +149,8 @@ FLAT = _curve(TIME, np.full(len(TIME), 9.81), "g", "#888888")
 
 
 def test_a_panel_holds_channels_strange_curves_and_hidden_channels() -> None:
-    hidden = replace(Y, sight=UNSEEN)
-    panel = panel_of(X, ODD, hidden, FLAT, replace(ODD, sight=UNSEEN), replace(RATE_X, kind="nothing"))
+    hidden = replace(Y, visible_parts=UNSEEN)
+    panel = panel_of(X, ODD, hidden, FLAT, replace(ODD, visible_parts=UNSEEN), replace(RATE_X, kind="nothing"))
     assert panel is not None
     assert panel.shown == (Shown(0, 0, "m/s²", "s", X),)
     assert [s.curve for s in panel.hidden] == [hidden]
@@ -159,13 +159,13 @@ def test_a_panel_holds_channels_strange_curves_and_hidden_channels() -> None:
 
 
 def test_a_channel_that_hides_itself_is_shown() -> None:
-    panel = panel_of(X, replace(X, sight=UNSEEN))
+    panel = panel_of(X, replace(X, visible_parts=UNSEEN))
     assert panel is not None
     assert (len(panel.shown), panel.hidden) == (2, ())
 
 
 @pytest.mark.parametrize(
-    ("curves", "there"), [((FLAT,), False), ((), False), ((ODD,), True), ((replace(X, sight=UNSEEN),), True), ((X,), True)]
+    ("curves", "there"), [((FLAT,), False), ((), False), ((ODD,), True), ((replace(X, visible_parts=UNSEEN),), True), ((X,), True)]
 )  # fmt: skip
 def test_axes_with_no_curve_of_data_are_no_panel(curves: tuple[Curve, ...], there: bool) -> None:
     assert (panel_of(*curves) is not None) is there

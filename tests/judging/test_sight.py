@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.engine.figures import Axes, Curve, Figure, Sight
+from grader.engine.figures import Axes, Curve, Figure, VisibleParts
 from grader.labs.imu.answers import Array
 from grader.labs.imu.visualization import visibility
 from grader.labs.imu.visualization.visibility import Patience
@@ -26,7 +26,7 @@ def code(colour: tuple[int, ...]) -> str:
 
 
 def curve(y: Array = Y, colour: tuple[int, ...] = RED, x: Array = X, **words: object) -> Curve:
-    nothing = Sight(np.ones(100, bool), np.zeros(100, bool))
+    nothing = VisibleParts(np.ones(100, bool), np.zeros(100, bool))
     made = Curve("", code(colour), "line", len(y), x, y, "-", "None", "", 1.0, (code(colour) + "ff",), 1.5, nothing)
     return replace(made, **words)  # type: ignore[arg-type]
 
@@ -67,11 +67,11 @@ class Canvas:
         return Figure("saved", None, "png", (WIDTH, HEIGHT), (replace(axes, **words),), extent=size, dots=72, pixels=self.pixels)  # type: ignore[arg-type] # fmt: skip
 
 
-def looked(figure: Figure, pixels: int = 60_000_000) -> list[Sight]:
+def looked(figure: Figure, pixels: int = 60_000_000) -> list[VisibleParts]:
     axes = visibility.looked_at(figure, Patience(pixels)).axes
     assert len(axes) == 1
     assert len(axes[0].curves) == len(figure.axes[0].curves)
-    return [each.sight for each in axes[0].curves]
+    return [each.visible_parts for each in axes[0].curves]
 
 
 def seen(figure: Figure) -> float:

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine.figures import Figure, Stray, figures_of, strays_of
-from grader.engine.findings import Fault, Ours
+from grader.engine.figures import Figure, UnidentifiedPicture, figures_of, strays_of
+from grader.engine.findings import Fault, GraderText
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 
@@ -68,7 +68,9 @@ def if_nothing(got: str) -> str:
     return _NOTHING_RETURNED if got.removeprefix("got ").startswith("None") else ""
 
 
-_NOTHING_RETURNED = Ours("The function returns None: it is still to be written, or a return statement is missing.")
+_NOTHING_RETURNED = GraderText(
+    "The function returns None: it is still to be written, or a return statement is missing."
+)
 
 
 # --- readings ------------------------------------------------------------------------------------------------------------
@@ -436,7 +438,7 @@ class Drawing:
 
     figures: tuple[Figure, ...]
     fault: Fault | None = None
-    strange: tuple[Stray, ...] = ()
+    strange: tuple[UnidentifiedPicture, ...] = ()
     departs: tuple[str, ...] = ()
 
 

@@ -80,7 +80,7 @@ class Plotting(SubmissionSession):
             that shows all the data is looked for
         """
         key = (key_of("plot", {"ids": ids, "own_form": own_form}, data), key_of("plot", {}, sheet))
-        return self.known_as(called, key, lambda: self._plot(data, sheet, ids, own_form))
+        return self.once_named(called, key, lambda: self._plot(data, sheet, ids, own_form))
 
     def _plot(
         self,
@@ -206,12 +206,12 @@ class Plotting(SubmissionSession):
         """Return the facts of a handed-in picture; None where it was not handed in, or cannot be read."""
         if name not in self.files:
             return None
-        return self.known_as(name, ("picture", name), lambda: self._decode(name))
+        return self.once_named(name, ("picture", name), lambda: self._decode(name))
 
     def _decode(self, name: str) -> Picture | None:
         content = np.frombuffer(self.files[name], dtype=np.uint8)
         try:
-            frame = self.retried(lambda: self.ask_aside("image", {}, {"bytes": content}))
+            frame = self.retried(lambda: self.ask_fresh_worker("image", {}, {"bytes": content}))
             return picture_of(self._lab.checked("image", frame, {}, {}))
         except NoAnswer:
             return None

@@ -80,7 +80,7 @@ class Student(Plotting):
 
     def _replay(self, fields: Mapping[str, Any], course: Mapping[str, Array]) -> Array | None:
         try:
-            frame = self.retried(lambda: self.ask_aside("replay", fields, course))
+            frame = self.retried(lambda: self.ask_fresh_worker("replay", fields, course))
         except NoAnswer:
             return None
         rows = frame.arrays["sensordata"]

@@ -12,15 +12,15 @@ from grader.labs.imu.student import Student
 
 def charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
     """Return the charts of the answers; none of hidden scenarios, and none from code that has seen one."""
-    pictures = tuple(handed_in.chart(name, student.answered(name)) for name in student.pictures)
+    pictures = tuple(handed_in.chart(name, student.stored_answer(name)) for name in student.pictures)
     if truth.name != "public":
         return tuple(chart for chart in pictures if chart is not None)
     with np.errstate(all="ignore"):  # a student's numbers may overflow
         found = (
-            motion.chart(student.answered("push"), truth["push"]),
-            *drawn.charts(student.answered("plot"), student.drawings()),
+            motion.chart(student.stored_answer("push"), truth["push"]),
+            *drawn.charts(student.stored_answer("plot"), student.drawings()),
             *pictures,
-            *noise.charts(student.answered("noise"), truth),
-            filtering.chart(student.answered("filter"), truth["filter"]),
+            *noise.charts(student.stored_answer("noise"), truth),
+            filtering.chart(student.stored_answer("filter"), truth["filter"]),
         )
     return tuple(chart for chart in found if chart is not None)

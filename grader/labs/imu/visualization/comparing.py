@@ -121,7 +121,7 @@ def _seen_curves(figure: Figure) -> list[tuple[Axes, Curve]]:
 
 
 def _is_seen(curve: Curve) -> bool:
-    return curve.visible and float(curve.sight.seen.mean()) >= _SEEN
+    return curve.visible and float(curve.visible_parts.seen.mean()) >= _SEEN
 
 
 def _curves(axes: Axes) -> list[Curve]:

@@ -60,7 +60,7 @@ class Shown:
     @property
     def share_inside(self) -> float:
         """How much of what is drawn lies within the limits of the axes."""
-        return float(self.curve.sight.inside.mean())
+        return float(self.curve.visible_parts.inside.mean())
 
 
 @dataclass(frozen=True)

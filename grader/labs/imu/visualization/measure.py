@@ -12,7 +12,7 @@ import numpy as np
 from grader.base.errors import NoAnswer
 from grader.base.text import printable
 from grader.engine.figures import Curve, Figure
-from grader.engine.findings import A_PERSON_MAY, Charge, Charged, Deviation, Fault, Missing, Ours, Raised, Skipped
+from grader.engine.findings import NEEDS_REVIEW, Charge, Charged, Deviation, Fault, GraderText, Missing, Raised, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
 from grader.labs.imu.robot import torso_ids
@@ -260,9 +260,9 @@ def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
     if not _handed_in(student, PICTURE):
         return {}
     student.note(
-        Ours(
+        GraderText(
             f"{PICTURE} was handed in, and plot_imu_data does not draw it. The grader cannot read its curves and labels; "
-            f"{A_PERSON_MAY}"
+            f"{NEEDS_REVIEW}"
         )
     )
     row = (("plot-not-drawn", Deviation()),)
@@ -297,7 +297,7 @@ def _unseen(student: Student, truth: Traces, plot: Plot, outside: Mapping[Channe
     """Return why the panels cannot be judged: no curves, none that a reader sees, or none that has to do with the data."""
     if not plot.panels:
         return dict.fromkeys((*OF_WORDS, "curves_match_data"), Skipped("a figure with curves"))
-    if any(shown.channel not in outside or shown.curve.sight.seen.any() for shown in plot.shown):
+    if any(shown.channel not in outside or shown.curve.visible_parts.seen.any() for shown in plot.shown):
         return {}
     if not plot.strange:
         return dict.fromkeys(OF_WORDS, Skipped("a figure with visible curves"))
@@ -366,7 +366,7 @@ def _comparison(student: Student) -> Comparison:
 
 def _past_the_plot(student: Student) -> Fault | None:
     """Let scripts go on beside a stand-in where `plot_imu_data` does not end, which is charged. Return what it raised."""
-    drawing = student.answered("plot")
+    drawing = student.stored_answer("plot")
     if drawing is None or drawing.fault is not None:
         student.replace_broken(["plot_imu_data"])
     return None if drawing is None else drawing.fault
@@ -383,7 +383,9 @@ def _note_stopped(student: Student, fault: Fault | None) -> None:
         why = printable(fault.type or fault.message, 60)
         student.note(
             f"{fault.where} was stopped when the file was run: {why}. The grader skipped this line and ran the rest",
-            Ours("A statement was stopped when a file was run as a script. The grader skipped it and ran the rest"),
+            GraderText(
+                "A statement was stopped when a file was run as a script. The grader skipped it and ran the rest"
+            ),
         )
 
 

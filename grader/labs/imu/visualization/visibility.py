@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine.figures import PARTS, Array, Axes, Curve, Figure, Mask, Sight
+from grader.engine.figures import PARTS, Array, Axes, Curve, Figure, Mask, VisibleParts
 
 Pixels = NDArray[np.float32]
 
@@ -53,7 +53,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return the figure with `sight` set: which parts of each curve can be seen."""
+    """Return the figure with `visible_parts` set: which parts of each curve can be seen."""
     places = [[_place(curve, panel, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken(itertools.chain(*places), figure.pixels.shape[:2])
     axes = []
@@ -63,7 +63,7 @@ def looked_at(figure: Figure, patience: Patience) -> Figure:
         for curve, place in zip(panel.curves, its, strict=True):
             beneath = (ink[:3] for other in panel.curves if other is not curve for ink in _inks(other))
             others = list(itertools.islice(beneath, _FEW))
-            seen.append(replace(curve, sight=_sight(curve, place, window, others, patience)))
+            seen.append(replace(curve, visible_parts=_sight(curve, place, window, others, patience)))
         axes.append(replace(panel, curves=tuple(seen)))
     return replace(figure, axes=tuple(axes))
 
@@ -183,16 +183,18 @@ def _window(panel: Axes, figure: Figure, free: Mask) -> _Window | None:
     )
 
 
-def _sight(curve: Curve, place: _Place, window: _Window | None, others: Sequence[Array], patience: Patience) -> Sight:
+def _sight(
+    curve: Curve, place: _Place, window: _Window | None, others: Sequence[Array], patience: Patience
+) -> VisibleParts:
     known = np.isfinite(curve.x) & np.isfinite(curve.y)
     if not known.any():
-        return Sight(np.zeros(PARTS, bool), np.zeros(PARTS, bool))
+        return VisibleParts(np.zeros(PARTS, bool), np.zeros(PARTS, bool))
     shown = np.zeros(len(known), bool) if window is None else _shown_points(curve, place, window, others, patience)
     inside = place.inside & known if place.known else known
     return _by_parts(curve.x[known], inside[known], shown[known])
 
 
-def _by_parts(x: Array, inside: Mask, seen: Mask) -> Sight:
+def _by_parts(x: Array, inside: Mask, seen: Mask) -> VisibleParts:
     """Return for each part of the curve whether it is inside and seen: a point in it is, or the point next to its middle."""
     middles = x.min() + (np.arange(PARTS) + 0.5) / PARTS * np.ptp(x)
     order = np.argsort(x, kind="stable")
@@ -201,7 +203,7 @@ def _by_parts(x: Array, inside: Mask, seen: Mask) -> Sight:
     within, shown = (
         (np.bincount(part[which], minlength=PARTS) > 0) | which[next_to] for which in (inside, inside & seen)
     )
-    return Sight(within, within & shown)
+    return VisibleParts(within, within & shown)
 
 
 def _shown_points(curve: Curve, place: _Place, window: _Window, others: Sequence[Array], patience: Patience) -> Mask:

@@ -14,7 +14,7 @@ from grader.engine.findings import Missing
 from grader.engine.submission_session import SubmissionSession
 
 
-class PublicLook:
+class PublicSession:
     """Session over the same files with public data only; it starts at its first use.
 
     Parameters
