@@ -21,7 +21,7 @@ from grader.engine import recording, traces
 from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
-from grader.sandbox.level_choice import Tried
+from grader.sandbox.level_choice import LevelResult
 from grader.sandbox.one_copy import Search
 from tests.made_up import FakeMarker, check, fake_marker, lost, result
 
@@ -410,7 +410,11 @@ def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> Non
 
 def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     full, _, landlock, none = LEVELS
-    tried = [Tried(full, False, "no user namespaces"), Tried(landlock, True, ""), Tried(none, True, "")]
+    tried = [
+        LevelResult(full, False, "no user namespaces"),
+        LevelResult(landlock, True, ""),
+        LevelResult(none, True, ""),
+    ]
     monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(21_894, ()))
     code, out, err = run("doctor")
@@ -423,7 +427,7 @@ def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, mo
 
 def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "grader.commands.machine.probe", lambda: [Tried(LEVELS[0], True, ""), Tried(NO_ISOLATION, True, "")]
+        "grader.commands.machine.probe", lambda: [LevelResult(LEVELS[0], True, ""), LevelResult(NO_ISOLATION, True, "")]
     )
     found = ("/lib/a/filters.py", "/lib/a/imu_reader.py")
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(9, found))
@@ -434,7 +438,7 @@ def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeyp
 def test_doctor_records_from_a_throw_away_secret_and_keeps_nothing(
     run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(NO_ISOLATION, True, "")])
+    monkeypatch.setattr("grader.commands.machine.probe", lambda: [LevelResult(NO_ISOLATION, True, "")])
     monkeypatch.setenv(recording.CACHE_VARIABLE, str(tmp_path))
     told = " ".join(run("doctor")[1].split())
     assert told.endswith(f"✓ reference recorded {len(bundles.shipped().scenarios)} scenarios from a throw-away secret")

@@ -31,9 +31,9 @@ POINTS = {"sensor_access.follows_address": 6.0, "allan_variance.white_noise": 0.
 
 
 def test_a_check_remembers_the_points_of_the_last_one(tmp_path: Path) -> None:
-    assert history.recalled(tmp_path, result()) == {}
+    assert history.last_points(tmp_path, result()) == {}
     history.remember(tmp_path, result(check()), {})
-    assert history.recalled(tmp_path, result()) == POINTS
+    assert history.last_points(tmp_path, result()) == POINTS
 
 
 # --- their own prints -------------------------------------------------------------------------------------------------

@@ -94,7 +94,7 @@ def test_the_first_row_that_differs_stands_beside_the_expected_one(
 
 def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
     sound = FOLDER / "s15-extensions"
-    student, judgements = repeating.examined(load(LAB), read_submission(sound, LAB.files))
+    student, judgements = repeating.recorded_calls(load(LAB), read_submission(sound, LAB.files))
     asked = {id_: student.questions(id_) for id_ in judgements}
     silent = {id_ for id_, questions in asked.items() if not questions}
     assert silent == {id_ for id_ in judgements if id_.startswith("realtime_visualization.")}
@@ -109,7 +109,7 @@ def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
     several = [replace(each, number=number) for number, each in enumerate(kinds.values(), 1)]
     text = program("everything", "All of it is earned.", several, os.path.relpath(sound, tmp_path))
     model = {LAB.model: student.robot.xml}
-    shown = ran(repeating.put(tmp_path, text, several, model), tmp_path)
+    shown = ran(repeating.write_program(tmp_path, text, several, model), tmp_path)
     assert "instance 1:" in shown
     assert "the sensors say" in shown
     assert "roll and pitch, first and last:" in shown

@@ -74,18 +74,18 @@ def adjust(
     if table is not None:
         requests = adjusting.read_overrides(table)
     elif take_back is not None:
-        requests = groups.taken_back(out, take_back)
+        requests = groups.undoing_requests(out, take_back)
     elif id_ is not None and undo:
         requests = [adjusting.undone_in(out, id_, criterion)]
     elif id_ is not None or having is not None:
         alone = points is None and bool(comment) and not withdraw
         if not alone and withdraw == (points is not None):
             raise RequestError("adjust: give --points or --withdraw")
-        what, ids = ("", [id_]) if having is None else groups.having(out, having)
+        what, ids = ("", [id_]) if having is None else groups.members_of(out, having)
         said = "" if points is None else repr(points)
         requests = [adjusting.OverrideRequest(each, criterion, said, comment, alone=alone) for each in ids if each]
     lines = (
-        adjusting.adjust(LAB, out, adjusting.placed(out, requests), author or login(), what)
+        adjusting.adjust(LAB, out, adjusting.with_ids(out, requests), author or login(), what)
         if requests
         else adjusting.listing(out)
     )

@@ -93,7 +93,7 @@ def check(
             print()  # below the terminal's own ^C
             _show(stopped.result, arguments, {}, printed)
             raise
-    before = history.recalled(path, result)
+    before = history.last_points(path, result)
     _show(result, arguments, before, printed)
     _write(result, arguments)
     history.remember(path, result, before)
@@ -118,7 +118,7 @@ class _Arguments:
     @property
     def command(self) -> str:
         """Return the command that checks the submission again."""
-        return shlex.join(("imugrade", "check", *self._given))
+        return shlex.join(("imugrade", "check", *self._path_argument))
 
     @property
     def repeat(self) -> str:
@@ -126,11 +126,11 @@ class _Arguments:
         if not any(next(self.path.glob(each), None) for each in ("*.py", "*/*.py")):
             return ""
         rubric = () if self.rubric is None else ("--rubric", str(self.rubric))
-        typed = shlex.join(("", *self._given, *rubric)).removeprefix("''")
+        typed = shlex.join(("", *self._path_argument, *rubric)).removeprefix("''")
         return f"imugrade repro {{}}{typed.replace('{', '{{').replace('}', '}}')}"
 
     @property
-    def _given(self) -> tuple[str, ...]:
+    def _path_argument(self) -> tuple[str, ...]:
         return () if self.path == Path() else (str(self.path),)
 
 
@@ -163,7 +163,7 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
             begins=begins, waits=view.refit,
             waiting=view.tell, listen=printed.add,
         ):  # fmt: skip
-            known = history.recalled(arguments.path, result) if before is None else before
+            known = history.last_points(arguments.path, result) if before is None else before
             prints = printed.lines(LAB) if arguments.prints else []
             view.show(partial(_lines, result, arguments, screen, known, prints), _checked_at())
             _write(result, arguments)

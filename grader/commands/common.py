@@ -51,7 +51,7 @@ def either(names: Sequence[str]) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
-def near(path: Path) -> str:
+def shown_path(path: Path) -> str:
     """Return how a path is shown: relative to the working folder where it lies below it."""
     folder = Path.cwd()
     return str(path.relative_to(folder) if path.is_relative_to(folder) else path)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import near
+from grader.commands.common import shown_path
 
 
 def diff(
@@ -33,7 +33,7 @@ def diff(
         before = old.final_grades() if second is not None else old.former()
         if second is None and not before:
             raise RequestError(
-                f"{near(first)}: no change of the settings has changed a score; give two folders to compare"
+                f"{shown_path(first)}: no change of the settings has changed a score; give two folders to compare"
             )
         for line in differences.lines_of(before, new.final_grades()):
             print(line)

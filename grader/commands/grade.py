@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import LevelOption, RubricOption, SeedOption, console, either, near, one_of, say
+from grader.commands.common import LevelOption, RubricOption, SeedOption, console, either, one_of, say, shown_path
 from grader.platforms import registry
 
 if TYPE_CHECKING:
@@ -114,11 +114,11 @@ def grade(
             print(line)
         return 0
     if changed is not None:
-        request = replace(request, change=_agreed(changed, change))
+        request = replace(request, change=_confirmed(changed, change))
     screen = console()
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as listener:
         outcome = classroom.grade_class(request, found, listener)
-    terminal.show_class(outcome, near(out / "index.html"), screen)
+    terminal.show_class(outcome, shown_path(out / "index.html"), screen)
     if spot := blind_spot(bundle):
         say(spot)
     if seed is None:
@@ -135,7 +135,7 @@ def grade(
     return 3 if outcome.incomplete else int(below)
 
 
-def _agreed(changed: Change, change: bool) -> bool:
+def _confirmed(changed: Change, change: bool) -> bool:
     """Print the effect of changed settings on the scores; return whether to change them, which a terminal is asked."""
     if changed.moves_scores and not change:
         return sys.stdin.isatty() and typer.confirm(f"{changed.in_words()}. Change them?")

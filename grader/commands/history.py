@@ -22,7 +22,7 @@ from grader.engine.results import CriterionResult, ExtensionResult, Result
 SCHEMA = "imugrade/last-check/v1"
 
 
-def recalled(path: Path, result: Result) -> dict[str, float]:
+def last_points(path: Path, result: Result) -> dict[str, float]:
     """Return the points of each check at the last check of `path`, by id, if rubric and traces were those of `result`."""
     record = _record(path)
     points = record.get("points")

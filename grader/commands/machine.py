@@ -19,7 +19,7 @@ from grader.sandbox import one_copy
 from grader.sandbox.isolation_levels import IsolationLevel
 from grader.sandbox.level_choice import probe
 
-_UNWALLED = "no isolation: fine for your own code; `grade` needs --trust-submissions"
+_NOT_ISOLATED = "no isolation: fine for your own code; `grade` needs --trust-submissions"
 _PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")
 
 
@@ -57,7 +57,7 @@ def _isolation() -> list[Finding]:
         if each.isolation_level.isolates
     ]
     if not best.isolates:
-        return [*rows, Finding("in use", False, _UNWALLED)]
+        return [*rows, Finding("in use", False, _NOT_ISOLATED)]
     return [*rows, Finding("in use", True, best.name), _one_copy(best)]
 
 

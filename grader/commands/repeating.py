@@ -57,17 +57,19 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
             f"{printable(str(path), 500)} is not a folder; unpack the archive, so that Python can import the files"
         )
     submission = read_submission(path, rubric.lab.files)
-    student, judgements = examined(rubric, submission, isolation_level)
+    student, judgements = recorded_calls(rubric, submission, isolation_level)
     questions = [each for each in student.questions(check_id) if str(each.fields["path"]).endswith(".py")]
     if not questions:
         raise RequestError(f"{check_id} called no .py file here, so there is nothing to reproduce")
     feedback = judgements[check_id].feedback
     said = feedback.message if feedback and feedback.message else "All of it is earned."
     folder = os.path.relpath(path / submission.folder, out)
-    return put(out, program(check_id, said, questions, folder), questions, {rubric.lab.model: student.robot.xml})
+    return write_program(
+        out, program(check_id, said, questions, folder), questions, {rubric.lab.model: student.robot.xml}
+    )
 
 
-def put(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, str]) -> Path:
+def write_program(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, str]) -> Path:
     """Write the program, the arrays that it reads, and the files `beside` it; return the path of the program."""
     write_whole(out / "repro.npz", _archive(questions))
     for name, content in {**beside, "repro.py": text}.items():
@@ -75,7 +77,7 @@ def put(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, s
     return out / "repro.py"
 
 
-def examined(
+def recorded_calls(
     rubric: Rubric, submission: Submission, isolation_level: str | None = None
 ) -> tuple[Recorder, Mapping[str, Judgement]]:
     """Run all checks on the public scenarios as `imugrade check` does; return the recorded calls and the judgements."""

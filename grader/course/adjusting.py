@@ -139,7 +139,7 @@ def decide(
         raise RequestError("\n".join(problems))
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
     made = [(request.id, _adjustment(request, final_grades[request.id], author, now)) for request in requests]
-    recorded = [RecordedOverride(id_, each, not _stands(each, final_grades[id_])) for id_, each in made]
+    recorded = [RecordedOverride(id_, each, not _changes_nothing(each, final_grades[id_])) for id_, each in made]
     store.adjust([(each.id, each.adjustment) for each in recorded if each.fresh], seen, what)
     return recorded
 
@@ -197,7 +197,7 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
     return OverrideRequest(id_, last.criterion, points, before.comment, alone=last.alone)
 
 
-def placed(out: Path, requests: Sequence[OverrideRequest]) -> list[OverrideRequest]:
+def with_ids(out: Path, requests: Sequence[OverrideRequest]) -> list[OverrideRequest]:
     """Replace names, e-mail addresses and numbers in requests by the ids of the submissions."""
     with Store.existing(out) as store:
         who = _person_lookup(store)
@@ -290,7 +290,7 @@ def _adjustment(override: OverrideRequest, final_grade: FinalGrade, author: str,
     return Adjustment(override.criterion, _number(override.points), comment, author, now, stands_for, out_of)
 
 
-def _stands(override: Adjustment, final_grade: FinalGrade) -> bool:
+def _changes_nothing(override: Adjustment, final_grade: FinalGrade) -> bool:
     """Return whether the override changes nothing: it is in force for the same automatic points, or already withdrawn."""
     same = (
         each for each in final_grade.adjustments if (each.criterion, each.alone) == (override.criterion, override.alone)
@@ -298,7 +298,7 @@ def _stands(override: Adjustment, final_grade: FinalGrade) -> bool:
     now = next(same, None)
     if now is None:
         return override.withdraws
-    same_points = (now.points, now.comment, now.beneath) == (override.points, override.comment, override.beneath)
+    same_points = (now.points, now.comment, now.automatic) == (override.points, override.comment, override.automatic)
     return same_points and now.out_of in ({}, override.out_of)
 
 

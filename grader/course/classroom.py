@@ -142,7 +142,7 @@ def find(request: GradeRequest) -> Class:
     listed = request.roster.people
     known = {each.who.key: each.who.name for each in listed if each.who.key}
     found = read_class(request.paths, request.rubric.lab.files, request.shape, request.attempts, known)
-    submissions = _beside_out(found.entries, request)
+    submissions = _without_output_folder(found.entries, request)
     if not submissions:
         raise RequestError(
             f"{_in_words(request.paths)}: no submission found there; give a folder of submissions or an archive"
@@ -160,7 +160,7 @@ def find(request: GradeRequest) -> Class:
     absent = tuple(
         words.absentees([each.person for each in rest.absent], (*placed.hand_ins.values(), *rest.hand_ins.values()))
     )
-    doubtful = (*placed.doubtful, *_contradicted(entries, placed))
+    doubtful = (*placed.doubtful, *_contradicting_times(entries, placed))
     named = {id_: each for id_, each in rest.hand_ins.items() if each != others[id_]}
     return Class(dated, found.leftovers, found.notices, absent, unknown, doubtful, named)
 
@@ -191,7 +191,7 @@ def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
     return late_policy.judged(hand_in, rubric.late, (entry.id, entry.name))
 
 
-def _contradicted(entries: Sequence[Entry], placed: roster.RosterMatch) -> Iterator[str]:
+def _contradicting_times(entries: Sequence[Entry], placed: roster.RosterMatch) -> Iterator[str]:
     """Yield a line for each submission whose times in the roster and on the platform differ."""
     for entry in entries:
         by_roster, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
@@ -392,10 +392,10 @@ class _Run:
                 result = _result(submission, self._request, marked)
                 self._store.keep(_key(submission, self._request), result)
                 slim = replace(result, evidence=Evidence())  # charts of a large class would fill the memory
-                self._tell(_key(submission, self._request), slim, result.evidence.figures)
-        self._settle()
+                self._keep_and_report(_key(submission, self._request), slim, result.evidence.figures)
+        self._choose_best_attempt()
 
-    def _settle(self) -> None:
+    def _choose_best_attempt(self) -> None:
         """Choose the best attempt after late deductions, the first of equal ones; an attempt with open points comes before all."""
         own: dict[str, list[tuple[Key, FinalGrade]]] = {}
         for key, attempt in self._attempts.items():
@@ -403,19 +403,19 @@ class _Run:
         for attempts in (each for each in own.values() if len(each) > 1):
             still_open = [each for each in attempts if each[1].final is None and not each[1].unseen]
             key, final_grade = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
-            self._store.point_at(key)
+            self._store.make_current(key)
             self._count(final_grade)
             self._publisher.put(final_grade)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
-        request, submissions = self._request, self._unrecorded(entries, reader)
+        request, submissions = self._request, self._submissions_to_mark(entries, reader)
         bounds = Bounds(wall_s=_WALL_PER_CPU * request.rubric.limits.submission_cpu_s)
         if request.cluster is not None:
             return cluster.mark_all(submissions, opener(request), request.cluster, bounds)
         jobs = min(_jobs(request), len(entries))
         return mark_all(submissions, opener(request), jobs, bounds)
 
-    def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
+    def _submissions_to_mark(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
         """Yield the submissions to mark, and report those that are on record."""
         for entry, submission in reader.each(entries):
             key = _key(submission, self._request)
@@ -432,9 +432,9 @@ class _Run:
                 yield submission
             else:
                 self._outcome.resumed += 1
-                self._tell(key, known)
+                self._keep_and_report(key, known)
 
-    def _tell(self, key: Key, result: Result, figures: Mapping[str, str] | None = None) -> None:
+    def _keep_and_report(self, key: Key, result: Result, figures: Mapping[str, str] | None = None) -> None:
         """Record, publish and report a result. `figures` are the drawn charts of a new result, None for one on record."""
         attempt = self._attempts[key]
         attempt.result = result
@@ -557,7 +557,7 @@ def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) ->
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 
-def _beside_out(entries: tuple[Entry, ...], request: GradeRequest) -> tuple[Entry, ...]:
+def _without_output_folder(entries: tuple[Entry, ...], request: GradeRequest) -> tuple[Entry, ...]:
     """Drop an empty OUT folder from the submissions; refuse an OUT that is a submission or the class folder itself."""
     out = os.path.realpath(request.out)
     within = [entry for entry in entries if os.path.realpath(entry.path) == out]

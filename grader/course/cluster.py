@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from grader.base.errors import GraderError, RequestError
 from grader.base.text import printable
-from grader.course.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, words
+from grader.course.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, exception_text
 from grader.engine.chart_data import Evidence
 from grader.engine.results import Result, from_dict
 from grader.intake import Submission
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from grader.course.cluster_worker import GradingPlugin
 
 ANSWERS_WITHIN_S = 5.0
-LOOK_EVERY_S = 5.0
-PATIENCE_S = 120.0
+POLL_S = 5.0
+NO_WORKERS_TIMEOUT_S = 120.0
 """Seconds that a cluster may be without any worker. A batch system that restarts an ended job soon does so within this time."""
 _FETCHED_WITHIN_S = 60.0
 _SETTINGS = {
@@ -61,7 +61,7 @@ def mark_all(
     RequestError
         If no cluster answers there, or one of its workers cannot mark this class.
     GraderError
-        If the cluster is lost, or has no worker for `PATIENCE_S`.
+        If the cluster is lost, or has no worker for `NO_WORKERS_TIMEOUT_S`.
     """
     first = next(submissions, None)
     if first is None:  # all on record: no cluster is needed
@@ -71,7 +71,7 @@ def mark_all(
 
 
 @contextmanager
-def _or_lost(address: str) -> Iterator[None]:
+def _reporting_lost_scheduler(address: str) -> Iterator[None]:
     """Turn any exception into a GraderError that says that the cluster was lost."""
     try:
         yield
@@ -99,7 +99,7 @@ def _connected(address: str) -> Iterator[Client]:
     except _NoSchedulerError as problem:
         raise RequestError(f"--cluster {printable(address)}: no Dask scheduler answers there ({problem})") from None
     with dask.config.set(_SETTINGS):
-        with _or_lost(address):
+        with _reporting_lost_scheduler(address):
             client = Client(address, timeout=ANSWERS_WITHIN_S, set_as_default=False)
         try:
             yield client
@@ -133,7 +133,7 @@ def _grading_plugins(client: Client, open_marker: OpenMarker, bounds: Bounds, ad
     """Install the grading plugin of this run in every worker, yield the run's name, and close the markers at the end."""
     from grader.course.cluster_worker import GradingPlugin, versions  # noqa: PLC0415
 
-    with _or_lost(address):
+    with _reporting_lost_scheduler(address):
         staffed = bool(client.nthreads())
     if not staffed:
         raise RequestError(
@@ -154,7 +154,7 @@ def _set_up(client: Client, plugin: GradingPlugin, address: str) -> None:
     except RequestError as problem:
         raise RequestError(f"--cluster {printable(address)}: {problem}") from None
     except Exception as problem:
-        reason = printable(words(problem), 300)
+        reason = printable(exception_text(problem), 300)
         raise RequestError(
             f"--cluster {printable(address)}: a worker cannot grade ({reason}); install the same imugrade[cluster] there"
         ) from None
@@ -193,7 +193,7 @@ class _Tasks:
 
         self._sent += 1
         plain = {**vars(task.submission), "files": dict(task.submission.files), "above": dict(task.submission.above)}
-        with _or_lost(self._address):
+        with _reporting_lost_scheduler(self._address):
             future = self._client.submit(mark, self._run, plain, key=f"{self._run}-{self._sent}", pure=False)
         self._out[future] = task
         future.add_done_callback(self._done.put)
@@ -202,17 +202,17 @@ class _Tasks:
         without_s = 0.0
         while True:
             try:
-                return self._done.get(timeout=LOOK_EVERY_S)
+                return self._done.get(timeout=POLL_S)
             except queue.Empty:
-                without_s = 0.0 if self._workers() else without_s + LOOK_EVERY_S
-            if without_s >= PATIENCE_S:
+                without_s = 0.0 if self._workers() else without_s + POLL_S
+            if without_s >= NO_WORKERS_TIMEOUT_S:
                 raise GraderError(
-                    f"the cluster at {self._address} has had no worker for {PATIENCE_S:g} s; "
+                    f"the cluster at {self._address} has had no worker for {NO_WORKERS_TIMEOUT_S:g} s; "
                     "start some, then give the same command again"
                 )
 
     def _workers(self) -> int:
-        with _or_lost(self._address):
+        with _reporting_lost_scheduler(self._address):
             return len(self._client.nthreads())
 
     def _outcome(self, future: Future[Any], task: Task) -> Outcome | None:
@@ -228,7 +228,7 @@ class _Tasks:
         except KilledWorker:
             return Unmarked(KILLED)  # Dask has tried it on several
         except Exception as problem:
-            return self._backlog.failed(task, words(problem))
+            return self._backlog.failed(task, exception_text(problem))
         if "trouble" in answer:
             task.stopped = answer["stopped"] or task.stopped
             return self._backlog.failed(task, answer["trouble"])

@@ -27,7 +27,7 @@ def lines_of(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> It
     common = [cause for cause in _CAUSES.values() if len(both) > 1 and all(cause in each for each in causes.values())]
     if common:
         yield f"changed for all: {', '.join(common)}"
-    yield from _worths(old, new, both)
+    yield from _changed_weights(old, new, both)
     own = {id_: [cause for cause in causes[id_] if cause not in common] for id_ in both}
     blocks = {id_: _block(old[id_], new[id_], own[id_]) for id_ in both}
     moved = [id_ for id_ in both if old[id_].final != new[id_].final]
@@ -65,7 +65,7 @@ def _changed(old: FinalGrade, new: FinalGrade) -> list[str]:
 
 def _block(old: FinalGrade, new: FinalGrade, changed: list[str]) -> list[str]:
     """Return the lines on what changed for this submission alone; none if neither its checks nor its other facts differ."""
-    lines = [*_checks(old.result, new.result), *_beside(old, new)]
+    lines = [*_checks(old.result, new.result), *_other_changes(old, new)]
     return [*lines, f"changed: {', '.join(changed)}"] if lines and changed else lines
 
 
@@ -77,7 +77,7 @@ def _checks(old: Result, new: Result) -> Iterator[str]:
             yield f"{id_}  {_outcome_in_words(before)} → {_outcome_in_words(after)}"
 
 
-def _worths(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade], both: list[str]) -> Iterator[str]:
+def _changed_weights(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade], both: list[str]) -> Iterator[str]:
     """Yield a line on each check that is worth other points than before, once for the class."""
     changed: dict[tuple[str, float, float], None] = {}
     for id_ in both:
@@ -109,7 +109,7 @@ def _outcome_in_words(check: CheckResult | None) -> str:
     )
 
 
-def _beside(old: FinalGrade, new: FinalGrade) -> Iterator[str]:
+def _other_changes(old: FinalGrade, new: FinalGrade) -> Iterator[str]:
     """Yield a line on each repair, override and late deduction that differs."""
     repaired = [words.repairs(side.result) for side in (old, new)]
     yield from (f"no longer: {line}" for line in repaired[0] if line not in repaired[1])

@@ -118,7 +118,7 @@ def plan(order: Export) -> Plan:
         If nothing was graded in OUT, the platform takes no grades, the template is missing, not wanted or not the platform's, or
         reports that are asked for do not match the record.
     """
-    make = _way(order)
+    make = _maker(order)
     with Store.existing(order.out) as store:
         final_grades = store.final_grades()
         settings = store.settings()
@@ -140,7 +140,7 @@ def plan(order: Export) -> Plan:
 Make = Callable[[Mapping[str, FinalGrade], Sequence[Person]], Draft]
 
 
-def _way(order: Export) -> Make:
+def _maker(order: Export) -> Make:
     """Return how the platform gets the marks: its own file filled in, or one that is written."""
     fill, write, template = order.platform.fill, order.platform.write, order.template
     if fill is not None and template is not None:

@@ -73,12 +73,12 @@ def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
     return sorted(several, key=lambda group: (order.index(group.kind), -len(group.ids), group.title))
 
 
-def alike(ids: Sequence[str]) -> Group:
+def similar_group(ids: Sequence[str]) -> Group:
     """Return a group of submissions with the same files or similar code."""
     return Group(ALIKE, _digest(ids), f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
 
 
-def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
+def members_of(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
     """Return the subject of a decision on all submissions with a fault or failed check, and their ids.
 
     Raises
@@ -94,7 +94,7 @@ def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
     return named[name].what, named[name].ids
 
 
-def taken_back(out: Path, number: int) -> list[OverrideRequest]:
+def undoing_requests(out: Path, number: int) -> list[OverrideRequest]:
     """Return the requests that undo a decision on several submissions, for a class on disk."""
     with Store.existing(out) as store:
         return undone_decision(store, number)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from grader.intake import Submission
 
 ATTEMPTS = 2
-_LOOK_EVERY_S = 0.5
+_POLL_S = 0.5
 KILLED = "the marking process was killed"
 
 
@@ -91,7 +91,7 @@ class Backlog:
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
-    def back(self, task: Task) -> None:
+    def put_back(self, task: Task) -> None:
         """Put a task that was not begun back into the queue."""
         self._again.append(task)
 
@@ -142,13 +142,13 @@ class Pool:
 
     def __init__(self, open_marker: OpenMarker, jobs: int, bounds: Bounds, attempts: int = ATTEMPTS) -> None:
         self._bounds, self._attempts = bounds, attempts
-        self._strangers = set(multiprocessing.active_children())
-        self._desks: list[_Desk] = []
+        self._other_children = set(multiprocessing.active_children())
+        self._processes: list[_MarkerProcess] = []
         self._backlog = Backlog(iter(()))
         self._open_marker = open_marker
         self._cpu_s: float | None = None
-        self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that is not started yet
-        self._given: dict[Future[Result], tuple[_Desk, Task]] = {}  # the first of each desk is being marked
+        self._idle: deque[_MarkerProcess | None] = deque([None] * max(1, jobs))  # None: a desk that is not started yet
+        self._given: dict[Future[Result], tuple[_MarkerProcess, Task]] = {}  # the first of each desk is being marked
 
     def __enter__(self) -> Pool:
         return self
@@ -156,7 +156,7 @@ class Pool:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._close() if kind is None else self._abandon()
+        self._close() if kind is None else self._kill_all()
 
     def run(
         self, submissions: Iterator[Submission], cpu_s: float | None = None
@@ -165,7 +165,7 @@ class Pool:
         self._cpu_s = cpu_s
         self._backlog = Backlog(submissions, self._attempts)
         while self._hand_out():
-            done, waiting = wait(self._given, timeout=_LOOK_EVERY_S, return_when=FIRST_COMPLETED)
+            done, waiting = wait(self._given, timeout=_POLL_S, return_when=FIRST_COMPLETED)
             for desk in {self._given[future][0] for future in waiting}:
                 desk.stop_beyond(self._bounds)
             for future in [
@@ -173,7 +173,7 @@ class Pool:
             ]:  # the futures of each desk in the order of submission
                 if future not in self._given:  # it waited at a desk that has failed
                     continue
-                submission, outcome = self._taken(future)
+                submission, outcome = self._finished(future)
                 if outcome is not None:
                     yield submission, outcome
 
@@ -182,11 +182,11 @@ class Pool:
             if desk is not None:
                 desk.close()
 
-    def _abandon(self) -> None:
+    def _kill_all(self) -> None:
         """Kill every worker process, because their tasks may take minutes."""
-        for worker in set(multiprocessing.active_children()) - self._strangers:
+        for worker in set(multiprocessing.active_children()) - self._other_children:
             worker.kill()
-        for desk in self._desks:
+        for desk in self._processes:
             desk.dismiss(wait=True)
 
     def _hand_out(self) -> bool:
@@ -195,20 +195,20 @@ class Pool:
         Between two results this process records one and writes its pages. A waiting task keeps the desk busy meanwhile.
         """
         while self._idle and (task := self._backlog.next()) is not None:
-            self._give(self._idle.popleft() or self._new_desk(), task)
+            self._give(self._idle.popleft() or self._start_process(), task)
         for desk in {desk for desk, _ in self._given.values()}:
-            if len(self._at(desk)) == 1 and (task := self._backlog.next()) is not None:
+            if len(self._futures_of(desk)) == 1 and (task := self._backlog.next()) is not None:
                 self._give(desk, task)
         return bool(self._given)
 
-    def _give(self, desk: _Desk, task: Task) -> None:
+    def _give(self, desk: _MarkerProcess, task: Task) -> None:
         self._given[desk.mark(task.submission, self._cpu_s)] = (desk, task)
 
-    def _new_desk(self) -> _Desk:
-        self._desks = [desk for desk in self._desks if not desk.dismissed] + [_Desk(self._open_marker)]
-        return self._desks[-1]
+    def _start_process(self) -> _MarkerProcess:
+        self._processes = [desk for desk in self._processes if not desk.dismissed] + [_MarkerProcess(self._open_marker)]
+        return self._processes[-1]
 
-    def _taken(self, future: Future[Result]) -> tuple[Submission, Outcome | None]:
+    def _finished(self, future: Future[Result]) -> tuple[Submission, Outcome | None]:
         """Return a finished submission and its outcome; None in place of the outcome if it will be retried."""
         desk = self._given[future][0]
         problem = future.exception()
@@ -216,34 +216,34 @@ class Pool:
             return self._failed(desk, problem)
         _, task = self._given.pop(future)
         desk.began = None
-        if not self._at(desk):
+        if not self._futures_of(desk):
             self._idle.appendleft(desk)
         return task.submission, future.result()
 
-    def _failed(self, desk: _Desk, problem: BaseException) -> tuple[Submission, Outcome | None]:
+    def _failed(self, desk: _MarkerProcess, problem: BaseException) -> tuple[Submission, Outcome | None]:
         """Dismiss a desk that failed on its first task, and put its other tasks, which it has not begun, back into the queue."""
         desk.check_opened()
         desk.dismiss()
         self._idle.append(None)
-        task, *others = [self._given.pop(future)[1] for future in self._at(desk)]
+        task, *others = [self._given.pop(future)[1] for future in self._futures_of(desk)]
         for other in others:
-            self._backlog.back(other)
+            self._backlog.put_back(other)
         killed = desk.stopped or KILLED
         task.stopped = desk.stopped or task.stopped
-        reason = killed if isinstance(problem, BrokenProcessPool) else words(problem)
+        reason = killed if isinstance(problem, BrokenProcessPool) else exception_text(problem)
         return task.submission, self._backlog.failed(task, reason)
 
-    def _at(self, desk: _Desk) -> list[Future[Result]]:
+    def _futures_of(self, desk: _MarkerProcess) -> list[Future[Result]]:
         """Return the futures of a desk in the order of submission."""
         return [future for future, (whose, _) in self._given.items() if whose is desk]
 
 
-def words(problem: BaseException) -> str:
+def exception_text(problem: BaseException) -> str:
     """Return an exception's type and message on one line."""
     return " ".join(f"{type(problem).__name__}: {problem}".split())
 
 
-class _Desk:
+class _MarkerProcess:
     """Worker process with one marker. Each has an executor of its own, so that the submission that broke it is known."""
 
     def __init__(self, open_marker: OpenMarker) -> None:

@@ -126,7 +126,7 @@ class Store(Database):
         with self._errors_in_one_line(), self._transaction():
             evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
             self._db.execute(_KEEP, (*astuple(key), result.status, _text(result), *evidence))
-            self._point_at(key)
+            self._make_current(key)
 
     def recall(self, key: Key) -> Result | None:
         """Return the result recorded under this key and make it the present one; None if it is missing or incomplete."""
@@ -138,7 +138,7 @@ class Store(Database):
                 return None
             record, is_present = row
             if not is_present:
-                self.point_at(key)
+                self.make_current(key)
             return self._parsed(key.id, record)
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
@@ -150,7 +150,7 @@ class Store(Database):
             result = marked(before, rubric)
             text = _text(result)
             self._db.execute(_REMARK, (rubric.sha256, text, seq))
-            self._point_at(replace(key, rubric_sha256=rubric.sha256))
+            self._make_current(replace(key, rubric_sha256=rubric.sha256))
             self._known[key.id] = text, result
             return result
 
@@ -236,7 +236,7 @@ class Store(Database):
                 self._keep_settings(settings.with_rubric(rubric), keep_before=True)
             for id_, submission, traces, grader, seq in self._db.execute(query).fetchall():
                 self._db.execute(_REMARK, (rubric.sha256, _text(after[id_].result), seq))
-                self._point_at(Key(id_, submission, rubric.sha256, traces, grader))
+                self._make_current(Key(id_, submission, rubric.sha256, traces, grader))
                 self._db.execute(_HAND_IN, (id_, _hand_in_text(after[id_].hand_in)))
         return after
 
@@ -319,7 +319,7 @@ class Store(Database):
                 self._refuse_overtaken({id_ for id_, _ in made}, seen)
             number = self._decision(what, made[0][1]) if what and made else 0
             rows = [
-                (id_, a.criterion, a.points, a.comment, a.author, a.at, _beneath_text(a), a.alone, number)
+                (id_, a.criterion, a.points, a.comment, a.author, a.at, _automatic_points_text(a), a.alone, number)
                 for id_, a in made
             ]
             self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", rows)
@@ -347,7 +347,15 @@ class Store(Database):
                 (
                     id_,
                     Adjustment(
-                        criterion, points, comment, author, at, *read(_beneath, record), bool(alone), decision, seq
+                        criterion,
+                        points,
+                        comment,
+                        author,
+                        at,
+                        *read(_automatic_points, record),
+                        bool(alone),
+                        decision,
+                        seq,
                     ),
                 )
                 for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
@@ -454,12 +462,12 @@ class Store(Database):
             query = "UPDATE appeals SET answer = ?, author = ?, answered = ? WHERE number = ?"
             self._db.execute(query, (answer, author, at, number))
 
-    def point_at(self, key: Key) -> None:
+    def make_current(self, key: Key) -> None:
         """Make a recorded result the submission's present one."""
         with self._errors_in_one_line(), self._transaction():
-            self._point_at(key)
+            self._make_current(key)
 
-    def _point_at(self, key: Key) -> None:
+    def _make_current(self, key: Key) -> None:
         self._db.execute(
             f"INSERT INTO class (id, seq) SELECT id, seq FROM results {_WHERE} "
             "ON CONFLICT (id) DO UPDATE SET seq = excluded.seq",
@@ -491,13 +499,13 @@ def _hand_in(text: str) -> HandIn:
     return hand_in_from_dict(json.loads(text))
 
 
-def _beneath_text(adjustment: Adjustment) -> str:
+def _automatic_points_text(adjustment: Adjustment) -> str:
     """Return the checks beneath an override as ``{id: [points, worth]}``; older records have ``{id: points}``."""
     out_of = adjustment.out_of
-    return json.dumps({id_: [points, out_of.get(id_)] for id_, points in adjustment.beneath.items()})
+    return json.dumps({id_: [points, out_of.get(id_)] for id_, points in adjustment.automatic.items()})
 
 
-def _beneath(text: str) -> tuple[dict[str, float | None], dict[str, float]]:
+def _automatic_points(text: str) -> tuple[dict[str, float | None], dict[str, float]]:
     rows = {id_: row if isinstance(row, list) else [row, None] for id_, row in json.loads(text).items()}
     points = {id_: row[0] for id_, row in rows.items()}
     return points, {id_: row[1] for id_, row in rows.items() if row[1] is not None}

@@ -299,7 +299,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
             result = repaired(handed_in, final_grade, rest, grading, log)
             store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, rest)), result)
         elif log.result(key) is not None:
-            store.point_at(key)
+            store.make_current(key)
         else:
             raise RequestError(
                 f"repair: {printable(final_grade.id, 80)} was graded with other settings; run `imugrade grade` first"

@@ -105,7 +105,7 @@ def _final(final_grade: FinalGrade) -> str:
 
 def _outdated(final_grade: FinalGrade, adjustment: Adjustment) -> str:
     now = automatic_points(final_grade.result, adjustment.criterion)
-    then = [points for points in adjustment.beneath.values() if points is not None]
+    then = [points for points in adjustment.automatic.values() if points is not None]
     worth_then = sum(adjustment.out_of.values())
     had = words.fraction(round(sum(then), 2), round(worth_then, 2)) if worth_then else words.number(round(sum(then), 2))
     new = (

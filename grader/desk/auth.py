@@ -14,7 +14,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-ENTRANCE = "/enter"
+TOKEN_PATH = "/enter"
 POLICY = (
     "default-src 'none'; style-src 'self'; script-src 'self'; img-src 'self' data:; form-action 'self'; "
     "base-uri 'none'; frame-ancestors 'none'"
@@ -40,7 +40,7 @@ class Keys:
 
     @property
     def first_address(self) -> str:
-        return f"http://127.0.0.1:{self.port}{ENTRANCE}?token={self.token}"
+        return f"http://127.0.0.1:{self.port}{TOKEN_PATH}?token={self.token}"
 
     @property
     def hosts(self) -> tuple[str, ...]:
@@ -64,8 +64,8 @@ class Guard:
         refusal = self._refusal(scope)
         if refusal is not None:
             await refusal(scope, receive, _with_headers(send))
-        elif scope["path"] == ENTRANCE:
-            await self._entered(scope)(scope, receive, _with_headers(send))
+        elif scope["path"] == TOKEN_PATH:
+            await self._set_cookie(scope)(scope, receive, _with_headers(send))
         else:
             await self._app(scope, receive, _with_headers(send))
 
@@ -77,18 +77,18 @@ class Guard:
             return PlainTextResponse("This method is not allowed.", 405, {"Allow": "GET, HEAD, POST"})
         if scope["method"] == "POST" and headers.get("origin") != f"http://{headers['host']}":
             return PlainTextResponse("Only a page of this review desk may change something.", 403)
-        if scope["path"] != ENTRANCE and not self._knows(headers):
+        if scope["path"] != TOKEN_PATH and not self._has_cookie(headers):
             return PlainTextResponse("Open the full address that `imugrade review` printed.", 403)
         return None
 
-    def _knows(self, headers: Headers) -> bool:
+    def _has_cookie(self, headers: Headers) -> bool:
         try:
             found = SimpleCookie(headers.get("cookie", "")[:4096]).get(self._keys.cookie_name)
         except CookieError:
             return False
         return found is not None and _same(found.value, self._keys.cookie)
 
-    def _entered(self, scope: Scope) -> Response:
+    def _set_cookie(self, scope: Scope) -> Response:
         given = parse_qs(scope["query_string"][:512].decode("latin-1")).get("token", [""])[0]
         if not _same(given, self._keys.token):
             return PlainTextResponse("This is not the address that `imugrade review` printed.", 403)

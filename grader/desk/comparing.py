@@ -9,7 +9,7 @@ from starlette.responses import Response
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.groups import alike
+from grader.course.groups import similar_group
 from grader.course.warnings import equal
 from grader.desk.classbook import Classbook
 from grader.desk.code import Line, coloured, source
@@ -44,7 +44,7 @@ class Excerpt:
 
 def show_all(book: Classbook, web_request: WebRequest) -> Response:
     return framed(
-        book, web_request, "similar.html.j2", similar=book.similar(), together=lambda ids: address(alike(ids))
+        book, web_request, "similar.html.j2", similar=book.similar(), together=lambda ids: address(similar_group(ids))
     )
 
 

@@ -33,7 +33,7 @@ def send(book: Classbook, web_request: WebRequest) -> Response:
                 plan.write()
                 return _download((Path(folder) / "reports.zip").read_bytes(), "reports.zip", "application/zip")
     except RequestError as problem:
-        return _page(book, web_request, _beside(problem), code=400)
+        return _page(book, web_request, _errors_by_field(problem), code=400)
     if plan.draft.blank and not web_request.text("allow_blank"):
         return _page(book, web_request, plan=plan, code=400)
     return _download(plan.draft.data, plan.order.platform.gradebook, "text/csv; charset=utf-8")
@@ -70,7 +70,7 @@ def _roster(book: Classbook) -> str:
     return settings.roster if settings else ""
 
 
-def _beside(problem: RequestError) -> dict[str, str]:
+def _errors_by_field(problem: RequestError) -> dict[str, str]:
     """Return the problem by form field. A problem that names the template file belongs to the field of the template."""
     place, found, rest = problem.why.partition(f"/{_TEMPLATE}")
     if found and " " not in place:

@@ -10,7 +10,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.course import adjusting
 from grader.course.adjusting import OverrideRequest
-from grader.course.groups import CHECK, MISTAKE, SAME, Group, alike, decisions, groups
+from grader.course.groups import CHECK, MISTAKE, SAME, Group, decisions, groups, similar_group
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
@@ -91,7 +91,7 @@ def take_back(book: Classbook, web_request: WebRequest) -> Response:
 
 def _one(book: Classbook, web_request: WebRequest) -> Group:
     wanted = (web_request.path["kind"], web_request.path["key"])
-    together = (alike(each.ids) for each in queue(book) if each.others)
+    together = (similar_group(each.ids) for each in queue(book) if each.others)
     every = itertools.chain(groups(book.final_grades()), together)
     found = next((group for group in every if (group.kind, group.key) == wanted), None)
     if found is None:

@@ -140,7 +140,7 @@ def editor(
         rows=compared(grades),
         still=stops(grades.after, book.lab),
         diff=diff_lines(diff_of(file, content, edited)),
-        alike=alike(book, final_grade, file),
+        alike=same_error_in(book, final_grade, file),
     )
 
 
@@ -165,7 +165,7 @@ def current(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]:
         return dict(kept.files)
 
 
-def alike(book: Classbook, final_grade: FinalGrade, file: str) -> list[FinalGrade]:
+def same_error_in(book: Classbook, final_grade: FinalGrade, file: str) -> list[FinalGrade]:
     """Return the other submissions that hold the same file and stop in it with the same error, and have no repair yet."""
     mine = _errors(final_grade.result, book, file)
     if not mine or final_grade.result.repairs:
@@ -217,7 +217,7 @@ def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) ->
         return {"text": "Nothing in the file has changed."}
     request = RepairRequest(final_grade.id, job.file, edited, seen_sha256=sha256_of(content))
     if kind == "save":
-        known = {each.id for each in alike(book, final_grade, job.file)}
+        known = {each.id for each in same_error_in(book, final_grade, job.file)}
         ids = [final_grade.id, *(each for each in job.also if each in known)]
         return book.jobs.start(job, partial(_save, book, job, request, ids, web_request.author))
     return book.jobs.start(job, partial(_suggest if kind == "suggest" else _preview, book, job, request))

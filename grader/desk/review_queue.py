@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from grader.base.text import printable
 from grader.course import missing_packages
-from grader.course.groups import Group, alike
+from grader.course.groups import Group, similar_group
 from grader.course.record import RegradeRequest, Review, about, why_empty
 from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
@@ -87,7 +87,7 @@ class Item:
     @property
     def together(self) -> str:
         """Return the address of the page that decides for all of them; "" if there is only one."""
-        return address(alike(self.ids)) if self.others else ""
+        return address(similar_group(self.ids)) if self.others else ""
 
     @property
     def key(self) -> str:

@@ -27,7 +27,7 @@ def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
     left = dict.fromkeys(by_ids)
     found = []
     while left:
-        ids = _grown(sorted(next(iter(left))), near)
+        ids = _extended(sorted(next(iter(left))), near)
         together = [key for key in _pairs_of(ids) if key in by_ids]
         for key in together:
             left.pop(key, None)
@@ -35,7 +35,7 @@ def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
     yield from sorted(found, key=lambda group: (-len(group.ids), -group.share[1], group.ids))
 
 
-def _grown(ids: list[str], near: dict[str, set[str]]) -> list[str]:
+def _extended(ids: list[str], near: dict[str, set[str]]) -> list[str]:
     """Extend a pair by submissions that are similar to all members, one at a time."""
     candidates = set.intersection(*(near[id_] for id_ in ids))
     while candidates:

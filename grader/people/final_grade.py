@@ -110,7 +110,7 @@ class Adjustment:
         The target: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to it.
     points
         None withdraws the previous override. A comment has no points.
-    beneath, out_of
+    automatic, out_of
         Automatic points and maximum of each replaced check when the override was made; older records lack the maximum.
     alone
         Whether it is a comment without points. An empty comment withdraws the previous one.
@@ -125,7 +125,7 @@ class Adjustment:
     comment: str
     author: str
     at: str
-    beneath: Mapping[str, float | None] = field(default_factory=dict)
+    automatic: Mapping[str, float | None] = field(default_factory=dict)
     out_of: Mapping[str, float] = field(default_factory=dict)
     alone: bool = False
     decision: int = 0
@@ -229,7 +229,7 @@ class FinalGrade:
 
     def _is_outdated(self, adjustment: Adjustment) -> bool:
         now = automatic_points(self.result, adjustment.criterion)
-        if now is None or adjustment.beneath != now:
+        if now is None or adjustment.automatic != now:
             return True
         return bool(adjustment.out_of) and adjustment.out_of != maximum_by_check(self.result, now)
 

@@ -66,17 +66,17 @@ class Directory:
 
     def find(self, row: Row) -> Match | None:
         """Return the match of a row; None if nobody or more than one submission fits."""
-        return self._surest(row)[1]
+        return self._best_match(row)[1]
 
     def find_each(self, rows: Sequence[Row]) -> list[Match | None]:
         """Return the match of each row. Of two rows that match one person the surer wins; equally sure ones match nobody."""
-        found = [self._surest(row) for row in rows]
+        found = [self._best_match(row) for row in rows]
         claims: dict[Match, set[tuple[int, Row]]] = {}
         for row, (sureness, match) in zip(rows, found, strict=True):
             if match is not None and match.person is not None:
                 claims.setdefault(match, set()).add((sureness, row))
         return [
-            None if match in claims and not _wins((sureness, row), claims[match]) else match
+            None if match in claims and not _is_best_claim((sureness, row), claims[match]) else match
             for row, (sureness, match) in zip(rows, found, strict=True)
         ]
 
@@ -88,13 +88,13 @@ class Directory:
             contradictions = {match: _contradiction(row, match.person, kind) for match in known}
             possible = [match for match, contradiction in contradictions.items() if not contradiction]
             if len({match.id for match in possible}) > 1:
-                return f"may mean {' or '.join(map(_told, possible[:_A_FEW]))}"
+                return f"may mean {' or '.join(map(_match_in_words, possible[:_A_FEW]))}"
             if possible:
-                return f"another row means {_told(possible[0])} as well"
-            refused = refused or next((f"not {_told(m)}: {why}" for m, why in contradictions.items()), "")
+                return f"another row means {_match_in_words(possible[0])} as well"
+            refused = refused or next((f"not {_match_in_words(m)}: {why}" for m, why in contradictions.items()), "")
         return refused
 
-    def _surest(self, row: Row) -> tuple[int, Match | None]:
+    def _best_match(self, row: Row) -> tuple[int, Match | None]:
         """Return the rank of the kind of word that matched, lowest surest, and the match."""
         for kind, word in _asked(row):
             matches = [
@@ -139,7 +139,7 @@ class PersonLookup:
         return word
 
 
-def _wins(claim: tuple[int, Row], claims: set[tuple[int, Row]]) -> bool:
+def _is_best_claim(claim: tuple[int, Row], claims: set[tuple[int, Row]]) -> bool:
     return all(claim[0] < sureness or row == claim[1] for sureness, row in claims)
 
 
@@ -184,7 +184,7 @@ def _digits(number: str) -> str:
     return re.sub(r"\D", "", number).lstrip("0") or number.strip().casefold()
 
 
-def _told(match: Match) -> str:
+def _match_in_words(match: Match) -> str:
     person = match.person
     known = ", ".join(dict.fromkeys(filter(None, (person.name, person.sid or person.email)))) if person else ""
     return f"{match.id} ({known})" if known and known != match.id else match.id

@@ -241,11 +241,11 @@ def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
 
 def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
     """Return the hand-in with the roster's facts on a person. The platform's number stays, because file names contain it."""
-    people = tuple(_mended(person, listed) if person == meant else person for person in hand_in.people)
+    people = tuple(_completed(person, listed) if person == meant else person for person in hand_in.people)
     return replace(hand_in, people=people)
 
 
-def _mended(person: Person, listed: Listed) -> Person:
+def _completed(person: Person, listed: Listed) -> Person:
     who = listed.who
     sid = person.sid or next((number for number in who.numbers if number != person.key), "")
     return replace(

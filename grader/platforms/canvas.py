@@ -15,7 +15,7 @@ from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Row as Who
 from grader.people.identity import spellings
 from grader.platforms.filled import Filled, Form, fill_in
-from grader.platforms.found import AMBIGUOUS, Found, Shape, mostly
+from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
 
@@ -139,7 +139,7 @@ class _Reading:
 def read(download: Download) -> Shape | None:
     """Read a Canvas download; None if it is none. Its files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`."""
     readings_of = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
-    if not mostly(bool(readings_of.get(name)) for name in download.top):
+    if not at_least_half(bool(readings_of.get(name)) for name in download.top):
         return None
     sure = frozenset((each[0].name, each[0].user) for each in readings_of.values() if len(each) == 1)
     files: defaultdict[str, list[tuple[str, _Reading]]] = defaultdict(list)

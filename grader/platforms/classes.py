@@ -29,7 +29,7 @@ from grader.intake.names import (
 from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.final_grade import NOTHING_KNOWN, HandIn
 from grader.platforms import registry
-from grader.platforms.found import Found, Shape, mostly
+from grader.platforms.found import Found, Shape, at_least_half
 
 UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"
 SUPERSEDED = "an earlier attempt; the latest one is graded"
@@ -162,7 +162,7 @@ def _itself(download: Download, name: str) -> str:
     if not has_suffix(name, (".zip",)) or not os.path.isfile(place):
         return ""
     packed = {inner for top in open_download(place) for inner in top.top}
-    return ITSELF if mostly(inner in packed for inner in download.top if inner != name) else ""
+    return ITSELF if at_least_half(inner in packed for inner in download.top if inner != name) else ""
 
 
 def _whole(place: Path) -> Found:

@@ -22,7 +22,7 @@ from grader.engine.results import Result
 from grader.intake.downloads import Download
 from grader.platforms import rows
 from grader.platforms.found import Shape
-from grader.platforms.git import clone, loose
+from grader.platforms.git import clone, unassigned
 from grader.platforms.platform import Help, Platform, ResultContext
 
 # --- result.json ------------------------------------------------------------------------------------------------------
@@ -173,7 +173,7 @@ def read(download: Download) -> Shape | None:
         return None
     folders = [name for name, is_folder in download.top.items() if is_folder]
     found = (clone(download, name, _row(name, rows)) for name in folders)
-    return Shape(TITLE, tuple(found), loose(download, SCORES))
+    return Shape(TITLE, tuple(found), unassigned(download, SCORES))
 
 
 def _row(folder: str, rows: Mapping[str, dict[str, str]]) -> dict[str, str]:

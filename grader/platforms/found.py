@@ -46,7 +46,7 @@ class Shape:
     left: tuple[tuple[str, str], ...] = ()
 
 
-def mostly(fits: Iterable[bool]) -> bool:
+def at_least_half(fits: Iterable[bool]) -> bool:
     """Return whether at least half of the values are true, so that a few stray files do not matter; False if there are none."""
     answers = list(fits)
     return bool(answers) and 2 * sum(answers) >= len(answers)

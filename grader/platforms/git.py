@@ -11,7 +11,7 @@ from grader.base.stamps import stamp
 from grader.intake.downloads import Download
 from grader.intake.names import is_code, original
 from grader.people.final_grade import HandIn, Person
-from grader.platforms.found import Found, Shape, mostly
+from grader.platforms.found import Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform
 
 TITLE = "git clones"
@@ -22,12 +22,14 @@ def read(download: Download) -> Shape | None:
     """Read folders as clones if at least half of them are; None otherwise."""
     folders = [name for name, is_folder in download.top.items() if is_folder]
     programs = any(is_code(name) for name, is_folder in download.top.items() if not is_folder)
-    if programs or not mostly(download.holds(name, ".git") for name in folders):  # programs: it is one submission
+    if programs or not at_least_half(
+        download.holds(name, ".git") for name in folders
+    ):  # programs: it is one submission
         return None
-    return Shape(TITLE, tuple(clone(download, name, {}) for name in folders), loose(download))
+    return Shape(TITLE, tuple(clone(download, name, {}) for name in folders), unassigned(download))
 
 
-def loose(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
+def unassigned(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
     """Return the files beside the clones, except the known ones, with the reason why they are left over."""
     return tuple((name, _NOT_OURS) for name, is_folder in download.top.items() if not is_folder and name not in known)
 

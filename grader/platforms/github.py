@@ -102,10 +102,10 @@ def _property(text: str) -> str:
 
 def summary(result: Result, lab: Lab) -> str:
     """Return Markdown for the step summary: the table of points, the checks of plots, deductions with hints, and notes."""
-    blocks = [f"## {result.lab.label}: {inert(words.total_points(result))}"]
-    blocks += [f"**{inert(words.STATUS[result.status])}**"] if words.STATUS[result.status] else []
+    blocks = [f"## {result.lab.label}: {escaped(words.total_points(result))}"]
+    blocks += [f"**{escaped(words.STATUS[result.status])}**"] if words.STATUS[result.status] else []
     blocks += [_table(result), *_plots(result, lab), *_findings(result)]
-    noted = [f"- <code>{inert(note)}</code>" for note in rows.notes(result)]
+    noted = [f"- <code>{escaped(note)}</code>" for note in rows.notes(result)]
     blocks += ["\n".join(["### Notes", "", *noted])] if noted else []
     blocks.append("These are the public checks. On your own machine: `imugrade check`")
     return "\n\n".join(blocks) + "\n"
@@ -117,7 +117,7 @@ def _table(result: Result) -> str:
         earned = sum(check.outcome == "passed" for check in part.checks)
         unknown = any(check.points is None for check in part.checks)
         points = words.fraction(None if unknown else part.points, part.max_points)
-        lines.append(f"| {inert(rows.title(part))} | {inert(points)} | {earned} of {len(part.checks)} |")
+        lines.append(f"| {escaped(rows.title(part))} | {escaped(points)} | {earned} of {len(part.checks)} |")
     return "\n".join(lines)
 
 
@@ -127,7 +127,7 @@ def _plots(result: Result, lab: Lab) -> Iterator[str]:
     for part in result.criteria:
         if part.id in pictured:
             found = [words.row(check, part.id, result.lab) for check in part.checks]
-            listed = [f"- {row.outcome.sign} {inert(row.title)} — {row.outcome.word}" for row in found]
+            listed = [f"- {row.outcome.sign} {escaped(row.title)} — {row.outcome.word}" for row in found]
             yield "\n".join(["### Plots", "", *listed])
 
 
@@ -135,12 +135,12 @@ def _findings(result: Result) -> Iterator[str]:
     for cause in _causes(result):
         heads = (words.row(check, "", result.lab) for check in cause.checks)
         head = "\n".join(
-            f"#### {row.outcome.sign} {inert(row.title)} — {row.outcome.word}, {inert(row.points)}" for row in heads
+            f"#### {row.outcome.sign} {escaped(row.title)} — {row.outcome.word}, {escaped(row.points)}" for row in heads
         )
-        yield f"{head}\n\n<pre>{inert(rows.together(cause, result.lab)[:MESSAGE_LIMIT])}</pre>"
+        yield f"{head}\n\n<pre>{escaped(rows.together(cause, result.lab)[:MESSAGE_LIMIT])}</pre>"
 
 
-def inert(text: str) -> str:
+def escaped(text: str) -> str:
     """Return text without any markup in Markdown or HTML: all but letters, digits and plain characters become entities."""
     return "".join(char if char.isalnum() or char in _PLAIN else _entity(char) for char in text)
 

@@ -63,10 +63,10 @@ def _columns(final_grades: list[FinalGrade], sections: bool = False) -> dict[str
     if any(s.result.repairs for s in final_grades):
         columns["repair_deduction"] = lambda s: words.number(s.result.repair_deduction)
     columns["total"] = lambda s: "" if s.unseen or s.result.status == "incomplete" else words.number(s.result.total)
-    return columns | _beside(final_grades) | {"status": lambda s: s.result.status}
+    return columns | _middle_columns(final_grades) | {"status": lambda s: s.result.status}
 
 
-def _beside(final_grades: list[FinalGrade]) -> dict[str, Cell]:
+def _middle_columns(final_grades: list[FinalGrade]) -> dict[str, Cell]:
     """Return the columns between the automatic total and the status."""
     columns: dict[str, Cell] = {}
     if any(s.adjustments for s in final_grades):

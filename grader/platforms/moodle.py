@@ -14,7 +14,7 @@ from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Match, participant, spellings
 from grader.people.identity import Row as Who
 from grader.platforms.filled import Filled, Form, fill_in
-from grader.platforms.found import AMBIGUOUS, Found, Shape, mostly
+from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
 from grader.report import words
@@ -160,7 +160,7 @@ def read(download: Download) -> Shape | None:
     Each is a folder or loose files named `<full name>_<number>_assignsubmission_file[_]`.
     """
     matches = {name: _NAME.fullmatch(name) for name in download.top}
-    if not mostly(match is not None for match in matches.values()):
+    if not at_least_half(match is not None for match in matches.values()):
         return None
     left = [(name, _NOT_OURS) for name, match in matches.items() if match is None]
     own: defaultdict[str, list[re.Match[str]]] = defaultdict(list)

@@ -301,7 +301,7 @@ def checks(results: list[Result], titles: Mapping[str, str]) -> list[CheckRow]:
     ]
 
 
-def alike(
+def similar_pairs(
     final_grades: Mapping[str, FinalGrade], fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]
 ) -> list[SimilarPair]:
     known = {id_: hashes for id_, hashes in fingerprints.items() if id_ in final_grades}

@@ -233,7 +233,7 @@ def index_page(
         numbers=overview.numbers(entries),
         mistakes=mistakes,
         checks=checks,
-        alike=overview.alike(final_grades, fingerprints or {}, given),
+        alike=overview.similar_pairs(final_grades, fingerprints or {}, given),
         timing=overview.timing(final_grades.values()),
         mixtures=overview.mixtures(results),
         attention=[words.distinct(each) for each in final_grades.values() if each.result.status == "incomplete"],

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Tried:
+class LevelResult:
     """An isolation level, whether it holds here, and if not (or not quite), why."""
 
     isolation_level: IsolationLevel
@@ -26,20 +26,20 @@ class Tried:
     reason: str
 
 
-def probe() -> list[Tried]:
+def probe() -> list[LevelResult]:
     """Try every isolation level in a child process, best first, with its walls tested from inside; about 50 ms each."""
     return [_try_level(isolation_level) for isolation_level in LEVELS]
 
 
-def _try_level(isolation_level: IsolationLevel) -> Tried:
+def _try_level(isolation_level: IsolationLevel) -> LevelResult:
     if not isolation_level.isolates:
-        return Tried(isolation_level, True, "a fresh process with a time limit, and no walls")
+        return LevelResult(isolation_level, True, "a fresh process with a time limit, and no walls")
     try:
         zygote = start_zygote(isolation_level, Contents(Path(__file__).parent))
     except IsolationRefusedError as error:
-        return Tried(isolation_level, False, str(error))
+        return LevelResult(isolation_level, False, str(error))
     zygote.close()
-    return Tried(isolation_level, True, caveat(zygote))
+    return LevelResult(isolation_level, True, caveat(zygote))
 
 
 def caveat(zygote: Zygote) -> str:
@@ -63,7 +63,7 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
         raise IsolationRefusedError(f"{error}, twice") from None
 
 
-def climb(contents: Contents) -> tuple[Zygote | None, str]:
+def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
     """Start a zygote on the best isolation level that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
     for isolation_level in filter(lambda each: each.isolates, LEVELS):

@@ -56,7 +56,7 @@ class PlainProcess:
             inherited = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
         scratch, fonts = os.path.join(self._place, "scratch"), os.path.join(self._place, "matplotlib")
         os.mkdir(scratch)
-        _lend_font_lists(fonts)
+        _link_font_lists(fonts)
         popen = subprocess.Popen(
             [sys.executable, "-B", "-s", surroundings.zygote(), "--plain", str(theirs.fileno()), json.dumps(plan)],
             stdin=subprocess.PIPE,
@@ -151,7 +151,7 @@ def _shared(theirs: socket.socket, pid: int) -> bytes:
     return b""
 
 
-def _lend_font_lists(folder: str) -> None:
+def _link_font_lists(folder: str) -> None:
     """Copies of matplotlib's lists of fonts: to search for fonts takes many seconds where there are hundreds."""
     os.mkdir(folder)
     with contextlib.suppress(OSError):

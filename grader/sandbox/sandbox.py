@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from .launch import Zygote
 
-_LAST_MOMENT_S = 1.0  # for a process that hung up to end by itself, so that we learn how
+_GRACE_S = 1.0  # for a process that hung up to end by itself, so that we learn how
 
 
 class Sandbox:
@@ -69,13 +69,13 @@ class Sandbox:
         self._workers: list[Worker] = []
         self._zygote: Zygote | None = None
         self._closed = False
-        _hide_this_process()
+        _make_undumpable()
         surroundings.compile_once([str(f) for f in (self._contents.worker_code, self._contents.questions) if f])
         if isolation_level is None:
-            self._zygote, self.why = level_choice.climb(self._contents)
+            self._zygote, self.why = level_choice.best_zygote(self._contents)
             self.isolation_level = self._zygote.isolation_level if self._zygote else NO_ISOLATION
         else:
-            self.isolation_level, self.why = _asked_for(isolation_level), f"{isolation_level} was asked for"
+            self.isolation_level, self.why = _requested_level(isolation_level), f"{isolation_level} was asked for"
             self._zygote = self._start()
 
     def __enter__(self) -> Sandbox:
@@ -229,7 +229,7 @@ class Worker:
             failure: NoAnswer = TimedOut(f"no answer within {error.within}", cpu_s=error.cpu_s, wall_s=error.wall_s)
         except LineClosedError:
             self.alive = False
-            failure = Crashed(_last_act(self._process.end(_LAST_MOMENT_S)))
+            failure = Crashed(_exit_in_words(self._process.end(_GRACE_S)))
         except (wire.WireError, Malformed) as error:
             failure = Malformed(f"what came back is no answer: {error}")
         self._end()
@@ -260,7 +260,7 @@ class Worker:
             self._process.end()
 
 
-def _asked_for(name: str) -> IsolationLevel:
+def _requested_level(name: str) -> IsolationLevel:
     isolation_level = named(name)
     if isolation_level is None:
         raise GraderError(f"there is no isolation level {name!r}, only {', '.join(each.name for each in LEVELS)}")
@@ -284,7 +284,7 @@ def _answered(frame: wire.Frame) -> wire.Frame:
     return wire.Frame(fields, frame.arrays)
 
 
-def _last_act(code: int) -> str:
+def _exit_in_words(code: int) -> str:
     if code >= 0:
         return f"the process ended with exit code {code} before it answered"
     try:
@@ -294,7 +294,7 @@ def _last_act(code: int) -> str:
     return f"the process was ended by {name} before it answered"
 
 
-def _hide_this_process() -> None:
+def _make_undumpable() -> None:
     """Keep others of the same user out of the grader's memory: no ptrace, no /proc/PID/mem."""
     if sys.platform == "linux":
         from . import linux  # noqa: PLC0415 - of Linux only

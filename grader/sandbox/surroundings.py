@@ -114,11 +114,11 @@ def hidden() -> tuple[str, ...]:
     Packages are installed below that library, too; those that a sandbox shows stand in `visible` one by one.
     """
     grader = _HERE.parent
-    beside = (path for folder in _standard() for path in _strangers(folder))
+    beside = (path for folder in _standard() for path in _third_party_entries(folder))
     return str(grader), str(grader.parent / "reference"), *beside
 
 
-def _strangers(folder: str) -> list[str]:
+def _third_party_entries(folder: str) -> list[str]:
     """Entries of a folder of the standard library that are no part of it."""
     with contextlib.suppress(OSError):
         return sorted(entry.path for entry in os.scandir(folder) if not _is_standard(entry.name))

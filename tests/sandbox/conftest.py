@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from grader.sandbox.isolation_levels import LEVELS
-from grader.sandbox.level_choice import Tried, probe
+from grader.sandbox.level_choice import LevelResult, probe
 from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox, Worker
 
@@ -18,12 +18,12 @@ WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.
 
 
 @pytest.fixture(scope="session")
-def isolation_levels() -> dict[str, Tried]:
+def isolation_levels() -> dict[str, LevelResult]:
     return {tried.isolation_level.name: tried for tried in probe()}
 
 
 @pytest.fixture(scope="session")
-def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Sandbox]]:
+def box_on(isolation_levels: dict[str, LevelResult]) -> Iterator[Callable[[str], Sandbox]]:
     """The one sandbox of an isolation level; skips the test where this machine does not allow the isolation level."""
     sandboxes: dict[str, Sandbox] = {}
 

@@ -20,7 +20,7 @@ from grader.base.errors import GraderError
 from grader.sandbox import level_choice
 from grader.sandbox.isolation_levels import LEVELS, PROMISES, IsolationLevel
 from grader.sandbox.launch import Zygote
-from grader.sandbox.level_choice import Tried
+from grader.sandbox.level_choice import LevelResult
 from grader.sandbox.plan import Contents
 from grader.sandbox.process import IsolationRefusedError
 from grader.sandbox.sandbox import Sandbox
@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 PLAIN_UID = 12345
 
 
-def test_every_level_is_probed_best_first_and_the_lowest_always_holds(isolation_levels: dict[str, Tried]) -> None:
+def test_every_level_is_probed_best_first_and_the_lowest_always_holds(isolation_levels: dict[str, LevelResult]) -> None:
     assert list(isolation_levels) == ["full", "bubblewrap", "landlock", "none"]
     assert isolation_levels["none"].usable
     assert all(isolation_level.usable or isolation_level.reason for isolation_level in isolation_levels.values())
@@ -65,7 +65,7 @@ def refuse(*names: str) -> Callable[..., Any]:
 
 
 def test_a_box_says_why_it_is_not_on_a_higher_level(
-    monkeypatch: pytest.MonkeyPatch, isolation_levels: dict[str, Tried]
+    monkeypatch: pytest.MonkeyPatch, isolation_levels: dict[str, LevelResult]
 ) -> None:
     if not isolation_levels["landlock"].usable:
         pytest.skip(isolation_levels["landlock"].reason)
@@ -138,7 +138,9 @@ def test_a_plain_user_has_the_same_walls() -> None:
     assert all(line.endswith(f" {PLAIN_UID} True") for line in lines)
 
 
-def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, isolation_levels: dict[str, Tried]) -> None:
+def test_packages_may_lie_where_only_the_environment_says(
+    tmp_path: Path, isolation_levels: dict[str, LevelResult]
+) -> None:
     """A Python that has no package of its own, and finds them by PYTHONPATH."""
     import numpy as np
 
