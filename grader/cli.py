@@ -93,6 +93,7 @@ def _misused(problem: Exception, message: str) -> int:
 
 
 def _fail(message: str, code: int) -> int:
+    """Print a message on stderr, with a traceback if IMUGRADE_DEBUG is set, and return the exit code."""
     if os.environ.get("IMUGRADE_DEBUG") and code != INTERRUPTED:
         traceback.print_exc()
     for line in message.splitlines() or [""]:
@@ -101,7 +102,10 @@ def _fail(message: str, code: int) -> int:
 
 
 def _keep_to_one_core() -> None:
-    """Threads for matrices as small as ours cost more than they save, and markers share the cores; read when numpy loads."""
+    """Limit the threads of NumPy's linear algebra to one; NumPy reads these variables when it is imported.
+
+    More threads gain nothing on matrices as small as ours, and several markers share the cores.
+    """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 

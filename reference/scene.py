@@ -134,7 +134,7 @@ def roll(model: mujoco.MjModel, data: mujoco.MjData, n_steps: int, pair: tuple[s
 
 
 def at_state(model: mujoco.MjModel, qpos: FloatArray, qvel: FloatArray, time: float = 0.0) -> mujoco.MjData:
-    """Fresh data in a given state, with everything that follows from it computed."""
+    """Return new data in this state, after `mj_forward` has computed everything that follows from it."""
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
     mujoco.mj_forward(model, data)

@@ -127,11 +127,12 @@ def _without_meshes(root: ET.Element, model: mujoco.MjModel) -> None:
 
 
 def _owners(root: ET.Element) -> list[ET.Element]:
-    """The world, then every body before those that hang on it: as MuJoCo numbers them."""
+    """Return the world and all bodies in the order in which MuJoCo numbers them: each before the bodies attached to it."""
     return [element for world in root.findall("worldbody") for element in (world, *world.iter("body"))]
 
 
 def _replace(geom: ET.Element, index: int, model: mujoco.MjModel, hulls: dict[str, str], *, touches: bool) -> None:
+    """Replace a geom of a mesh by a convex hull, by the plain shape that was fitted to it, or by a speck if it never collides."""
     for name in _OF_MESHES:
         geom.attrib.pop(name, None)
     geom.set("pos", _numbers(model.geom_pos[index]))
@@ -149,7 +150,7 @@ def _replace(geom: ET.Element, index: int, model: mujoco.MjModel, hulls: dict[st
 
 
 def _hull(model: mujoco.MjModel, mesh: int) -> Any:
-    """Corners (n, 3) of a mesh's convex hull, in the frame that `geom_pos` and `geom_quat` speak of."""
+    """Return the corners (n, 3) of a mesh's convex hull, in the frame of `geom_pos` and `geom_quat`."""
     start, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
     vertices = model.mesh_vert[start : start + count]
     from scipy.spatial import ConvexHull  # noqa: PLC0415 - takes long to import, and few robots have meshes
@@ -158,6 +159,7 @@ def _hull(model: mujoco.MjModel, mesh: int) -> Any:
 
 
 def _give_inertia(root: ET.Element, owners: list[ET.Element], model: mujoco.MjModel, of_meshes: set[int]) -> None:
+    """Write the mass and inertia that MuJoCo computed from a mesh into its body."""
     always = any(compiler.get("inertiafromgeom") == "true" for compiler in root.findall("compiler"))
     for body in range(1, model.nbody) if always else sorted(of_meshes - {0}):
         if model.body_mass[body] == 0:
@@ -184,6 +186,7 @@ def _remove_own(element: ET.Element, tag: str) -> None:
 
 
 def _prove_same(model: mujoco.MjModel, text: str) -> None:
+    """Raise NotOneTextError if MuJoCo compiles the text to a model that differs from the original."""
     try:
         again = mujoco.MjModel.from_xml_string(text)
     except ValueError as error:
@@ -194,6 +197,7 @@ def _prove_same(model: mujoco.MjModel, text: str) -> None:
 
 
 def _compared(model: mujoco.MjModel, again: mujoco.MjModel) -> Iterator[tuple[str, Any, Any]]:
+    """Yield name, original and new value of each property that has to be the same."""
     for name in ("nq", "nv", "nu", "na", "nbody", "ngeom", "nsensor", "nsensordata"):
         yield name, getattr(model, name), getattr(again, name)
     for name in ("qpos0", "body_mass", "body_pos", "dof_damping", "sensor_type", "sensor_adr"):

@@ -131,6 +131,7 @@ class _Arguments:
 
     @property
     def _path_argument(self) -> tuple[str, ...]:
+        """The path as it is typed in a command; nothing for the working folder, which is the default."""
         return () if self.path == Path() else (str(self.path),)
 
 

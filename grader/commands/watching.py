@@ -13,19 +13,19 @@ Lines = Callable[[], list[Text]]
 
 
 class View:
-    """Display of `check --watch`: a screen that is redrawn, or in a pipe one result after the other.
+    """Display of `check --watch`: on a terminal a screen that is redrawn, in a pipe one result after the other.
 
     Parameters
     ----------
     name
         Name of the watched submission.
     command
-        Command that shows the whole result.
+        Command that shows the whole result; printed if the terminal is too small for all lines.
     """
 
     def __init__(self, console: Console, name: str, command: str) -> None:
         self._console, self._name, self._command = console, name, command
-        self._lines: Lines = list
+        self._lines: Lines = list  # no lines before the first result
         self._status, self._size = "", console.size
 
     def tell(self, status: str) -> None:
@@ -50,6 +50,7 @@ class View:
             self._paint()
 
     def _paint(self) -> None:
+        """Clear the terminal; show the status line and the first lines of the last result."""
         self._size = self._console.size
         with self._console:  # written at once to avoid flicker
             self._console.clear()
@@ -60,6 +61,7 @@ class View:
         return Text.assemble((self._name, "bold"), "  ", self._status)
 
     def _top(self) -> list[Text]:
+        """Return as many lines of the last result as the terminal holds; the last one counts those left out."""
         lines = self._lines()
         room = max(1, self._size.height - 3)  # heading and blank line above, the cursor's line below
         if len(lines) <= room:

@@ -174,6 +174,7 @@ class _Tasks:
         self._sent = 0
 
     def run(self) -> Iterator[tuple[Submission, Outcome]]:
+        """Send submissions to the workers; yield each with its outcome as it is done."""
         while self._hand_out():
             future = self._next_done()
             task = self._out.pop(future)
@@ -189,6 +190,7 @@ class _Tasks:
         return bool(self._out)
 
     def _send(self, task: Task) -> None:
+        """Submit one task to Dask under a key of its own; its future enters the queue `_done` when it ends."""
         from grader.course.cluster_worker import mark  # noqa: PLC0415
 
         self._sent += 1
@@ -199,6 +201,7 @@ class _Tasks:
         future.add_done_callback(self._done.put)
 
     def _next_done(self) -> Future[Any]:
+        """Wait for a future that has ended; raise GraderError if the cluster is without workers for too long."""
         without_s = 0.0
         while True:
             try:
@@ -212,6 +215,7 @@ class _Tasks:
                 )
 
     def _workers(self) -> int:
+        """Return the number of workers that are connected to the scheduler."""
         with _reporting_lost_scheduler(self._address):
             return len(self._client.nthreads())
 

@@ -182,10 +182,12 @@ class Store(Database):
             self._keep_settings(settings, keep_before)
 
     def _keep_settings(self, settings: ClassSettings, keep_before: bool) -> None:
+        """Write the settings with the next number if the former results are kept, else in place of the last ones."""
         number = self._last_version()
         if keep_before:
             self._db.execute(_FORMER, (number,))
-        number += keep_before or not number
+        if keep_before or not number:
+            number += 1
         at = datetime.now(timezone.utc).isoformat(timespec="seconds")
         self._db.execute(
             "INSERT OR REPLACE INTO settings VALUES (?, ?, ?)", (number, at, class_settings.to_json(settings))
@@ -468,6 +470,7 @@ class Store(Database):
             self._make_current(key)
 
     def _make_current(self, key: Key) -> None:
+        """Make the result with this key the current one of its submission."""
         self._db.execute(
             f"INSERT INTO class (id, seq) SELECT id, seq FROM results {_WHERE} "
             "ON CONFLICT (id) DO UPDATE SET seq = excluded.seq",
@@ -500,12 +503,16 @@ def _hand_in(text: str) -> HandIn:
 
 
 def _automatic_points_text(adjustment: Adjustment) -> str:
-    """Return the checks beneath an override as ``{id: [points, worth]}``; older records have ``{id: points}``."""
+    """Return the automatic points of the checks that an override replaces, as JSON: ``{check: [points, maximum]}``."""
     out_of = adjustment.out_of
     return json.dumps({id_: [points, out_of.get(id_)] for id_, points in adjustment.automatic.items()})
 
 
 def _automatic_points(text: str) -> tuple[dict[str, float | None], dict[str, float]]:
+    """Parse the automatic points that an override replaced: points by check, and maximum by check.
+
+    Records of older versions have ``{check: points}`` and no maximum.
+    """
     rows = {id_: row if isinstance(row, list) else [row, None] for id_, row in json.loads(text).items()}
     points = {id_: row[0] for id_, row in rows.items()}
     return points, {id_: row[1] for id_, row in rows.items() if row[1] is not None}

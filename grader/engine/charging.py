@@ -56,25 +56,27 @@ class Part(Generic[Facts]):
     only_names: bool = False
 
     def check(self, check_id: str, *, lab_step: int | None = None) -> Callable[[Measure[Facts]], Callable[..., None]]:
-        """Turn a function of the facts into a check that pytest runs; students read its docstring."""
+        """Return a decorator that makes a function of the facts a check for pytest; students read its docstring as the title."""
 
-        def mark(function: Measure[Facts]) -> Callable[..., None]:
+        def register(function: Measure[Facts]) -> Callable[..., None]:
             known = Check(check_id, title_of(function.__doc__ or ""), lab_step)
             self.checks[check_id] = known, function
 
-            def asked(student: SubmissionSession, truth: Any) -> None:
+            def run(student: SubmissionSession, truth: Any) -> None:
+                # All checks of the criterion are judged together, once; this one raises its own charge.
                 found = student.once((self.id, "judged"), lambda: self._judged(student, truth)).get(check_id)
                 if found is not None:
                     raise found if isinstance(found, Exception) else Charged(found)
 
-            functools.update_wrapper(asked, function)
-            del asked.__wrapped__  # type: ignore[attr-defined] # or pytest would look for the function's own parameter
-            asked.check = known  # type: ignore[attr-defined]
-            return asked
+            functools.update_wrapper(run, function)
+            del run.__wrapped__  # type: ignore[attr-defined] # or pytest would look for a fixture named `facts`
+            run.check = known  # type: ignore[attr-defined]
+            return run
 
-        return mark
+        return register
 
     def _judged(self, student: SubmissionSession, truth: Any) -> Mapping[str, Charge | Exception]:
+        """Measure the submission and return the charge, or the exception, of each check that is not passed."""
         return self.judge(self.measure(student, truth), rows(self.lab))
 
     def judge(self, facts: Facts, table: Mapping[str, Mistake]) -> Mapping[str, Charge | Exception]:

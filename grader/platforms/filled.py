@@ -78,6 +78,7 @@ class Form:
     locked: Callable[[Row], bool]
 
     def matches(self, final_grades: Mapping[str, FinalGrade]) -> dict[int, Match | None]:
+        """Return the submission or person that each row belongs to, by row number; None without an unambiguous match."""
         return matched(((number, self.who(row)) for number, row in self.rows.items()), directory(final_grades))
 
 
@@ -120,10 +121,12 @@ def fill_in(
 
 
 def _numbers(form: Form, row: Row) -> tuple[str, str]:
+    """Return the grade and the maximum of a row, as the file writes them."""
     return row.value(form.grade), form.out_of(row)
 
 
 def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
+    """Write points into a row; list the row as replaced if it held another grade."""
     before = row.value(form.grade).strip()
     known = _number(before)
     if before not in ("", "-") and (known is None or words.number(known) != points.replace(",", ".")):
@@ -145,6 +148,7 @@ def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> fl
 
 
 def _number(cell: str) -> float | None:
+    """Return a cell as a number, with a point or a comma; None if it is no number."""
     try:
         return float(cell.strip().replace(",", "."))
     except ValueError:
@@ -152,6 +156,7 @@ def _number(cell: str) -> float | None:
 
 
 def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
+    """Return the directory of all people in the class."""
     return Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
 
 

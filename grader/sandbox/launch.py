@@ -194,6 +194,7 @@ class Zygote:
             self._ready = True
 
     def _log_tail(self) -> str:
+        """Return the end of what the zygote printed, for error messages."""
         self._log.seek(0)
         return self._log.read()[-2000:].decode("utf-8", "replace").strip()
 

@@ -1,7 +1,7 @@
 """Find the shared libraries that a sandbox shows: those that Python and the shown packages are linked with.
 
-A folder of libraries is never shown whole: anything may lie in /usr/lib. The dynamic loader's own way of looking is
-followed, see ld.so(8); the numbers are those of elf.h.
+A library folder is never shown whole, because /usr/lib may hold anything. The search is that of the dynamic loader, ld.so(8); the
+numbers are those of elf.h.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Linked:
 
 
 def needed_by(program: str, objects: Iterable[str], shown: Sequence[str]) -> set[str]:
-    """Libraries that a program and the shared objects that it loads need beside what is shown already."""
+    """Return the libraries that a program and the shared objects that it loads need, without those already shown."""
     program = os.path.realpath(program)  # the loader's own idea of $ORIGIN
     own = linked(program)
     found = {own.interpreter} if own else set()
@@ -67,17 +67,23 @@ def needed_by(program: str, objects: Iterable[str], shown: Sequence[str]) -> set
 
 
 def _names(path: str) -> tuple[str, ...]:
+    """Return the names of the libraries that a file is linked with."""
     read = linked(path)
     return read.needed if read else ()
 
 
 def _search_of(path: str) -> tuple[str, ...]:
+    """Return the folders that a file asks the loader to search (RPATH, RUNPATH)."""
     read = linked(path) if path else None
     return read.search if read else ()
 
 
 def _resolved(name: str, search: Sequence[str], machine: int) -> list[str]:
-    """The files that the loader may take for a name: the first one found in a folder, or all that its cache has."""
+    """Return the files that the loader may load for a library name.
+
+    These are the first match in the searched folders, else all matches in the loader's cache, else the first match in the
+    default folders.
+    """
     own = os.environ.get("LD_LIBRARY_PATH", "").split(":")
     for folder in (*search, *filter(None, own)):
         if _fits(path := os.path.normpath(os.path.join(folder, name)), machine):
@@ -88,12 +94,13 @@ def _resolved(name: str, search: Sequence[str], machine: int) -> list[str]:
 
 
 def _fits(path: str, machine: int) -> bool:
+    """Return whether a file is a library for this processor."""
     read = linked(path)
     return read is not None and read.machine == machine
 
 
 def _with_companions(path: str, search: Sequence[str]) -> Iterator[str]:
-    """A library, and where it lies in a folder of its user's own, those beside it: MKL opens some of them by name."""
+    """Yield a library; if it lies in a folder that its user searches, also the others there: MKL opens some of them by name."""
     yield path
     folder = os.path.dirname(path)
     if folder in map(os.path.normpath, search):
@@ -102,7 +109,7 @@ def _with_companions(path: str, search: Sequence[str]) -> Iterator[str]:
 
 @lru_cache(maxsize=1)
 def _cache() -> Mapping[str, Sequence[str]]:
-    """The dynamic loader's list: names and where they are."""
+    """Return the paths of each library name in the dynamic loader's cache, /etc/ld.so.cache; empty if it cannot be read."""
     try:
         with open(_CACHE, "rb") as file:
             data = file.read()
@@ -117,6 +124,7 @@ def _cache() -> Mapping[str, Sequence[str]]:
 
 
 def _string(data: bytes | mmap.mmap, at: int) -> str:
+    """Return the null-terminated string at an offset."""
     return os.fsdecode(data[at : data.find(b"\0", at)])
 
 
@@ -125,7 +133,7 @@ def _string(data: bytes | mmap.mmap, at: int) -> str:
 
 @lru_cache(maxsize=8192)
 def linked(path: str) -> Linked | None:
-    """Read an ELF file of 64 bits, least byte first; None for anything else."""
+    """Return what a 64-bit little-endian ELF file is linked with; None for any other file."""
     try:
         with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             return _parsed(data, os.path.dirname(path)) if data[:6] == b"\x7fELF\x02\x01" else None
@@ -134,6 +142,7 @@ def linked(path: str) -> Linked | None:
 
 
 def _parsed(data: mmap.mmap, origin: str) -> Linked:
+    """Parse the program headers and the dynamic section of an ELF file in the folder `origin`."""
     (machine,) = struct.unpack_from("<H", data, 18)
     (table,) = struct.unpack_from("<Q", data, 32)
     size, count = struct.unpack_from("<HH", data, 54)
@@ -151,4 +160,5 @@ def _parsed(data: mmap.mmap, origin: str) -> Linked:
 
 
 def _expanded(folder: str, origin: str) -> str:
+    """Return a search folder with ``$ORIGIN`` replaced by the folder of the file."""
     return folder.replace("${ORIGIN}", origin).replace("$ORIGIN", origin)

@@ -57,6 +57,7 @@ def syscall(name: str, *arguments: Any) -> int:
 
 
 def unshare(flags: int) -> None:
+    """Move this process into new namespaces, as unshare(2) does."""
     _checked(_unshare(flags), "unshare")
 
 

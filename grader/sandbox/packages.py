@@ -87,7 +87,7 @@ def _by_name(distributions: Iterable[Distribution]) -> dict[str, list[Distributi
 
 
 def _closure(first: Iterable[Needed], known: Mapping[str, Sequence[Distribution]]) -> set[str]:
-    """The names that are needed, directly or not; the extra "*" stands for all extras."""
+    """Return the names of all distributions that these need, directly or not; the extra "*" stands for all extras."""
     waiting, done = [(name, extras) for name, extras, _ in first], set()
     while waiting:
         name, extras = waiting.pop()
@@ -104,7 +104,7 @@ def _closure(first: Iterable[Needed], known: Mapping[str, Sequence[Distribution]
 
 @lru_cache(maxsize=8)
 def shown(folders: tuple[str, ...]) -> Contents:
-    """Return what a sandbox shows of some package folders: no distribution that brings a folder with a name of the grader's."""
+    """Return what a sandbox shows of some package folders. A distribution with a folder of the grader's name is left out."""
     kept = for_students([one for folder in folders for one in installed(folder)])
     contents = [found for one in kept if not _is_ours(found := contents_of(one))]
     return Contents(
@@ -114,11 +114,12 @@ def shown(folders: tuple[str, ...]) -> Contents:
 
 
 def _is_ours(contents: Contents) -> bool:
+    """Return whether a distribution holds a folder with a name of the grader's own packages."""
     return any(os.path.basename(path) in OWN_FOLDERS for path in contents.entries)
 
 
 def installed(folder: str) -> list[Distribution]:
-    """The distributions of a package folder, as their own records tell."""
+    """Return the distributions of a package folder, from their ``.dist-info`` and ``.egg-info`` records."""
     try:
         names = sorted(os.listdir(folder))
     except OSError:
@@ -127,6 +128,7 @@ def installed(folder: str) -> list[Distribution]:
 
 
 def _distribution(folder: str, record: str) -> Distribution:
+    """Read the record of one distribution: its name, whether a person asked for it, and what it requires."""
     place = os.path.join(folder, record)
     metadata = _text(place, "METADATA") or _text(place, "PKG-INFO")
     return Distribution(
@@ -139,7 +141,10 @@ def _distribution(folder: str, record: str) -> Distribution:
 
 
 def contents_of(distribution: Distribution) -> Contents:
-    """Its entries in the package folder, its own record among them, but for what only says where others lie."""
+    """Return a distribution's entries in the package folder, its record included, and its shared objects.
+
+    Files that only point to other folders (``.pth``, ``.egg-link``) are left out.
+    """
     folder = distribution.folder
     files = _text(os.path.join(folder, distribution.record), "RECORD").splitlines()
     names = _first_parts(files) if files else _modules(distribution)
@@ -151,7 +156,7 @@ def contents_of(distribution: Distribution) -> Contents:
 
 
 def _first_parts(files: Iterable[str]) -> set[str]:
-    """The first parts of the paths of RECORD; of what is compiled the first two."""
+    """Return the first part of each path in RECORD, and of compiled modules the path below ``__pycache__``."""
     first = {line.partition("/")[0].strip('"') for line in files}
     compiled = (
         {line.partition(",")[0] for line in files if line.startswith("__pycache__/")} if _COMPILED in first else set()
@@ -167,6 +172,7 @@ def _modules(distribution: Distribution) -> set[str]:
 
 
 def _objects_below(path: str) -> Iterator[str]:
+    """Yield the shared objects at or below a path."""
     if ".so" in os.path.basename(path):
         yield path
     for top, _, files in os.walk(path):
@@ -174,6 +180,7 @@ def _objects_below(path: str) -> Iterator[str]:
 
 
 def _text(place: str, name: str) -> str:
+    """Return the text of a file; "" if it cannot be read."""
     try:
         with open(os.path.join(place, name), encoding="utf-8", errors="replace") as file:
             return file.read()
@@ -182,20 +189,24 @@ def _text(place: str, name: str) -> str:
 
 
 def _normal(name: str) -> str:
+    """Return a distribution's name as PEP 503 normalizes it."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def _needs(metadata: str) -> list[Needed]:
+    """Return the requirements in the ``Requires-Dist`` lines of a METADATA file."""
     found = (_REQUIRES.match(part.partition("\n")[0]) for part in metadata.split("\nRequires-Dist:")[1:])
     return [_need(*need.groups(default="")) for need in found if need]
 
 
 def _need(name: str, extras: str, marker: str) -> Needed:
+    """Return one requirement: the name, the extras that it asks for, and the extra of the distribution that it belongs to."""
     of_extra = _OF_EXTRA.search(marker)
     wanted = frozenset(part.strip() for part in extras.split(",") if part.strip())
     return _normal(name), wanted, of_extra[1] if of_extra else ""
 
 
 def _old_needs(requires: str) -> list[Needed]:
+    """Return the requirements in an egg's ``requires.txt``, without those of its extras."""
     names = (re.match(r"[\w.-]+", line) for line in requires.partition("[")[0].splitlines())
     return [(_normal(name[0]), frozenset(), "") for name in names if name]

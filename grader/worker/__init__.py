@@ -1,8 +1,7 @@
-"""Run in the sandbox beside a student's code: load files, run experiments and report the outcome.
+"""Worker code: it runs in the sandbox beside a student's code, loads files, runs experiments and reports the outcome.
 
-Nothing here decides anything, and nothing here is trusted: the questions come over the wire, the answers are plain arrays
-and facts, and the grader judges them in another process. So this package holds no check, no trace, no rubric and no seed,
-and imports nothing of the trusted part.
+Nothing here decides a grade, and nothing here is trusted. Questions come over a socket, answers are plain arrays and facts, and the
+grader judges them in another process. So this package holds no check, trace, rubric or seed, and imports nothing of the grader.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
     Parameters
     ----------
-    thorough : use each part once, too
-    questions : a lab's, with its `HANDLERS` and, if the sheet's code brings names along for ``import *``, `sheet_names`
+    thorough : whether to use each library once, too
+    questions : a lab's questions: a module with `HANDLERS`, and `sheet_names` if the sheet's code passes names on by ``import *``
     """
     global _guard  # noqa: PLW0603 - there is one worker code in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
@@ -47,7 +46,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
 
 def answer(op: str, fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer one question of the grader; ChangedError where the worker code was rewritten meanwhile."""
+    """Answer one question of the grader; raise ChangedError if student code has rewritten the worker code."""
     reply = _HANDLERS[op](fields, arrays)
     if _guard is not None:
         _guard.check()

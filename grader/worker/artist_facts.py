@@ -1,7 +1,7 @@
-"""Facts of artists that say what they draw: whether matplotlib itself is asked, where a panel lies, and what a text says.
+"""Facts of artists that matplotlib itself answers for: the place of a panel, and the text that can be read.
 
-Whoever wants to be praised for a label can as well teach `get_ylabel` to return one; so the classes are asked as they were before
-any of the student's code ran, and an artist that answers for itself is not asked at all.
+Student code could make `get_ylabel` return a label that is not drawn. So matplotlib's classes are restored while facts are taken,
+and an artist whose own class answers is rejected.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ import numpy as np
 from . import faults
 
 _SMALLEST_FONT = 3.0
-_NEAR = 0.04  # difference of two colours, each channel 0 to 1, that nobody sees
+_NEAR = 0.04  # largest invisible difference of two colours, each channel 0 to 1
 _ASKED = frozenset(["axes", "collections", "draw", "legend_handles", "legends", "lines", "texts", "xy"])
 _ASKED |= {"__class__", "__getattr__", "__getattribute__"}
 
 
 class OverriddenArtistError(ValueError):
-    """An artist whose class or who itself answers in place of matplotlib."""
+    """An artist, or its class, that answers in place of matplotlib."""
 
 
 # --- matplotlib as it was ------------------------------------------------------------------------------------------------
@@ -30,7 +30,7 @@ _CLASSES: dict[type, dict[str, Any]] = {}
 
 
 def remember_classes() -> None:
-    """Note every class of artists, axes and canvases with what it holds, before any of the student's code runs."""
+    """Record the members of every class of artists, axes and canvases, before any student code runs."""
     from matplotlib.artist import Artist
     from matplotlib.backend_bases import FigureCanvasBase
     from matplotlib.transforms import TransformNode
@@ -44,13 +44,13 @@ def remember_classes() -> None:
 
 
 def remember(*kinds: type) -> None:
-    """Note what these classes hold now: the worker code has put functions of its own into them."""
+    """Record the present members of these classes, after the worker code has replaced some."""
     _CLASSES.update((kind, dict(vars(kind))) for kind in kinds)
 
 
 @contextlib.contextmanager
 def original_classes() -> Iterator[None]:
-    """Put every class back to what it was, for as long as facts are taken."""
+    """Restore the recorded members of every class in this context."""
     changed: list[tuple[type, str, Any]] = []
     for kind, members in _CLASSES.items():
         now = vars(kind)
@@ -66,7 +66,7 @@ def original_classes() -> Iterator[None]:
 
 
 def reject_overrides(*artists: Any) -> None:
-    """Raise OverriddenArtistError where an artist, or a class of the student's, overrides what is asked of it."""
+    """Raise OverriddenArtistError if an artist, or a class of the student's, overrides a member that the grader asks for."""
     for artist in artists:
         strange = [kind for kind in type(artist).__mro__ if kind not in _CLASSES and kind.__module__ != "builtins"]
         own = [name for kind in strange if not _generated(kind) for name in vars(kind) if _is_asked(name)]
@@ -76,7 +76,7 @@ def reject_overrides(*artists: Any) -> None:
 
 
 def _is_asked(name: str) -> bool:
-    """Return whether an artist is asked for a member of this name."""
+    """Return whether the grader asks an artist for a member of this name."""
     return name.startswith("get_") or name in _ASKED
 
 
@@ -94,7 +94,7 @@ def place(axes: Any) -> Any:
 
 
 def readable_text(text: Any, behind: Any) -> str:
-    """Return a text's words if they can be read: visible, large enough, and not in the colour of the background."""
+    """Return a text if it can be read: visible, large enough, and not in the colour of the background; else ""."""
     from matplotlib.colors import to_rgba
 
     if text is None or not text.get_visible() or float(text.get_fontsize()) < _SMALLEST_FONT:

@@ -1,7 +1,7 @@
-"""Call a student's function: as the lab sheet promises, or else by the meaning of its parameters' names.
+"""Call a student's function with the promised arguments, matched to its own parameters by name, meaning or position.
 
-A function whose parameters have other names, another order or a companion more than promised does the same job. So it is called
-in the way that it asks for, and what it departs in is told beside what it answers: one fault, and not as many as there are calls.
+A function whose parameters have other names, another order or one parameter more still does its job. It is called as its signature
+asks. What it departs in is reported beside its result, as one fault for all of its calls.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ _POSITIONAL = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_O
 
 @dataclass(frozen=True)
 class Slot:
-    """Something that a function is given.
+    """An argument that the grader passes to a function.
 
     Attributes
     ----------
-    name : its promised name
-    meaning : what a parameter that stands for it may be called in other words
-    passed : as it was promised, by ``position``; an ``option`` is given by name, and left out where no parameter takes it, and a
-        ``spare``, which is none of the promise, given where one asks for it
-    replaces : types of a parameter's default in whose place a spare is given as well
-    free : whether a function may depart in it
-    anywhere : whether it goes to whichever parameter is left, needed or not
+    name : its name on the sheet
+    meaning : pattern of other names for the parameter
+    passed : ``position``, as on the sheet; ``option``: by keyword, left out if no parameter takes it; ``spare``: not on the sheet,
+        passed only if a parameter asks for it
+    replaces : a spare is also passed to a parameter whose default is of one of these types
+    free : whether a function may differ from the sheet here without a fault
+    anywhere : whether it may go to any parameter that is left
     """
 
     name: str
@@ -39,6 +39,7 @@ class Slot:
     anywhere: bool = False
 
     def suits(self, parameter: inspect.Parameter) -> bool:
+        """Return whether a parameter takes this argument, by its name and its default."""
         if parameter.name != self.name and not self.meaning.search(parameter.name):
             return False
         needed = parameter.default is parameter.empty
@@ -47,7 +48,15 @@ class Slot:
 
 @dataclass(frozen=True)
 class CallPlan:
-    """A way to call one function: slots by position, slots by the function's own names for them, and what it departs in."""
+    """Assignment of slots to the parameters of one function, and the slots in which the function departs from the sheet.
+
+    Attributes
+    ----------
+    positions : slots that are passed by position, in order
+    names : parameter name -> slot passed to it by keyword
+    departs : slots in which the function differs from the sheet
+    as_promised : whether the function is called exactly as on the sheet
+    """
 
     positions: tuple[str, ...]
     names: Mapping[str, str] = field(default_factory=dict)
@@ -55,13 +64,13 @@ class CallPlan:
     as_promised: bool = False
 
     def __call__(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
-        """Call it with these values, by the names of the slots; what has no value is left to its default."""
+        """Call the function. `values` holds a value for each slot; parameters without one keep their default."""
         named = {own: values[slot] for own, slot in self.names.items() if slot in values}
         return function(*(values[slot] for slot in self.positions if slot in values), **named)
 
 
 def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
-    """Return how a function takes these arguments; as promised where it can, and where nothing else can be made out."""
+    """Return how to call a function with these slots: as on the sheet if its signature allows, or if no other way is found."""
     promised = CallPlan(
         tuple(slot.name for slot in slots if slot.passed == "position"),
         {slot.name: slot.name for slot in slots if slot.passed == "option"},
@@ -86,7 +95,7 @@ def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
 
 
 def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
-    """Return whether one of a function's parameters stands for a slot, or the function takes any keyword."""
+    """Return whether a function has a parameter for a slot, or takes any keyword."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
@@ -97,7 +106,7 @@ def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
 def adapt(
     function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
 ) -> tuple[Callable[..., Any], list[str]]:
-    """A function to be called with the promised positions, whatever its own parameters are, and what it departs in."""
+    """Return a function that is called with the sheet's positional arguments, and the slots in which the original departs."""
     way = plan_call(function, slots)
     if way.as_promised:
         return function, []
@@ -106,7 +115,7 @@ def adapt(
 
 
 def _accepts(signature: inspect.Signature, promised: CallPlan) -> bool:
-    """Return whether the function can be called as promised, with each slot where it has no other parameter for it."""
+    """Return whether the function can be called as on the sheet, with each slot in the parameter of its name if there is one."""
     try:
         bound = signature.bind(*promised.positions, **promised.names).arguments
     except TypeError:
@@ -138,7 +147,10 @@ def _by_leftover(slot: Slot, parameter: inspect.Parameter) -> bool:
 
 
 def _departures(claims: Mapping[str, Slot], slots: Sequence[Slot]) -> tuple[str, ...]:
-    """The slots that a call as promised would not fill; one that no parameter takes by name is told by what comes of it."""
+    """Return the slots that the function takes in another place, under another name or beyond the sheet.
+
+    An option that no parameter takes is not listed: its effect shows in the results.
+    """
     promised = [slot for slot in slots if slot.passed == "position"]
     taken = [slot for slot in claims.values() if slot.passed == "position"]
     in_order = [slot for slot in promised if slot in taken]

@@ -1,4 +1,4 @@
-"""Names that earlier releases of the lab's packages had: what runs on a student's desk may be older than what runs here."""
+"""Compatibility names: what earlier releases of NumPy and matplotlib had, for code written with an older release."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 
 
 def install() -> None:
-    """Put each name that has gone back in its place, as what the release notes say to use instead."""
+    """Add each removed name that is still missing, with the replacement that the release notes recommend."""
     _restore_numpy_names()
     _restore_matplotlib_names()
 
 
 def _restore_numpy_names() -> None:
-    """NumPy 1.24 took the aliases of built-in types away, 2.0 those of numbers and functions, 2.4 the last of these."""
+    """Add the names that NumPy removed: aliases of built-in types (1.24), of numbers and functions (2.0), and the rest (2.4)."""
     types = {"float": float, "int": int, "complex": complex, "object": object, "float_": np.float64}
     types |= {"complex_": np.complex128, "bool8": np.bool_, "unicode_": np.str_, "string_": np.bytes_}
     numbers = dict.fromkeys(("Inf", "Infinity", "infty", "PINF"), np.inf) | {"NINF": -np.inf, "NaN": np.nan}
@@ -41,7 +41,7 @@ def _asfarray(values: Any, dtype: Any = np.float64) -> np.ndarray:
 
 
 def _restore_matplotlib_names() -> None:
-    """Matplotlib 3.8 took seaborn's styles away but for those of its version 0.8, 3.6 a canvas' title, 3.9 a way to colour maps."""
+    """Add the names that matplotlib removed: `set_window_title` (3.6), seaborn's styles (3.8), `cm.get_cmap` (3.9)."""
     import matplotlib as mpl
     from matplotlib import cm, style
     from matplotlib.backend_bases import FigureCanvasBase
@@ -59,7 +59,7 @@ def _colour_map(mpl: Any, name: Any, lut: int | None) -> Any:
 
 
 def _fill(owner: Any, names: dict[str, Any]) -> None:
-    """Add only missing names: an existing one is this release's own meaning of the name."""
+    """Add the names that `owner` lacks; a name that it has keeps its meaning in this release."""
     for name, value in names.items():
         if name not in vars(owner):
             setattr(owner, name, value)

@@ -1,4 +1,4 @@
-"""Source text of a file, or of a notebook's cell, to the statements that run and the names that they define."""
+"""Compile the source text of a file or notebook cell to statements, and find the names that they define."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from . import faults, fuzzy_names, notebooks, packages, statements
 from .submission import STATE
 
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
-_MOST_LEFT_OUT = 8  # statements of a file that do not parse; each costs a parse of the file
-_CONTINUES = re.compile(r"[\s)\]}#]|(?:elif|else|except|finally)\b")  # a line that begins no statement
+_MOST_LEFT_OUT = (
+    8  # most statements of a file that are blanked because they do not parse; each costs a parse of the file
+)
+_CONTINUES = re.compile(r"[\s)\]}#]|(?:elif|else|except|finally)\b")  # a line that does not begin a statement
 _DEFINES = re.compile(r"^(?:async[ \t]+)?(?:def|class)[ \t]+(\w+)", re.MULTILINE)
 
 
 def units_in(source: bytes, path: str, *, flags: int = 0) -> list[statements.Unit] | None:
-    """Return the statements of a file or a cell; None where it does not parse, which `STATE.unreadable` keeps."""
+    """Return the statements of a file or a cell. If it does not parse, return None and keep the error in `STATE.unreadable`."""
     try:
         return _units(_decoded(source), path, flags)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as refused:
@@ -74,9 +76,9 @@ def _decoded(source: bytes) -> str:
 
 
 def defined(path: str) -> set[str]:
-    """Return the names that a file or a notebook defines at its top level, read from its text; nothing of it runs.
+    """Return the names that a file or a notebook defines at its top level. The text is parsed, not run.
 
-    Where the text does not parse, the beginnings of its lines tell which names it was to define.
+    If it does not parse, the names are taken from lines that begin with ``def`` or ``class``.
     """
     content = Path(STATE.folder, path).read_bytes()
     try:

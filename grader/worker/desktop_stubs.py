@@ -1,6 +1,6 @@
-"""Stubs of what a program finds on a student's computer and not here: windows, a notebook, a debugger's prompt.
+"""Stubs of what a student's computer has and the sandbox lacks: windows, a notebook shell, a debugger's prompt.
 
-A stub lets a function go on. What fails at a file's top level needs none: it is stepped over, see `statements`.
+With a stub, a function that uses it runs on. A failing statement at module level needs no stub: `statements` skips it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _MODULES = ("glfw", "IPython.display", "ipdb", "msvcrt", "pudb", "winsound")
 
 
 RunMagic = Callable[[str, dict[str, Any]], None]
-"""Does what ``%run LINE`` does, among the names of who asks for it."""
+"""Function that does what ``%run LINE`` does in a namespace."""
 
 
 class _Stub(types.ModuleType):
@@ -34,7 +34,7 @@ class _Stub(types.ModuleType):
 
     Parameters
     ----------
-    members : what it has beside that
+    members : its real attributes
     """
 
     def __init__(self, name: str, **members: Any) -> None:
@@ -69,7 +69,7 @@ def install(run_magic: RunMagic) -> None:
 
 
 def _use_headless_backends() -> None:
-    """GUI back ends quietly become Agg, TeX becomes matplotlib's own text, a window accepts any place and size."""
+    """Replace GUI back ends by Agg, TeX by matplotlib's own text, and windows by a stub that accepts any call."""
     import matplotlib
     import matplotlib.pyplot as plt
     import mujoco
@@ -118,7 +118,7 @@ class _Viewer(_Stub):
 
 
 def _install_notebook_names(run_magic: RunMagic) -> None:
-    """`display`, `get_ipython` and `IPython`, which notebook code uses without asking."""
+    """Provide `display`, `get_ipython` and `IPython`, which notebook code uses without an import."""
     display, shell = sys.modules["IPython.display"], _Shell(run_magic)
     # matplotlib asks for a shell, and for the version, which says what it need not repair
     sys.modules["IPython"] = _Stub("IPython", display=display, get_ipython=lambda: None, version_info=(9, 0, 0))
@@ -126,7 +126,7 @@ def _install_notebook_names(run_magic: RunMagic) -> None:
 
 
 class _Shell(_Stub):
-    """The shell around a notebook, or one that was exported as a program: its magics do nothing, but for those that run code."""
+    """Stub of the IPython shell: magics do nothing, except `%run`, `%%time` and others that run code."""
 
     def __init__(self, run_magic: RunMagic) -> None:
         super().__init__("shell")

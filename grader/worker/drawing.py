@@ -1,8 +1,8 @@
-"""Draw a figure as a small picture, as fast as possible; what raises in a full drawing raises here, too.
+"""Draw a figure as a small picture, fast; what would raise in a full drawing raises here, too.
 
-The picture is the evidence of what the figure shows, so matplotlib itself draws each artist that may be a curve or cover one.
-Artists beside the curves are examined, not drawn: ticks are placed, their labels formatted, mathematical text parsed. If a
-submission reads its saved pictures back, they are drawn in full.
+The picture shows which curves can be seen, so matplotlib itself draws each artist that may be a curve or cover one. Other artists
+are not drawn but examined: ticks are located, their labels formatted, mathematical text parsed. If a submission reads its saved
+pictures back, they are drawn in full.
 
 `tight_layout` moves panels and hides nothing, so it is skipped.
 """
@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-_SIDE = 500.0  # pixels of the longer side of a witness: the sheet's figure at 50 dots an inch
-_FEWEST_DOTS, _MOST_DOTS = 12.0, 100.0  # an inch: with fewer, texts have no size
-_MOST_PIXELS = 4e6  # of a ribbon or a wall
-_LONG_SIDE = 4000.0  # pixels of a picture that the submission reads back
-_HEADING, _SMALL_PRINT = 30.0, 20.0  # points
+_SIDE = 500.0  # pixels of the longer side of a small picture: the sheet's figure at 50 dots per inch
+_FEWEST_DOTS, _MOST_DOTS = 12.0, 100.0  # dots per inch; with fewer, texts have no size
+_MOST_PIXELS = 4e6  # pixels of the small picture of a very long or very large figure
+_LONG_SIDE = 4000.0  # pixels of the longer side of a picture that the submission reads back
+_HEADING, _SMALL_PRINT = 30.0, 20.0  # largest font size, in points, of a title and of other text that need not be drawn
 _THIN, _SHORT = 2.5, 12.0  # points of a grid line's width and of a tick's length
 _FEW_ENTRIES, _FEW_TICKS = 8, 40
 _FEW_LETTERS = 120
@@ -33,7 +33,7 @@ _SCRIPT = rf"(?:[a-zA-Z0-9]|\{{[a-zA-Z0-9]+\}}|{_GREEK})"
 _PLAIN_MATHEMATICS = re.compile(
     rf"[^$\\\n]*(?:\$(?:[ /]*(?:[a-zA-Z0-9]|{_GREEK})(?:_{_SCRIPT})?(?:\^{_SCRIPT})?)+\$[^$\\\n]*)+"
 )
-"""Letters and numbers with an index and a power: well-formed as they stand, and to parse one takes a millisecond."""
+"""Letters and numbers with an index and a power. They are always valid, so the millisecond of parsing is saved."""
 _READS_BACK = re.compile(
     rb"\bimread\b|\bImage\.open\b|\bbuffer_rgba\b|\bprint_to_buffer\b|\btostring_\w+\b|\bgetsize\b|\bst_size\b|\bgetbuffer\b"
 )
@@ -53,7 +53,7 @@ def reads_pictures_back(sources: Iterable[bytes]) -> bool:
     return any(_READS_BACK.search(source) for source in sources)
 
 
-# --- the witness ---------------------------------------------------------------------------------------------------------
+# --- the small picture ---------------------------------------------------------------------------------------------------------
 
 
 def draw_preview(figure: Any) -> Preview:
@@ -73,6 +73,7 @@ def draw_preview(figure: Any) -> Preview:
 
 
 def _preview_dpi(figure: Any) -> float:
+    """Return the dots per inch of the small picture: the longer side has 500 pixels, within bounds."""
     width, height = figure.get_size_inches()
     fewest = min(_FEWEST_DOTS, np.sqrt(_MOST_PIXELS / (width * height)))
     return float(min(_MOST_DOTS, max(_SIDE / max(width, height), fewest)))
@@ -210,6 +211,7 @@ def _is_small(text: Any, size: float) -> bool:
 
 
 def _parse_mathematics(text: Any) -> None:
+    """Parse a text's mathematics if it has any, which raises for an invalid formula."""
     said = text.get_text()
     if text.get_visible() and ("$" in said or text.get_usetex()) and not _PLAIN_MATHEMATICS.fullmatch(said):
         text.get_window_extent()  # parses mathematics
@@ -267,6 +269,7 @@ def _holds_whole_figure(figure: Any, renderer: Any, dots: float) -> bool:
 
 
 def _send_draw_event(figure: Any, renderer: Any) -> None:
+    """Call the functions that the submission connected to ``draw_event``."""
     from matplotlib.backend_bases import DrawEvent
 
     if figure.canvas.callbacks.callbacks.get("draw_event"):

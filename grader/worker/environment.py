@@ -1,4 +1,4 @@
-"""The world that student code finds: the robot at the sheet's path, nobody at the keyboard, no waiting, a fixed seed."""
+"""Runtime environment of student code: the robot at the sheet's path, empty answers to `input`, no waiting, a fixed seed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MAX_INPUTS = 100
 
 
 def import_libraries() -> None:
-    """Import what every submission needs, pyplot's back end among it: pyplot would wait with that for the first figure."""
+    """Import the libraries that every submission needs, and pyplot's back end, which is otherwise loaded at the first figure."""
     with contextlib.suppress(ImportError):
         import _ssl  # noqa: F401 - see `repeatability`
 
@@ -36,7 +36,7 @@ def import_libraries() -> None:
 
 @contextlib.contextmanager
 def _without_artist_docs() -> Iterator[None]:
-    """matplotlib writes what each kind of artist can be set to into docstrings, a fifth of the time of all imports together."""
+    """Import matplotlib without generating the properties in its docstrings, a fifth of the time of all imports together."""
     from matplotlib import artist as artists
 
     really = artists.kwdoc
@@ -57,7 +57,7 @@ def _share_wrappers() -> None:
 
 
 def use_libraries() -> None:
-    """Use each part once, so that a forked worker pays for no first time."""
+    """Use each library once, so that no forked worker pays for its first use."""
     import matplotlib.pyplot as plt
     import mujoco
     import PIL.Image
@@ -82,7 +82,9 @@ def install(lab_configuration: Mapping[str, Any], *, run_magic: desktop_stubs.Ru
     Parameters
     ----------
     lab_configuration
-        With ``model`` (MJCF), the name of its file ``model_file``, and where the sheet loads its own from, ``sheet_model``.
+        With ``model`` (MJCF), the name of its file ``model_file``, and ``sheet_model``, the path from which the sheet loads it.
+    run_magic
+        Runs the file of a notebook's ``%run``.
     """
     if "model" in lab_configuration:
         _place_model(
@@ -100,6 +102,7 @@ def install(lab_configuration: Mapping[str, Any], *, run_magic: desktop_stubs.Ru
 
 
 def _place_model(sheet: pathlib.PurePosixPath, file: str, model: str) -> None:
+    """Write the model where the sheet expects it, and redirect other paths with its name to that file."""
     path = pathlib.Path(sheet.parent, file)
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -108,9 +111,9 @@ def _place_model(sheet: pathlib.PurePosixPath, file: str, model: str) -> None:
 
 
 def _redirect_model(place: str, sheets_name: str) -> None:
-    """Redirect each missing path that ends in the name of the model to the model: for loading, reading and `os.stat`.
+    """Redirect each missing path that ends in the model's name to the model, in `open`, `os.stat` and MuJoCo's loaders.
 
-    The name on the sheet is redirected, too, whatever robot is graded on.
+    The name on the sheet is redirected, too, if an instructor's robot has another name.
     """
     import mujoco
 
@@ -161,7 +164,7 @@ def _redirect_model(place: str, sheets_name: str) -> None:
 
 
 def _make_parent_folder(file: Any) -> None:
-    """Create the folder of a file that student code writes: it may exist on the student's computer, but no archive has it empty."""
+    """Create the folder of a file that student code writes. It may exist on the student's computer; archives lack empty folders."""
     if isinstance(file, str | os.PathLike):
         with contextlib.suppress(OSError, ValueError, TypeError, RecursionError):
             os.makedirs(os.path.dirname(os.fspath(file)) or ".", exist_ok=True)
@@ -171,12 +174,13 @@ _HOME = "."
 
 
 def remember_folder(folder: str) -> None:
-    """Remember the scratch folder: student code may change the working directory."""
+    """Remember the scratch folder, because student code may change the working directory."""
     global _HOME  # noqa: PLW0603 - one process, one submission
     _HOME = folder
 
 
 def _answer_input() -> None:
+    """Make `input` print its prompt and return an empty line, a hundred times at most."""
     asked = 0
 
     def answer(prompt: object = "") -> str:
@@ -194,7 +198,7 @@ _STEP_S = 2e-4  # about what a step and the reading of two sensors take
 
 
 def _disable_hooks() -> None:
-    """Leave trace, profile and audit hooks of student code out: what raises in one would end a statement of ours."""
+    """Ignore trace, profile and audit hooks of student code: an error in one would end a statement of the grader's."""
     vars(sys).update(settrace=_no_hook, setprofile=_no_hook, addaudithook=_no_hook)
     monitoring = getattr(sys, "monitoring", None)  # since Python 3.12
     if monitoring is not None:
@@ -206,7 +210,7 @@ def _no_hook(*args: Any) -> None:
 
 
 def _exit_on_own_signals() -> None:
-    """Make a process end that signals itself: the first process of a PID namespace would ignore its own signals."""
+    """Make a process that signals itself exit: the first process of a PID namespace would ignore its own signals."""
 
     def kill(pid: int, number: int) -> None:
         default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
@@ -256,7 +260,7 @@ class _RunRecorder:
             self._read_state(model, data, self._left)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The first state, how many steps were made, and the later changes: at which steps, and to which states."""
+        """Return the first state, the number of steps, and the later changes: before which steps, and to which states."""
         if not self._first:
             return {}
         states = np.array([state for _, state in self._changes]).reshape(-1, len(self._left))
@@ -278,7 +282,7 @@ def _forces(data: Any) -> np.ndarray:
 
 
 def _state_reader() -> Callable[[Any, Any, np.ndarray], None]:
-    """Reads positions, velocities and applied forces, one after the other: a tenth of the time that copies of each take."""
+    """Return a function that copies positions, velocities and applied forces into one array, ten times faster than separately."""
     import mujoco
 
     state, read = mujoco.mjtState, mujoco.mj_getState
@@ -291,19 +295,20 @@ _RECORDER: _RunRecorder | None = None
 
 
 def watch_next_run() -> None:
-    """Note how the next run goes: a hint for the grader, which runs it again elsewhere before it believes it."""
+    """Record the next simulation run. The grader simulates it again elsewhere before it uses the record."""
     global _RECORDER  # noqa: PLW0603 - one process, one submission
     _RECORDER = _RunRecorder()
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """Return the notes of the run, and stop taking notes."""
+    """Return the record of the run, and stop recording."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
     return course.arrays() if course else {}
 
 
 def _watch_steps() -> None:
+    """Replace MuJoCo's step functions by ones that advance the clock and record the run."""
     import mujoco
 
     def watched(step: Callable[..., Any], *, begins: bool, ends: bool) -> Callable[..., Any]:

@@ -1,4 +1,4 @@
-"""Telling what a student's code raised: type, message, and the place in the student's own file."""
+"""Describe an exception of the student's code: type, message, and the place in the student's own file."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ _OWN_PREFIX = "<submission>/"  # the file name that compiled student code carrie
 
 
 def own_name(path: str) -> str:
+    """Return the file name that compiled student code carries: a fixed prefix and the path in the submission."""
     return _OWN_PREFIX + path
 
 
 def path_of(own: str) -> str:
-    """The submission's path of a file name that `own_name` made."""
+    """Return the path in the submission from a file name that `own_name` made."""
     return own.removeprefix(_OWN_PREFIX)
 
 
@@ -32,7 +33,7 @@ def is_own(name: str) -> bool:
 
 
 def fault_at(path: str, line: int, message: str) -> dict[str, Any]:
-    """Facts as `describe` has them, of a line that raised nothing."""
+    """Return facts in the form of `describe` for a line that did not raise."""
     return {"type": "", "message": message, "file": path[:200], "line": line, "text": None, "name": None}
 
 
@@ -78,17 +79,17 @@ def describe(error: BaseException) -> dict[str, Any]:
 
 
 def type_name(error: BaseException) -> str:
-    """The name of an exception's type, whatever a metaclass of the student's says it is."""
+    """Return the name of an exception's type, even if its metaclass defines `__name__`."""
     return str(_NAME_OF_TYPE(type(error)))[:100]
 
 
 def is_a(error: BaseException, kind: type[BaseException]) -> bool:
-    """Return whether an exception is of a type; `isinstance` would ask its `__class__`, which may be student code."""
+    """Return whether an exception is of a type. `isinstance` would ask its `__class__`, which may be student code."""
     return issubclass(type(error), kind)
 
 
 def attribute_of(error: BaseException, name: str, kind: type[T]) -> T | None:
-    """An attribute of an exception; None where it is of another kind, or where the student's code computes it and raises."""
+    """Return an attribute of an exception; None if it is of another type, or if student code computes it and raises."""
     try:
         value = getattr(error, name, None)
     except BaseException:
@@ -97,7 +98,7 @@ def attribute_of(error: BaseException, name: str, kind: type[T]) -> T | None:
 
 
 def _line_with_caret(error: BaseException) -> str:
-    """The line that is no Python, and a caret below the place where Python gave up, if it says so."""
+    """Return the line with the syntax error, and below it a caret at the column that Python names."""
     filename, lineno = attribute_of(error, "filename", str) or "", attribute_of(error, "lineno", int) or 0
     whole = (attribute_of(error, "text", str) or linecache.getline(filename, lineno)).rstrip()
     line = whole.lstrip()
@@ -106,7 +107,7 @@ def _line_with_caret(error: BaseException) -> str:
 
 
 def message_of(error: BaseException) -> str:
-    """Return an exception's message, without what differs from run to run."""
+    """Return an exception's message with addresses masked, at most 400 characters."""
     try:
         text = str(error)
     except BaseException:  # __str__ is the student's code

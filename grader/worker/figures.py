@@ -1,7 +1,6 @@
-"""Facts taken off a live matplotlib figure at the moment when it is saved or shown.
+"""Extract facts from a live matplotlib figure at the moment when it is saved or shown. Nothing is judged here.
 
-Extract the facts, then judge the facts (elsewhere): axes with their labels, titles, legends and texts, every curve with its
-data and colour, and what the call to `savefig` asked for; and the witness, pixels of what was drawn. They are not judged here.
+The facts are axes with labels, titles, legends and texts, and every curve with its data and colour.
 """
 
 from __future__ import annotations
@@ -28,6 +27,13 @@ _MAX_INKS = 8
 
 
 def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
+    """Return the facts of a figure; arrays go into the packer.
+
+    Raises
+    ------
+    OverriddenArtistError
+        If student code answers in place of an artist.
+    """
     artist_facts.reject_overrides(figure, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
     artists = [text for part in (figure, *_subfigures(figure)) for text in part.texts]
@@ -44,7 +50,7 @@ def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
 
 
 def _subfigures(figure: Any) -> Iterator[Any]:
-    """The parts of a figure, and theirs."""
+    """Yield all subfigures, nested ones included."""
     for part in figure.subfigs:
         yield part
         yield from _subfigures(part)
@@ -88,7 +94,7 @@ def _axes(axes: Any, packer: Packer) -> dict[str, Any]:
 
 
 def _subfigure_texts(axes: Any, behind: Any) -> dict[str, str]:
-    """Return a subfigure's texts for all its panels; those of the whole figure are reported by themselves."""
+    """Return the texts of the subfigure that holds a panel; empty for the whole figure, whose texts are reported by themselves."""
     part = axes.get_figure()
     whole = part is part.canvas.figure
     artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
@@ -97,7 +103,7 @@ def _subfigure_texts(axes: Any, behind: Any) -> dict[str, str]:
 
 
 def _legends(axes: Any, behind: Any) -> list[dict[str, Any]] | None:
-    """The legend of a panel, and those of the part of a figure that it stands in."""
+    """Return the legend entries of a panel and of the subfigure that holds it; None without a legend."""
     own, part = axes.get_legend(), axes.get_figure()
     around = [] if part is part.canvas.figure else list(part.legends[:4])
     artist_facts.reject_overrides(*around)
@@ -126,6 +132,7 @@ def _points_on(line: Any) -> int:
 
 
 def _style_of_line(line: Any) -> tuple[str, ...]:
+    """Return what distinguishes a line for a reader: colour, line style, marker, width."""
     return _colour(line.get_color()), str(line.get_linestyle()), str(line.get_marker()), _stroke(line)
 
 
@@ -137,11 +144,12 @@ def _points_in(artist: Any) -> int:
 
 
 def _style_of_points(points: Any) -> tuple[str, str]:
+    """Return what distinguishes scattered points for a reader: colour and size."""
     return _colour(_face(points)), _masked_text(points.get_sizes()[:1])
 
 
 def _curves_drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
-    """Yield points and colour of every curve of artists that are no lines: collections of lines, stairs, scattered points."""
+    """Yield points and colour of each curve in artists that are not lines: line collections, stairs, scattered points."""
     from matplotlib.collections import Collection, LineCollection
     from matplotlib.patches import StepPatch
 
@@ -165,7 +173,7 @@ def _curves_drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray
 
 
 def _plain_floats(values: Any) -> np.ndarray:
-    """Numbers of an artist, masked ones as NaN."""
+    """Return an artist's numbers as floats, with NaN for masked ones."""
     filled: np.ndarray = np.ma.asarray(values, dtype=float).filled(np.nan)
     return filled
 
@@ -235,7 +243,7 @@ def _opacity(artist: Any) -> float:
 
 
 def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
-    """The colours of a collection's points or of its lines, and how wide it draws."""
+    """Return the colours of a collection's points or lines, and the width that it draws."""
     from matplotlib.collections import Collection, LineCollection
 
     if isinstance(artist, Collection) and not isinstance(artist, LineCollection):
@@ -249,7 +257,7 @@ def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
 
 
 def _inks(colours: Iterable[Any]) -> list[str]:
-    """Return each colour once, with its opacity; none where there are so many that any could be meant."""
+    """Return each colour once, with its opacity; an empty list if there are too many to tell which is meant."""
     from matplotlib.colors import to_hex
 
     inks: dict[str, None] = {}
@@ -276,7 +284,7 @@ def _colour(colour: Any) -> str:
 
 
 def _legend(legend: Any, behind: Any) -> list[dict[str, Any]]:
-    """Entries as a reader sees them: the words, and the colour and stroke of the sample beside them."""
+    """Return the entries of a legend: text, and colour and stroke of the sample beside it."""
     handles = getattr(legend, "legend_handles", None) or getattr(legend, "legendHandles", [])
     pairs = list(zip(legend.get_texts()[:_MAX_CURVES], handles, strict=False))
     artist_facts.reject_overrides(*(artist for pair in pairs for artist in pair))
@@ -298,6 +306,7 @@ def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
 
 
 def _text_with_place(text: Any) -> dict[str, Any]:
+    """Return a text with its position and colour; for an annotation the position of the point that it names."""
     from matplotlib.text import Annotation
 
     where = text.xy if isinstance(text, Annotation) else text.get_position()  # an annotation may stand beside its point
@@ -310,4 +319,5 @@ def _text_with_place(text: Any) -> dict[str, Any]:
 
 
 def _masked_text(text: object) -> str:
+    """Return at most 200 characters of a text, with memory addresses masked."""
     return faults.mask_addresses(str(text))[:200]

@@ -10,7 +10,7 @@ from . import statements
 
 
 def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield each wanted name that these statements do not bind, with the one definition whose name is nearly that."""
+    """Yield each required name that the statements do not define, with the one definition whose name is nearly the same."""
     missed = set(wanted).difference(*map(statements.bound, nodes))
     for name in sorted(missed):
         kind = ast.ClassDef if name[0].isupper() else ast.FunctionDef
@@ -20,9 +20,9 @@ def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[t
 
 
 def is_near(own: str, name: str) -> bool:
-    """Return whether two names differ in case and underscores, and in one letter beyond that.
+    """Return whether two names differ only in case, underscores and at most one letter.
 
-    One letter is another, missing, too many, or exchanged with its neighbour.
+    The letter may be different, missing, additional or exchanged with its neighbour.
     """
     own, name = (each.casefold().replace("_", "") for each in (own, name))
     shorter, longer = sorted((own, name), key=len)
@@ -40,7 +40,7 @@ members_of = type.__dict__["__dict__"].__get__
 
 
 def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:
-    """Let the one method of a class whose name is nearly a wanted ``Class.method`` be called by that; `known` collects which."""
+    """Give a class's method the required name if exactly one method has nearly that name; record the alias in `known`."""
     for each in wanted:
         kind, _, method = each.partition(".")
         if kind == name:
@@ -53,6 +53,6 @@ def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known:
 
 
 def _members(own: Any) -> set[str]:
-    """Return the names of what a class and its bases hold; none of what is no class."""
+    """Return the names that a class and its bases define; empty for anything that is no class."""
     kinds = type.mro(own) if issubclass(type(own), type) else ()
     return {member for kind in kinds for member in members_of(kind) if type(member) is str}

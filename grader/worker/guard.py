@@ -1,8 +1,8 @@
-"""Guard the worker code against changes by student code: keep NumPy and the built-in functions apart, and notice changes.
+"""Guard the worker code against changes by student code: a private copy of NumPy and of the built-ins, and a check for changes.
 
-Student code runs in the same process, so this is no security boundary. A patch of NumPy or of a built-in function, whether
-meant as a trick or as a convenience, does not change what is measured; a submission that rewrites the worker code through
-its frames or in memory gets no answer accepted. Decisions rest on measurements outside this process wherever possible.
+Student code runs in the same process, so this is no security boundary. A patch of NumPy or of a built-in function, intended or not,
+does not change what is measured. If a submission rewrites the worker code through frames or memory, none of its answers is
+accepted. Where possible, decisions rest on measurements outside this process.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from typing import Any
 
 
 class ChangedError(RuntimeError):
-    """The worker code is not what it was when it was loaded."""
+    """The worker code differs from what was loaded."""
 
 
 class Guard:
-    """The worker code's functions and classes as they were before any of the student's code ran."""
+    """Record of the worker code's functions and classes before any student code ran."""
 
     def __init__(self, package: str) -> None:
         self._modules = [
@@ -28,7 +28,7 @@ class Guard:
         self._known = [member for module in self._modules for member in _members(module)]
 
     def _keep_numpy(self) -> None:
-        """Give each module a numpy whose names nobody else can set."""
+        """Give each worker module a copy of the numpy module that student code cannot reach."""
         import numpy
 
         own = types.ModuleType("numpy")
@@ -38,12 +38,12 @@ class Guard:
                 vars(module)["np"] = own
 
     def hide(self) -> None:
-        """Take the worker code off the list of modules: it goes on without it."""
+        """Remove the worker code from `sys.modules`, so that student code cannot import it."""
         for module in self._modules:
             sys.modules.pop(module.__name__, None)
 
     def check(self) -> None:
-        """Raise ChangedError where a function or a method was exchanged."""
+        """Raise ChangedError if a function or a method was replaced."""
         for names, name, value, code in self._known:
             now = names.get(name)
             if now is not value or (code is not None and now.__code__ is not code):
@@ -55,7 +55,7 @@ Member = tuple[Mapping[str, Any], str, Any, types.CodeType | None]
 
 
 def _members(module: types.ModuleType) -> Iterator[Member]:
-    """Functions and classes of a module, and the methods of its own classes."""
+    """Yield the functions and classes of a module, and the methods of its own classes."""
     for name, value in vars(module).items():
         if isinstance(value, types.FunctionType | type | types.ModuleType):
             yield vars(module), name, value, getattr(value, "__code__", None)

@@ -1,4 +1,4 @@
-"""Curves that were drawn piece by piece: one point or one segment a call, or one segment a shade."""
+"""Join curves that were drawn piece by piece: one point or segment per call, or one segment per shade."""
 
 from __future__ import annotations
 

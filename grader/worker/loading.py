@@ -33,9 +33,9 @@ from . import (
 from .missing_imports import MissingImports
 from .submission import STATE
 
-_MAX_PATHS = 4000  # files of a submission and those that its notebooks write: the list of them fits into an answer
-_MAX_OUTLINED = 100  # files that define one of the names that are asked for
-_FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
+_MAX_PATHS = 4000  # most files of a submission with those that its notebooks write; their list fits into an answer
+_MAX_OUTLINED = 100  # most files that an outline lists
+_FOLDER = "course/labs/lab-04-01"  # folder of the submission; programs may look for files some folders above their own
 
 
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -119,7 +119,7 @@ def _write(path: str, content: bytes) -> None:
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
-    """Loader of a student's file that keeps the definitions of a file with errors for the files that import it."""
+    """Loader of a student's file that keeps the definitions of a file with errors, so that other files can import them."""
 
     def exec_module(self, module: types.ModuleType) -> None:
         path = Path(self.path).relative_to(STATE.folder).as_posix()

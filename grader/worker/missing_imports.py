@@ -14,7 +14,14 @@ from typing import Any
 
 from . import name_analysis, statements
 
-_BRING_NAMES = ("exec", "globals", "vars", "locals", "setattr", "get_ipython")  # unseen; so may a cell that waits
+_BRING_NAMES = (
+    "exec",
+    "globals",
+    "vars",
+    "locals",
+    "setattr",
+    "get_ipython",
+)  # may define names that the analysis misses
 
 
 class MissingImports:

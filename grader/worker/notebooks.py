@@ -1,4 +1,4 @@
-"""Reading notebooks: their code cells as plain Python, with what they hold beside it made harmless."""
+"""Read notebooks: their code cells as plain Python, with magics and shell lines removed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import json
 import re
 from typing import Any
 
-_MOST_MAGICS = 300  # in a cell, which is parsed again after each
+_MOST_MAGICS = 300  # most magics that are replaced in a cell; the cell is parsed again after each
 _TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
 _TIMED = re.compile(r"%(?:time|timeit)\b(?:\s+-[a-z]+(?:\s*\d+)?)*\s*")  # and its options, up to what is timed
 _SHELL_ASSIGNMENT = re.compile(r"^(\s*[\w, ]+=\s*)([!%]).*$")
@@ -17,12 +17,12 @@ _WRITES = re.compile(  # /content is where a notebook is at home in Colab; no pa
 
 
 def code_cells(content: bytes) -> list[str]:
-    """The code cells of a notebook as plain Python; ValueError where it is no notebook."""
+    """Return the code cells of a notebook as plain Python; raise ValueError if it is no notebook."""
     return [plain_python(source) for source in raw_cells(content)]
 
 
 def raw_cells(content: bytes) -> list[str]:
-    """The code cells of a notebook (format 3 or 4) as they stand; ValueError where it is no notebook."""
+    """Return the code cells of a notebook (format 3 or 4) unchanged; raise ValueError if it is no notebook."""
     book = json.loads(content.decode("utf-8-sig"))
     if not isinstance(book, dict):
         raise ValueError("a notebook is a JSON object")
@@ -39,7 +39,7 @@ def _source(cell: dict[str, Any]) -> str:
 
 
 def files_written(content: bytes) -> dict[str, str]:
-    """Return the Python files that ``%%writefile`` cells write, by path; ValueError where it is no notebook."""
+    """Return the Python files that ``%%writefile`` cells write, by path; raise ValueError if it is no notebook."""
     files: dict[str, str] = {}
     for source in raw_cells(content):
         head, _, body = source.lstrip().partition("\n")
@@ -50,9 +50,9 @@ def files_written(content: bytes) -> dict[str, str]:
 
 
 def plain_python(cell: str) -> str:
-    """A cell without magics, shell lines and help marks; line numbers stay what they were.
+    """Return a cell without magics, shell lines and ``?`` marks. Line numbers do not change.
 
-    Only lines that the parser stops at are taken for one: a `%` may as well begin a line within brackets.
+    A line is replaced only if the parser rejects it, because a valid line may begin with ``%`` inside brackets.
     """
     first = cell.lstrip().split("\n", 1)[0].strip()
     if first.startswith("%%") and not first.startswith(_TRANSPARENT):
@@ -66,7 +66,7 @@ def plain_python(cell: str) -> str:
 
 
 def _rejected_line(lines: list[str]) -> int | None:
-    """The index of the line that the parser stops at, or of the first of those that it continues."""
+    """Return the index of the line that the parser rejects, or of the first line that it continues; None if the cell parses."""
     try:
         ast.parse("\n".join(lines))
     except SyntaxError as error:
@@ -96,6 +96,7 @@ def _replace_magic(lines: list[str], at: int) -> bool:
 
 
 def _plain_line(line: str) -> str:
+    """Return plain Python in place of a magic or shell line; any other line unchanged."""
     start = line.lstrip()
     indent = line[: len(line) - len(start)]
     if timed := _TIMED.match(start):

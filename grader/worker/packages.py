@@ -1,7 +1,7 @@
-"""Submissions that are written as a package: their files import each other by the package's name, or from a dot.
+"""Import finder for submissions written as a package, whose files import each other by the package's name or from a dot.
 
-The lab's files lie in the scratch folder itself, whatever folder they were handed in below. So the package that they speak of
-is made here, and `package.filters` is the module `filters`.
+The lab's files lie in the scratch folder itself, whatever folder they were submitted in. So the package is made here, and
+`package.filters` is the module `filters`.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from collections.abc import Callable, Iterable
 from types import ModuleType
 from typing import Any
 
-_OWN = "handed_in"  # what a dot means
-_AMBIGUOUS = "filters"  # scipy, scikit-image and others have such a module, too
+_OWN = "handed_in"  # name of the package for relative imports
+_AMBIGUOUS = "filters"  # not used to recognize a package: scipy, scikit-image and others have such a module, too
 
 
 def imported_packages(sources: Iterable[str], paths: Iterable[str], required: Iterable[str]) -> set[str]:
-    """The packages out of which these sources import files of the submission, or those that it should have."""
+    """Return the package names under which these sources import files of the submission, or required files that are missing."""
     modules = {*required, *(path.split("/")[0].removesuffix(".py") for path in paths)} - {_AMBIGUOUS}
     imports = re.compile(
         r"^[ \t]*(?:from|import)[ \t]+\.*([^\W\d][\w.]*?)(?:\.|[ \t]+import\b[ \t]*(?:\(\s*)?(?:\w+\s*,\s*)*)"
@@ -32,19 +32,19 @@ def imported_packages(sources: Iterable[str], paths: Iterable[str], required: It
 
 
 def make_imports_absolute(tree: ast.Module, path: str) -> None:
-    """Let a file import from the folder of the submission, or one above, which it takes for a package, by plain names."""
+    """Replace relative imports that leave the file's folder by imports of plain names."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level > path.count("/"):
             node.level, node.module = 0, node.module or _OWN
 
 
 class PackageFinder:
-    """Finds the submission as a package, and in it its files; the last to be asked, after all that is installed.
+    """Import finder for the submission as a package. It is asked last, after everything that is installed.
 
     Parameters
     ----------
-    names : tells what the package is called, as `imported_packages` does; asked once, where an import finds nothing else
-    load_init : makes the loader of the package's ``__init__.py``, or None where there is none
+    names : returns the names of the package, as `imported_packages` does; called once, when an import finds nothing else
+    load_init : returns the loader of the package's ``__init__.py``; None if there is none
     """
 
     def __init__(self, names: Callable[[], set[str]], load_init: Callable[[str], Any]) -> None:
@@ -69,7 +69,10 @@ class PackageFinder:
         return importlib.machinery.ModuleSpec(name, _Alias(module)) if package else None
 
     def _package(self, name: str) -> Any:
-        """The loader of the package, whichever name it is first asked for by, or of one that it lies in."""
+        """Return the loader of the package under the name that is imported first; an alias for its other names.
+
+        Return None for an outer package, which has no file.
+        """
         if name in self._around:
             return None
         first = next(made for made in self._made if made in self._own)
@@ -77,7 +80,7 @@ class PackageFinder:
 
 
 class _Alias(importlib.abc.Loader):
-    """A module of the submission under its name in the package; it is run once."""
+    """Loader of a submission's module under its name in the package; the module runs once."""
 
     def __init__(self, name: str) -> None:
         self._name = name

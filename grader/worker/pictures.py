@@ -12,8 +12,11 @@ _MAX_PIXELS = 40_000_000
 _THUMBNAIL = 160
 _PREVIEW = 640
 _COLOURS = 256
-_MANY = 65_536  # colours: a figure has 20,000, as a JPEG 35,000
-_GROUNDS, _SHADES = 4, 16  # colours of paper and the like, told apart in steps
+_MANY = 65_536  # colours of a photograph; a figure has 20,000, as a JPEG 35,000
+_GROUNDS, _SHADES = (
+    4,
+    16,
+)  # number of background colours, and the step in which colours are rounded before they are counted
 
 
 def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Record what a submission saves and shows: each figure's facts at that moment."""
+"""Record the figures that a submission saves and shows: the facts of each at that moment."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _RAW = ("raw", "rgba")
 
 
 class Recorder:
-    """The figures saved and shown since the last `take`."""
+    """Figures saved and shown since the last `take`."""
 
     def __init__(self) -> None:
         self._drawn: list[saved.RecordedFigure] = []
@@ -30,7 +30,7 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """The facts so far, those of figures that are still open and were never saved among them; then start anew.
+        """Return the recorded facts, including those of figures that are still open and were never saved, and start anew.
 
         Returns
         -------
@@ -61,7 +61,7 @@ class Recorder:
         kind: str = "",
         seen: drawing.Preview | None = None,
     ) -> None:
-        """Take the facts; `seen` where the figure was looked at already."""
+        """Record the facts of a figure; `seen` is its small picture if it was drawn already."""
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
         again = known and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure

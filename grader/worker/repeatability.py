@@ -1,6 +1,6 @@
-"""Repeatable sources of randomness, time and identity for student code: the same bytes get the same grade on a busy machine, too.
+"""Replace randomness, time and identity by repeatable sources, so that the same bytes get the same grade on a busy machine.
 
-Libraries keep the real clocks and identifiers where a wait or a lock depends on them, so these sources ask who calls.
+Libraries keep the real clocks and identifiers, because a wait or a lock depends on them: each source checks who calls it.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ _NODE = 0x0242AC110002  # network address in the UUIDs of kind 1
 
 
 class _Clock:
-    """Time as student code finds it: it moves with pauses, with simulated steps and a little with each look at it.
+    """Clock of student code: it advances with pauses, with simulated steps, and a little with each reading.
 
-    So a loop that goes by the clock makes as many rounds in every run, whatever else the machine does.
+    So a loop that runs for some seconds makes the same number of rounds in every run, whatever else the machine does.
     """
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ CLOCK = _Clock()
 
 
 class _Bytes:
-    """Random bytes from SHAKE-128 over a counter: no statistic tells them from the kernel's, and they are the same in each run."""
+    """Random bytes from SHAKE-128 over a counter: statistically like the kernel's, and the same in each run."""
 
     def __init__(self) -> None:
         self.restart(0)
@@ -67,7 +67,7 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Put the repeatable sources in the place of the real ones; programs in `folder` are the student's."""
+    """Replace the real sources by repeatable ones; code in `folder` is the student's."""
     _LIBRARY.own_folder = folder
     _replace_clocks()
     _replace_dates()
@@ -76,7 +76,7 @@ def install(folder: str) -> None:
 
 
 def seed(number: int) -> None:
-    """Seed every generator, so that a regrade draws the same numbers. No verdict rests on it."""
+    """Seed every generator, so that a regrade draws the same numbers. No grade depends on the seed."""
     _BYTES.restart(number)
     random.seed(number)
     np.random.seed(number)
@@ -87,7 +87,7 @@ def seed(number: int) -> None:
 
 
 class _Library:
-    """Tells whether a library calls: its code has the absolute path of its file, a student's file and what it executes has none."""
+    """Test whether a library calls. Library code has an absolute file name; the student's code has none."""
 
     own_folder = "/"
 
@@ -100,7 +100,7 @@ _LIBRARY = _Library()
 
 
 def _replace_clocks() -> None:
-    """Let a pause move the clocks on instead of waiting. What waits by itself goes by `monotonic`, which runs for libraries."""
+    """Let a pause advance the clocks instead of waiting. `monotonic` stays real for libraries, whose waits depend on it."""
 
     def sleep(seconds: float) -> None:
         if seconds < 0:
@@ -138,7 +138,7 @@ def _replace_clocks() -> None:
 
 
 def _replace_dates() -> None:
-    """Let dates and broken-down times go by the clock that student code sees."""
+    """Make dates and broken-down times follow the clock of student code."""
 
     def at(convert: Callable[..., Any]) -> Callable[..., Any]:
         return lambda seconds=None: convert(time.time() if seconds is None else seconds)
@@ -179,7 +179,7 @@ def _replace_dates() -> None:
 def _replace_ids() -> None:
     """Number objects, threads and the process in the order in which student code asks for them.
 
-    An object that was asked for is kept, so that no later object gets its address and with it its number.
+    An object that was asked for is kept alive, so that no later object gets its address and its number.
     """
 
     def numbered(really: Callable[..., int], start: int, step: int) -> Callable[..., int]:
@@ -210,7 +210,7 @@ def _replace_ids() -> None:
 
 
 def _replace_random_bytes() -> None:
-    """Let what asks the system for random bytes draw them from our stream: `os.urandom`, `secrets`, `uuid`, unseeded generators."""
+    """Replace the system's random bytes by our stream: in `os.urandom`, `secrets`, `uuid` and unseeded generators."""
     seed_by = random.Random.seed
 
     def seeded(self: random.Random, a: Any = None, version: int = 2) -> None:

@@ -1,7 +1,7 @@
 """Find which figure each picture file holds at the end, whichever call wrote it.
 
-A file that holds what saving a figure wrote holds that figure. Any other picture is looked at: one that was made of the canvas or
-of a buffer, by Pillow or `imsave`, resembles the figure that it shows.
+A file with the bytes that saving a figure wrote holds that figure. Any other picture, such as one that Pillow or `imsave` made from
+the canvas or a buffer, is compared with the figures: it holds the most similar one.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from .drawing import Preview
 
 PICTURES = (".png", ".jpg", ".jpeg", ".svg", ".pdf", ".webp", ".tif", ".tiff", ".gif")
 _MOST_FILES = 200
-_MOST_READ = 24  # picture files that are looked at
-_LARGEST = 8_000_000  # bytes of a file that is looked at
-_GRID = (60, 48)  # cells that two pictures are compared in
+_MOST_READ = 24  # most picture files that are read
+_LARGEST = 8_000_000  # bytes of the largest file that is read
+_GRID = (60, 48)  # cells in which two pictures are compared
 _MIN_CORRELATION = 0.7
-"""Correlation of what is drawn, cell by cell. Thirty random figures have 0.82 and more with their own canvas in full, and each
-0.55 and less with the canvas of another."""
+"""Smallest correlation of a picture with the figure that it shows, cell by cell. Each of thirty random figures has at least 0.82
+with its own full canvas and at most 0.55 with the canvas of another."""
 
 
 @dataclass
 class RecordedFigure:
-    """A figure with its facts, and what saving it wrote."""
+    """A figure with its facts, its small picture, and the bytes and path of the file that saving it wrote."""
 
     facts: dict[str, Any]
     seen: Preview | None
@@ -37,7 +37,7 @@ class RecordedFigure:
 
 
 def written_pictures(folder: str) -> list[str]:
-    """Names of the picture files below the scratch folder, relative to it."""
+    """Return the names of the picture files below the scratch folder, relative to it."""
     found = []
     for above, _, names in os.walk(folder):
         for path in (Path(above, name) for name in names if os.path.splitext(name)[1].lower() in PICTURES):
@@ -60,11 +60,11 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
 def match_files_to_figures(
     drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]
 ) -> list[dict[str, Any]]:
-    """Tell each figure whether it is still to be found in a file; what other new pictures there are is returned.
+    """Set each figure's event by whether a file still holds it; return the other new pictures that hold no figure.
 
     Parameters
     ----------
-    known : the files that were there before, with what they held
+    known : the picture files that were there before, with their content; updated to the present ones
     """
     files = {name: _read(os.path.join(folder, name)) for name in written_pictures(folder)[:_MOST_READ]}
     held = {content for content in files.values() if content is not None}
@@ -91,7 +91,7 @@ def _read(path: str) -> bytes | None:
 
 
 def _match_picture(name: str, content: bytes | None, drawn: list[RecordedFigure]) -> dict[str, Any] | None:
-    """Tie a picture to the figure that it shows; None where there is one."""
+    """Find the figure that a picture shows and record that it was saved; return the picture's facts if there is no such figure."""
     from PIL import Image
 
     if name.lower().endswith((".svg", ".pdf")) or content is None:
@@ -111,6 +111,7 @@ def _match_picture(name: str, content: bytes | None, drawn: list[RecordedFigure]
 
 
 def _cells(picture: Any) -> np.ndarray:
+    """Return the colours of a picture on a white background, averaged over a coarse grid."""
     from PIL import Image
 
     small = picture.convert("RGBA").resize(_GRID, Image.Resampling.BOX)
@@ -119,6 +120,7 @@ def _cells(picture: Any) -> np.ndarray:
 
 
 def _correlation(cells: np.ndarray, seen: Preview) -> float:
+    """Return the correlation of a picture's grid with a figure's small picture."""
     from PIL import Image
 
     its = _cells(Image.fromarray(seen.pixels))

@@ -1,4 +1,4 @@
-"""Replace parts of a submission: sound stand-ins that the grader sends, and the right names of misspelt ones."""
+"""Replace parts of a submission: sound stand-ins that the grader sends, and aliases for misspelled names."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Make the stand-ins of these names from their source."""
+    """Create the stand-ins from their source, by name."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():
@@ -21,7 +21,7 @@ def define(sources: Mapping[str, str]) -> None:
 
 
 def fill(path: str, names: dict[str, Any]) -> None:
-    """Put stand-ins where a file lacks a name: its definition failed, it was deleted again, or it should be there."""
+    """Put stand-ins where a file lacks a name: its definition failed, was deleted, or should be in this file."""
     lacking = [name for name in STATE.standins if name not in names]
     own = compiling.defined(path) if lacking else set()
     for name in lacking:
@@ -31,12 +31,12 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """The stand-ins of the names that are expected in this module."""
+    """Return the stand-ins of the names that the lab expects in this module."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
 def standin_for(own: Any, name: str) -> Any:
-    """The stand-in for a definition; for a class one with the methods that it has beside the sheet's: a script may call those."""
+    """Return the stand-in for a definition. For a class it keeps the student's additional methods, which a script may call."""
     standin = STATE.standins[name]
     if not (issubclass(type(own), type) and isinstance(standin, type)):
         return standin
@@ -50,7 +50,7 @@ def standin_for(own: Any, name: str) -> Any:
 
 
 def alias_misspelled(path: str, units: list[statements.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Give a file's definitions that are misspelt their right names; where these have stand-ins, the slips stand for them too."""
+    """Give misspelled definitions their right names, and yield both; if a name has a stand-in, the misspelled name gets it, too."""
     for name, own in fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path)):
         if name in STATE.standins:
             names[own] = standin_for(names.get(own), name)

@@ -1,8 +1,8 @@
-"""Running a file statement by statement: one that raises, exits or does not end is stepped over, and what follows it counts.
+"""Run a file statement by statement: a statement that raises, exits or does not end is skipped, and the following ones run.
 
-A statement that takes half of the time that is left is interrupted. One that ends the process, or that nothing here can
-interrupt, is known from outside: before each statement this process writes down where it is, and the next one is told which
-statements it is not to run.
+A statement may take half of the remaining time; then it is interrupted. The grader learns from outside which statement ended the
+process or could not be interrupted: before each statement the process writes its place down. The next process gets the list of
+statements to skip.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from . import faults
 
 _REAL_CLOCK, _CPU_CLOCK = time.monotonic, time.process_time  # student code finds others, see `repeatability`
 _TICK_S = 0.25
-_IDLE_SHARE = 0.02  # of one processor: whoever uses less only waits
+_IDLE_SHARE = 0.02  # of one processor: a process that uses less is waiting
 _HINTS_AS_TEXT = __future__.annotations.compiler_flag
-_MAX_NOTED = 40  # statements of a submission that are told of
+_MAX_NOTED = 40  # most skipped statements of a submission that are reported
 _FUTURE = sum({int(getattr(__future__, name).compiler_flag) for name in __future__.all_feature_names})
 _IMPORTS = (ast.Import, ast.ImportFrom)
 DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
@@ -40,7 +40,7 @@ class OutOfTimeError(BaseException):
 
 
 class MissingName:
-    """Stands for a name that could not be imported or defined; whoever uses it gets the error that told so."""
+    """Placeholder for a name that could not be imported or defined. Using it raises the original error."""
 
     def __init__(self, error: Callable[[], BaseException]) -> None:
         self._error = error
@@ -56,7 +56,7 @@ class MissingName:
 
 @dataclass(frozen=True)
 class Unit:
-    """The unit that is run at once: a statement, or a notebook's cell that awaits something."""
+    """A unit that is run at once: a statement, or a notebook cell that awaits something."""
 
     number: int
     node: ast.stmt
@@ -67,7 +67,7 @@ class Unit:
 
 
 class _Clock:
-    """CPU time, and the time in which the process only waits, since `start`; a statement has half of what is left of it."""
+    """Time limit of statements: CPU time and idle time since `start`. A statement may use half of what is left."""
 
     def __init__(self) -> None:
         self._end_s = self._until_s = self._idle_s = 0.0
@@ -88,7 +88,7 @@ class _Clock:
                 signal.signal(signal.SIGALRM, self._before)
 
     def allow(self) -> None:
-        """Give the statement that is running now half of what is left."""
+        """Give the statement that runs next half of the remaining time."""
         now_s = _CPU_CLOCK() + self._idle_s
         self._until_s = now_s + (self._end_s - now_s) / 2
 
@@ -105,7 +105,7 @@ _CLOCK = _Clock()
 
 
 def _in_student_statement(frame: types.FrameType | None) -> bool:
-    """Return whether a student's statement is running, and not the grader's code between two of them."""
+    """Return whether a student's statement is running, not the grader's code between two statements."""
     while frame is not None and frame.f_code is not StatementRunner._run_unit.__code__:
         if faults.is_own(frame.f_code.co_filename):
             return True
@@ -115,7 +115,7 @@ def _in_student_statement(frame: types.FrameType | None) -> bool:
 
 @contextlib.contextmanager
 def time_limit(within_s: float) -> Iterator[None]:
-    """Statements that run in here share so many seconds."""
+    """Limit the time of all statements that run in this context together."""
     _CLOCK.start(within_s)
     try:
         yield
@@ -127,13 +127,13 @@ def time_limit(within_s: float) -> Iterator[None]:
 
 
 class StatementRunner:
-    """Runs the statements of files, and keeps what was stepped over.
+    """Runner of the statements of files; it records the skipped ones.
 
     Parameters
     ----------
-    skipped : (file, number of the statement) -> why it is not run again
-    place : where in descriptor 1 to write down which statement is running, and how many bytes of room there are
-    wanted : names whose definition is told of when it fails
+    skipped : (file, number of the statement) -> reason why it is not run again
+    place : offset and size of the space in descriptor 1 to which the running statement is written
+    wanted : the required names; a failed statement is recorded with those that it would have defined
     """
 
     def __init__(self, skipped: dict[tuple[str, int], str], place: tuple[int, int], wanted: list[str]) -> None:
@@ -143,7 +143,7 @@ class StatementRunner:
         self.noted: list[dict[str, Any]] = []
 
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
-        """Run these statements of a file among these names; `after` is called after each that has run."""
+        """Run the statements of a file in the namespace `names`; call `after` when each has run."""
         names["__builtins__"] = vars(builtins)  # those that all modules share: the worker's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
             if why := self._skipped.get((path, unit.number)):
@@ -173,9 +173,10 @@ class StatementRunner:
             self._step_over(path, unit, names, raised)
 
     def _step_over(self, path: str, unit: Unit, names: dict[str, Any], raised: BaseException) -> None:
-        """Note a statement that raised, and keep what did not need what is missing: other imports, definitions but for their hints.
+        """Record a statement that raised, and keep what did not depend on the failure.
 
-        Hints are evaluated when somebody asks for them, as Python does from 3.14 on.
+        That is the other names of an import, and a definition without its type hints. From Python 3.14 on, hints are evaluated on
+        demand anyway.
         """
         if isinstance(unit.node, _IMPORTS) and faults.is_a(raised, ImportError):
             self._import_the_rest(path, unit, names, raised)
@@ -208,7 +209,7 @@ class StatementRunner:
             self._run_unit(path, Unit(unit.number, single, _compiled(single, unit.code.co_filename)), names)
 
     def _note(self, path: str, unit: Unit, how: str, why: str | BaseException, within: Collection[str] = ()) -> None:
-        """Keep what was stepped over, what it would have defined of the wanted names, and which of them were running."""
+        """Record a skipped statement, the required names that it would have defined, and those whose code was running."""
         if len(self.noted) >= _MAX_NOTED:
             return
         line = _first_line(unit.node)
@@ -218,11 +219,11 @@ class StatementRunner:
         self.noted.append(told | about | {"within": sorted(within)})
 
     def defined(self, names: dict[str, Any]) -> list[str]:
-        """Return the wanted names that are defined."""
+        """Return the required names that are defined."""
         return [name for name in self.wanted if name in names and not isinstance(names[name], MissingName)]
 
     def _write_place(self) -> None:
-        """Write down the place in case this process does not come back; the file may be closed or full."""
+        """Write the running statement down in case this process ends; the file may be closed or full."""
         at, room = self._place
         said = json.dumps(self._running[-1:]).encode()
         if hasattr(os, "pwrite") and len(said) <= room:
@@ -231,7 +232,7 @@ class StatementRunner:
 
 
 def _as_run(unit: Unit, names: dict[str, Any]) -> list[Unit]:
-    """The unit, or the statements below a main guard: a program runs these as it runs what stands beside the guard."""
+    """Return the unit; for a main guard in a program, the statements below it, which run one by one."""
     node, flags = unit.node, unit.code.co_flags
     if not is_main_guard(node) or names.get("__name__") != "__main__" or flags & CO_COROUTINE:
         return [unit]
@@ -250,7 +251,7 @@ def is_main_guard(node: ast.stmt) -> TypeGuard[ast.If]:
 
 
 def _callables_on(trace: types.TracebackType | None, wanted: Collection[str]) -> set[str]:
-    """Return the wanted functions, or methods of wanted classes, that were running."""
+    """Return the required functions, and classes of methods, that were running."""
     found: set[str] = set()
     while trace is not None:
         code, names = trace.tb_frame.f_code, trace.tb_frame.f_globals
@@ -282,7 +283,7 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 
 
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
-    """The statements of a file, compiled; SyntaxError where it does not compile as a whole."""
+    """Return the statements of a file, compiled; raise SyntaxError if the file as a whole does not compile."""
     flags |= _future_flags(tree)
     if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _awaits(tree) and tree.body:
         whole: types.CodeType = compile(tree, name, "exec", flags, dont_inherit=True)
@@ -297,7 +298,7 @@ def _compiled(node: ast.stmt, name: str, flags: int = 0) -> types.CodeType:
 
 
 def _is_text(node: ast.stmt) -> bool:
-    """Return whether a statement is a constant alone; compiled by itself, a text would become a module docstring."""
+    """Return whether a statement is only a constant. Compiled by itself, a string would become the module's docstring."""
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
@@ -317,7 +318,7 @@ def _first_line(node: ast.stmt) -> int:
 
 
 def bound(node: ast.AST) -> list[str]:
-    """The names that a statement defines or sets, whichever way it goes; none that it imports."""
+    """Return the names that a statement defines or assigns in any of its branches, without imported names."""
     if isinstance(node, DEFINITIONS):
         return [node.name]
     if isinstance(node, ast.Assign | ast.AnnAssign):

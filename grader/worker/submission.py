@@ -1,4 +1,4 @@
-"""The state of a sandbox's one submission, beside the files in the scratch folder."""
+"""State of the submission that the worker holds, beside its files in the scratch folder."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class _State:
         return sorted(code, key=lambda path: (path.count("/"), path))
 
     def names_expected_in(self, path: str) -> list[str]:
-        """The wanted names that a file defines if anything does: those of its own, and those of files that were not handed in."""
+        """Return the required names that a file may define: its own, and those of required files that were not submitted."""
         homes = {name: f"{home}.py" for name, home in self.homes.items()}
         return [name for name, home in homes.items() if home == path or home not in self.paths]
 
@@ -41,5 +41,5 @@ STATE = _State()
 
 
 def find(name: str, path: str) -> Any:
-    """The object called `name` in the loaded file `path`; KeyError where the grader asks for what is not there."""
+    """Return the object `name` of the loaded file `path`; raise KeyError if there is none."""
     return vars(STATE.modules[path])[name]

@@ -1,7 +1,7 @@
-"""Turning whatever a student's function returned into plain nodes and float arrays that the wire can carry.
+"""Convert what a student's function returned into plain nodes and float arrays, the form that the protocol carries.
 
 A node is a dictionary with a ``kind``: ``array``, ``number``, ``tuple``, ``list``, ``dict``, ``object``, ``text``, ``none``,
-``other`` or ``too_large``. Numbers travel as float64 arrays, named by ``key``.
+``other`` or ``too_large``. Numbers are sent as float64 arrays, named by ``key``.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ _SHORT = 16
 
 
 def numbers(value: Any) -> np.ndarray:
-    """An array or a sequence as float64, for which it may raise; what is masked is no number, whatever stands in its place."""
+    """Return an array or a sequence as float64, with NaN for masked values; raise if that is impossible."""
     if isinstance(value, np.ma.MaskedArray):
         return np.asarray(np.ma.asarray(value, dtype=np.float64).filled(np.nan))
     return np.asarray(value, dtype=np.float64)
 
 
 class Packer:
-    """Collects the arrays of one answer and hands out their names."""
+    """Collector of the arrays of one answer; it names them."""
 
     def __init__(self) -> None:
         self.arrays: dict[str, np.ndarray] = {}
@@ -83,7 +83,7 @@ class Packer:
             return self._table(value, depth) or {"kind": "other", "type": f"{kind} of unequal rows"}
 
     def _table(self, rows: Any, depth: int) -> dict[str, Any] | None:
-        """Rows that are dictionaries of the same keys, or sequences of one length: an object of their columns."""
+        """Return rows with equal keys or equal length as an object of their columns; None for any other rows."""
         first, kinds = rows[0], {type(row) for row in rows}
         if len(kinds) > 1 or not isinstance(first, dict | tuple | list):
             return None

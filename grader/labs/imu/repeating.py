@@ -70,14 +70,16 @@ class Recorder(Student):
     def __init__(self, *args: Any, truth: Traces, **options: Any) -> None:
         super().__init__(*args, truth=truth, **options)
         self.truth = truth
-        self._asking: list[Any] = []
-        self._questions: dict[Any, tuple[str, Mapping[str, Any], Mapping[str, np.ndarray]]] = {}
-        self._looked_at: dict[Any, list[Any]] = {}
+        self._asking: list[Any] = []  # keys of the questions that are being answered, the innermost last
+        self._questions: dict[Any, tuple[str, Mapping[str, Any], Mapping[str, np.ndarray]]] = {}  # by key
+        self._asked_by: dict[
+            Any, list[Any]
+        ] = {}  # a check's id, or a question's key -> keys of the questions that it asked
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
         """Record the question for the check, or for the question that is being answered, and answer it once."""
-        looked_at = self._looked_at.setdefault(self._asking[-1] if self._asking else self.now, [])
-        looked_at += [key] if key not in looked_at else []
+        keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
+        keys += [key] if key not in keys else []
         self._asking.append(key)
         try:
             return super().once(key, ask)
@@ -96,7 +98,8 @@ class Recorder(Student):
         return [Asked(*each, expected=expected(*each[1:], self.truth)) for each in asked]
 
     def _below(self, key: Any) -> Iterator[Any]:
-        for each in self._looked_at.get(key, ()):
+        """Yield the questions that were asked while `key`, a check or a question, was answered, at any depth."""
+        for each in self._asked_by.get(key, ()):
             yield each
             yield from self._below(each)
 

@@ -1,7 +1,7 @@
-"""The proxy that checks talk to: the questions about the lab's five parts, and what came back, as plain arrays.
+"""Ask the submitted code the questions of the lab's five criteria, and return its answers as plain arrays.
 
-A `Student` is one submission under examination. Each question is asked once; sound stand-ins take the place of parts whose
-own checks are over and lost, so that one fault costs once.
+A `Student` is the session about one submission. Each question is asked once. If a criterion lost points, the sandbox replaces its
+functions by sound stand-ins for the criteria that follow, so that one fault is deducted once.
 """
 
 from __future__ import annotations
@@ -42,16 +42,16 @@ class FilterCase:
 
 
 class Student(Plotting):
-    """One submission under examination. What it is asked `called` something is what the charts of a report look up."""
+    """Session about one submission. The charts of a report find an answer by the name that its question has in `called`."""
 
     def read(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        """Readings of every pair of sensors (p, 2) in every state (k, nq), (k, nv) of a model."""
+        """Return the readings of every pair of sensors (p, 2) in every state (k, nq), (k, nv) of a model."""
         becomes = partial(_readings, shape=(len(pairs), len(qpos)))
         arrays = {"qpos": qpos, "qvel": qvel, "pairs": pairs}
         return self.answer(Question("read", "get_imu_readings", becomes, {"model": model}, arrays))
 
     def read_in_new_process(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        """Return the same from a process that has not read before: its counters start again."""
+        """Return the same as `read`, from a new process: a reader that counts its calls starts again."""
         self.end_session()
         return self.read(model=model, qpos=qpos, qvel=qvel, pairs=pairs)
 
@@ -71,9 +71,10 @@ class Student(Plotting):
         return self.answer(Question("simulate", "simulate_and_collect", _collected, fields, arrays), called)
 
     def replay(self, course: Mapping[str, Array], steps: int) -> Array | None:
-        """Return all sensors (steps, n) of the robot in a run as claimed, simulated in a worker of its own.
+        """Simulate a run that the student's process reports again, in another worker; return all sensors (steps, n).
 
-        None where it cannot be simulated: what is said came out of a student's process, and may be anything.
+        `course` is the reported run: its start and the changes of its state. The result is None if it cannot be simulated: a
+        student's process may report anything.
         """
         fields = {"model": self.robot.xml, "steps": steps}
         return self.once(key_of("replay", fields, course), lambda: self._replay(fields, course))
@@ -87,7 +88,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return the readings (steps, 6) of the submission's own reader after each step of such a run; None where it fails."""
+        """Return the readings (steps, 6) of the submission's own reader after each step of such a run; None if it fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -98,7 +99,7 @@ class Student(Plotting):
 
     def noise(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: tuple[float, float],
               biases: tuple[Array, Array] | None, called: str = "") -> NoiseRun:  # fmt: skip
-        """Many reads of one `NoisyIMU` in one state after the other."""
+        """Return many reads of one `NoisyIMU`, in one state after the other."""
         given = {"accel_bias": biases[0], "gyro_bias": biases[1]} if biases else {}
         arrays = {"qpos": qpos, "qvel": qvel, **given}
         return self.answer(
@@ -107,7 +108,10 @@ class Student(Plotting):
 
     def noise_twins(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: Sequence[tuple[float, float]],
                     biases: Array, states: Sequence[int]) -> NoiseRun:  # fmt: skip
-        """A few reads of `NoisyIMU`s from one seed: (twins, reads, 3), for these stds, biases (twins, 2, 3) and rows of states."""
+        """Return a few reads of several `NoisyIMU`s that start from one seed: (twins, reads, 3).
+
+        The instances differ in their standard deviations `stds`, biases (twins, 2, 3) or row of `states`.
+        """
         fields = self._noise_fields(ids, reads, stds[0])
         fields["twins"] = [{"accel_noise_std": accel, "gyro_noise_std": gyro} for accel, gyro in stds]
         fields["states"] = list(states)
@@ -116,11 +120,12 @@ class Student(Plotting):
 
     def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, reads: int,
                      stds: tuple[float, float]) -> NoiseRun:  # fmt: skip
-        """A few reads of many `NoisyIMU` that were given no bias: (instances, reads, 3)."""
+        """Return a few reads of many `NoisyIMU`s that were given no bias: (instances, reads, 3)."""
         fields = self._noise_fields(ids, reads, stds) | {"instances": instances}
         return self.answer(Question("default_bias", "NoisyIMU", _noise_run, fields, {"qpos": qpos, "qvel": qvel}))
 
     def _noise_fields(self, ids: tuple[int, int], reads: int, stds: tuple[float, float]) -> dict[str, Any]:
+        """Return the fields that all questions about a `NoisyIMU` share."""
         return {
             "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1], "reads": reads,
             "accel_noise_std": stds[0], "gyro_noise_std": stds[1],
@@ -146,6 +151,7 @@ class Student(Plotting):
 
 
 def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
+    """Convert the worker's reply to `read`: rows for `shape` = (pairs, states)."""
     calls = [as_reading(node, frame.arrays) for node in frame.fields["calls"]]
     later = [as_reading(node, frame.arrays) for node in frame.fields["later"]]
     oddities = tuple(dict.fromkeys(call.oddity for call in calls if call.oddity))
@@ -163,6 +169,7 @@ def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
 
 
 def _collected(frame: Frame) -> Collection:
+    """Convert the worker's reply to `simulate`; without any series if the student's code raised."""
     fault = Fault.of(frame.fields.get("error"))
     changed = tuple(frame.fields["changed"])
     if fault is not None:
@@ -174,7 +181,10 @@ def _collected(frame: Frame) -> Collection:
 
 
 def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the claimed course of a run; None where it is impossible: a student's process may claim anything."""
+    """Return the run that the student's process reports, by name; empty if it is impossible.
+
+    The worker records it beside student code, which may have changed it.
+    """
     names = ("qpos", "qvel", "gravity", "timestep", "force", "steps", "set_at", "set_qpos", "set_qvel", "set_force")
     claim = {name: arrays[f"first_{name}"] for name in names if f"first_{name}" in arrays}
     sound = len(claim) == len(names) and all(np.isfinite(value).all() for value in claim.values())
@@ -183,6 +193,7 @@ def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _grid(vectors: Sequence[Array | None], shape: tuple[int, ...]) -> Array:
+    """Return vectors as an array of this shape and a last axis of 3; NaN for a missing vector."""
     out = np.full((int(np.prod(shape)), 3), np.nan)
     for row, vector in zip(out, vectors, strict=False):
         row[:] = three(vector)
@@ -190,6 +201,7 @@ def _grid(vectors: Sequence[Array | None], shape: tuple[int, ...]) -> Array:
 
 
 def _noise_run(frame: Frame) -> NoiseRun:
+    """Convert the worker's reply to a question about a `NoisyIMU`."""
     odd = frame.fields["odd"]
     return NoiseRun(
         accel=frame.arrays["accel"],
@@ -206,6 +218,10 @@ def _filter_runs(frame: Frame) -> list[FilterRun]:
 
 
 def _filter_run(answer: Mapping[str, Any], frame: Frame) -> FilterRun:
+    """Convert the worker's answer about one filter case.
+
+    `odd` describes a return value that is no vector; `departs` names parameters that differ from the sheet's.
+    """
     odd = answer["odd"]
     return FilterRun(
         output=frame.arrays[answer["output"]] if answer["output"] else None,

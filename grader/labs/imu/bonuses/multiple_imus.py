@@ -39,7 +39,7 @@ class ImuReadings:
 
 
 def imus(student: Student, *, model: str, qpos: Array, qvel: Array) -> ImuReadings:
-    """Readings of all IMUs of a model in states (k, nq), (k, nv)."""
+    """Return the readings of all IMUs of a model in states (k, nq), (k, nv)."""
     states = {"qpos": qpos, "qvel": qvel}
     return student.answer(Question("imus", "read_all_imus", _readings, {"model": model}, states))
 
@@ -54,7 +54,7 @@ def _readings(frame: Frame) -> ImuReadings:
 
 
 def _by_place(node: Node | None, arrays: Arrays) -> dict[str, Reading]:
-    """Readings by place; capitals and an ending ``_imu`` do not matter."""
+    """Return the readings by the student's name for the place, in lower case and without a final ``_imu``."""
     if node is None or node["kind"] not in ("dict", "object"):
         return {}
     return {name.lower().removesuffix("_imu"): as_reading(item, arrays) for name, item in node["items"]}
@@ -65,30 +65,31 @@ def _by_place(node: Node | None, arrays: Arrays) -> dict[str, Reading]:
 
 @dataclass(frozen=True)
 class World:
-    """The readings in one model, and the truth there: (k, 6) acceleration and angular velocity in k states, by place."""
+    """Readings in one model beside the truth, by place: (k, 6) acceleration and angular velocity in k states."""
 
     got: ImuReadings
     true: Mapping[str, Array]
 
     @cached_property
     def read(self) -> Mapping[str, Array]:
-        """The readings like the truth, of the places that the first call returned; NaN where a number is missing."""
+        """Return the readings (k, 6) of each true place that the first call returned; NaN for a missing number."""
         first = self.got.calls[0] if self.got.calls else {}
         calls = {place: [_six(call.get(place)) for call in self.got.calls] for place in self.true if place in first}
         return {place: np.array(rows) for place, rows in calls.items()}
 
     @property
     def wrong(self) -> list[str]:
+        """Return the places whose readings differ from the truth."""
         return [place for place, rows in self.read.items() if not same(rows, self.true[place], ATOL)]
 
     @property
     def with_numbers(self) -> Mapping[str, Array]:
-        """The first readings that have numbers in them."""
+        """Return the first readings by place, without places whose readings are all NaN."""
         return {place: rows[0] for place, rows in self.read.items() if np.isfinite(rows[0]).any()}
 
     @property
     def changed(self) -> list[str]:
-        """The places with numbers whose first readings changed with the next step."""
+        """Return the places whose first reading changed during the next step: a view into MuJoCo's memory, not a copy."""
         later = self.got.later
         return [
             p for p, row in self.with_numbers.items() if not np.array_equal(_six(later.get(p)), row, equal_nan=True)

@@ -65,7 +65,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes with what it shows: known channels, curves that show none, and channels whose curves nobody sees."""
+    """One set of axes: curves that show a channel, curves of other data (`strange`), and channels whose curves cannot be seen."""
 
     axes: Axes
     shown: tuple[Shown, ...]
@@ -133,7 +133,7 @@ class Plot:
 
     @property
     def hidden(self) -> set[Channel]:
-        """The channels whose curves are drawn, and that nobody sees in any panel."""
+        """The channels that are drawn but can be seen in no panel."""
         return {shown.channel for panel in self.panels for shown in panel.hidden} - self.drawn
 
     @property
@@ -152,19 +152,19 @@ class Plot:
 
     @property
     def own_ticks(self) -> bool:
-        """True if the numbers beside the time axis may be others than those that are drawn."""
+        """True if the code formats the numbers of the time axis itself, so that they may differ from the data."""
         return any(panel.axes.own_ticks for panel in self.panels)
 
     def of_channel(self, channel: Channel) -> list[Shown]:
         return [shown for shown in self.shown if shown.channel == channel]
 
     def in_part(self) -> dict[Channel, float]:
-        """The channels that are drawn over a part of the recorded time alone, with that share of it."""
+        """Return the channels that are drawn over a part of the recorded time only, with that share."""
         drawn = {c: {part for shown in self.of_channel(c) for part in shown.drawn} for c in sorted(self.drawn)}
         return {channel: len(parts) / 100 for channel, parts in drawn.items() if len(parts) < 100 * NEARLY_ALL}
 
     def cut_off(self) -> dict[Channel, float]:
-        """The channels that the limits leave outside for the most part, with the share that is inside."""
+        """Return the channels of which most lies outside the axis limits, with the share that lies inside."""
         shares = {channel: sum(s.share_inside for s in self.of_channel(channel)) for channel in sorted(self.drawn)}
         return {channel: share for channel, share in shares.items() if share < _ENOUGH}
 
@@ -175,13 +175,14 @@ class Plot:
 
 
 def joined(figures: Sequence[Figure]) -> Figure:
-    """Several figures as the panels of one, each with what its own figure says of all its panels."""
+    """Return several figures as the panels of one; each panel keeps the title, labels and legend of its own figure."""
     axes = tuple(_alone(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
     texts = tuple(text for figure in figures for text in figure.texts)
     return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts)
 
 
 def _alone(axes: Axes, figure: Figure, number: int) -> Axes:
+    """Return the axes of one figure for a joint one: with that figure's titles and labels, and a position beside the others."""
     left, low, right, high = axes.position
     return replace(
         axes,
@@ -194,12 +195,16 @@ def _alone(axes: Axes, figure: Figure, number: int) -> Axes:
 
 
 def panels(figure: Figure, series: Mapping[str, Array]) -> list[Panel]:
-    """The axes that hold at least one curve of data."""
+    """Return the axes of a figure that hold at least one curve of data."""
     found = (_panel(axes, series) for axes in figure.visible_axes)
     return [panel for panel in found if panel.shown or panel.strange or panel.hidden]
 
 
 def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
+    """Match the curves of one set of axes with the recorded channels.
+
+    If a channel is drawn twice, one curve hides the other. The hidden one then counts as shown.
+    """
     shown: list[Shown] = []
     hidden: list[Shown] = []
     strange = []
@@ -211,12 +216,13 @@ def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
             (shown if curve.visible else hidden).append(match)
         elif curve.visible and not is_reference(curve):
             strange.append(curve)
-    seen = {match.channel for match in shown}  # one channel drawn twice hides itself
+    seen = {match.channel for match in shown}
     shown += [match for match in hidden if match.channel in seen]
     return Panel(axes, tuple(shown), tuple(strange), tuple(match for match in hidden if match.channel not in seen))
 
 
 def has_curves(figure: Figure) -> bool:
+    """Return whether a figure draws anything with more than two points."""
     return any(curve.n > 2 for axes in figure.visible_axes for curve in axes.curves)
 
 
@@ -231,6 +237,7 @@ def is_reference(curve: Curve) -> bool:
 
 
 def _channel(curve: Curve, series: Mapping[str, Array]) -> Shown | None:
+    """Return the channel that a curve shows, tried for every meaning of x, sensor, axis and unit; None if it shows none."""
     if len(curve.y) < FEWEST_POINTS:
         return None
     time = series["time"]
@@ -275,7 +282,7 @@ def factor_of(shown: Shown) -> str:
 
 
 def unit_in(rows: Array, true: Array, sensor: int) -> str:
-    """The unit in which rows (n, 3) are as large as the true ones (m, 3), to a tenth; empty where they are in none."""
+    """Return the unit in which rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if there is none."""
     size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
     return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
 
@@ -296,11 +303,12 @@ def names_of(panel: Panel, figure: Figure) -> list[str | None]:
 
 
 def _beside(shown: Shown, texts: Sequence[Placed]) -> str | None:
-    """Return a text in a colour of its own that names the curve's axis; nobody can tell which curve of several it is next to."""
+    """Return the first of these texts of the panel that names the curve's axis; None without one."""
     return next((text.text for text in texts if axis_of(text.text) == shown.axis), None)
 
 
 def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> str | None:
+    """Return the legend entry whose sample looks most like the curve, else a text in its colour; None without one."""
     alike = [e for e in entries if e.colour == curve.colour]
     most = max((_likeness(e, curve) for e in alike), default=None)
     for entry in (e for e in alike if _likeness(e, curve) == most):

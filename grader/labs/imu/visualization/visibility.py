@@ -1,8 +1,8 @@
 """Visibility of each curve in the small picture of a figure.
 
-Limits, data and colours are a claim; from them follows where each curve stands in the picture that was drawn. A point counts as
-seen if the picture, near the place of the point, goes from what is around it towards the curve's colour. So a curve that was never
-drawn, lies under something else, or has the colour of the background is not seen.
+Axis limits, data and colours are what the student's process reports. They say where each curve must be in the picture. A point
+counts as seen if the pixels near it differ from their surroundings towards the curve's colour. So a curve is not seen if it was
+never drawn, lies under something else, or has the colour of the background.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ _NO_STROKE = ("None", "none", "", " ")
 
 
 class Patience:
-    """Budget of pixels that are looked at for one answer; one that asks for more is not believed.
+    """Budget of pixels that are examined for one answer. The check fails for an answer that needs more.
 
-    Most honest ones need half a million, the largest of the corpus 2.3 million.
+    Most honest figures need half a million pixels, the largest of the corpus 2.3 million.
     """
 
     def __init__(self, pixels: int = 30_000_000) -> None:

@@ -1,4 +1,4 @@
-"""The lab's questions, as they run in the sandbox beside a student's code, among the worker's modules."""
+"""The lab's questions: the functions that run in the sandbox beside a student's code, by operation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The experiments of the sheet's extensions."""
+"""Questions about the sheet's extensions."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def tilt(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``cases`` : per case ``output`` (array name, (n, 2) roll and pitch, fewer rows where it raised; NaN where an update gave no two
-        numbers), ``odd`` (the first such value) and ``error``.
+    ``cases`` : for each case ``output`` (array name, (n, 2) roll and pitch, fewer rows if it raised; NaN if an update did not
+        return two numbers), ``odd`` (the first such value) and ``error``.
     """
     kind = submission.find("ComplementaryFilter", fields["path"])
     packer = Packer()
@@ -55,7 +55,7 @@ def _tilt_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: 
 
 
 def _roll_and_pitch(value: Any) -> tuple[float, float]:
-    """The two angles in whatever came back: a pair, a longer sequence, a dictionary, an object; NaN where there are none."""
+    """Return the two angles of a pair, a longer sequence, a dictionary or an object; NaN if there are none."""
     try:
         if hasattr(value, "keys"):
             return _named({str(key): value[key] for key in value.keys()})  # noqa: SIM118 - any mapping
@@ -68,6 +68,7 @@ def _roll_and_pitch(value: Any) -> tuple[float, float]:
 
 
 def _named(members: dict[str, Any]) -> tuple[float, float]:
+    """Return the two angles by the names of the members."""
     roll = next((v for k, v in members.items() if _ROLL.search(k)), np.nan)
     pitch = next((v for k, v in members.items() if _PITCH.search(k)), np.nan)
     return float(roll), float(pitch)
@@ -96,7 +97,7 @@ def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `read_all_imus` in every state; report each answer at once, and the first again after the next step.
+    """Call `read_all_imus` in every state. Report each answer at once, and the first one again after the next step.
 
     Parameters
     ----------
@@ -105,7 +106,7 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : a node per state; ``later`` : the first state's answer, looked at again after the simulation moved on.
+    ``calls`` : a node for each state; ``later`` : the first state's answer, read again after the next step.
     """
     function = submission.find("read_all_imus", fields["path"])
     packer = Packer()

@@ -1,4 +1,4 @@
-"""The arguments of each of the lab's functions, and other names that people use for the parameters."""
+"""Slots of the lab's functions: the arguments of each, and other names that students use for the parameters."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _meaning(pattern: str) -> re.Pattern[str]:
 
 
 def _sensor_patterns(quantity: str, other: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
-    """Words for a quantity of the accelerometer, and of the gyroscope, that speak of no other one."""
+    """Return patterns of parameter names for a quantity of the accelerometer and of the gyroscope, without names of `other`."""
     accel, gyro = (
         rf"^(?!.*({other}))(({own}).*({quantity})|({quantity}).*_({own}))" for own in ("a", "g|w|omega|rate")
     )
@@ -92,15 +92,15 @@ PLOTTER = (
     Slot("title", _meaning("title"), "spare"),
 )
 PLOT_TEXTS = {"file_name": "imu_data.png", "title": "IMU data"}
-"""Words for a plot that asks for them."""
+"""Texts for a plot function that has parameters for them."""
 
 
 class Reader:
-    """A reader, to be called as the sheet does; one that stops at its first ids, and not at the names of these sensors, gets names.
+    """Caller of a student's reader. A reader that fails with ids and works with sensor names is called with names.
 
     Attributes
     ----------
-    departs : what it departs in, known from its first reading on
+    departs : slots in which it departs from the sheet, known after the first reading
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -127,7 +127,7 @@ class Reader:
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return the arguments of a `read` that takes readings: each sensor's present values, and the time since the last ones."""
+    """Return arguments for a `read` that takes readings: each sensor's present values, and the time since the last ones."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
@@ -135,21 +135,21 @@ def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[
 def adapt_collector(
     function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
 ) -> tuple[Callable[..., Any], list[str]]:
-    """A function that simulates, to be called as the sheet does, and what it departs in; it gets the ids where it asks for them."""
+    """Return a `simulate_and_collect` that is called as on the sheet, with ids passed if it asks for them, and its departures."""
     steps = round(duration_s / model.opt.timestep)
     return adapt(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})
 
 
 BETWEEN_S = 0.002
-"""The time step of the sheet's model, for a filter that asks how far its measurements are apart."""
+"""Time between two measurements in s, for a filter that asks for it: the time step of the sheet's model."""
 _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 
 
 def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
     """Return a function that builds a filter from the sheet's options, and where its signature differs from the sheet's.
 
-    One that is made of a cutoff or a time constant gets those of alpha: an RC circuit, sampled by the backward difference, has
-    alpha = dt / (RC + dt) and the cutoff 1 / (2 pi RC).
+    A filter that takes a cutoff or a time constant gets the values that correspond to alpha. For an RC circuit, sampled by the
+    backward difference, alpha = dt / (RC + dt), and the cutoff is 1 / (2 pi RC).
     """
     in_time = None if has_place_for(FILTER[0], kind) else plan_call(kind, _FILTER_IN_TIME)
     if in_time is None or not {"cutoff", "time_constant"} & {*in_time.departs}:

@@ -1,4 +1,4 @@
-"""The low-pass filter under experiment: signals run through it, each case by itself."""
+"""Questions about the low-pass filter: signals run through it, each case by itself."""
 
 from __future__ import annotations
 
@@ -78,6 +78,7 @@ def _filter_case(
 
 
 def _vectors_kept(instance: Any) -> list[tuple[str, np.ndarray]]:
+    """Return copies of the vectors that a filter keeps in its attributes, by name."""
     with suppress(TypeError):
         return [(name, vector.copy()) for name, vector in vectors_in(vars(instance).items())]
     return []
@@ -96,6 +97,7 @@ def _hidden_state(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, 
 def _filtered(
     update: Callable[[np.ndarray], Any], measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
 ) -> tuple[Any, np.ndarray]:
+    """Pass one measurement to the filter; return what came back, and the row of numbers in it (NaN if there is none)."""
     given = measurement.copy()
     value = update(given)
     try:
@@ -112,7 +114,7 @@ def _filtered(
 
 
 def _first_vector(value: Any, measurement: np.ndarray) -> np.ndarray:
-    """The first vector of what came in place of one that is not what was given; NaN where it holds none."""
+    """Return the first vector in a value of another form, other than the measurement itself; NaN if there is none."""
     with suppress(TypeError):
         vectors = [vector.copy() for _, vector in vectors_in(parts_of(value))]
         return next((v for v in vectors if not np.array_equal(v, measurement)), [*vectors, np.full(3, np.nan)][0])

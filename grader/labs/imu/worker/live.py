@@ -1,4 +1,4 @@
-"""Watching `live_plot`: what the curves show, and how far the simulation was, each time that something is shown."""
+"""Questions about `live_plot`: the curves and the simulated time at each moment when a figure is shown."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _MAX_EVENTS = 5000
 _SNAPSHOTS = 8
 _MAX_CURVES = 24
 _MAX_POINTS = 5000
-_FEWEST = 3  # points that make a curve: markers and lines across the panel have fewer
+_FEWEST = 3  # smallest number of points of a curve; markers and lines across the panel have fewer
 
 Curve = tuple[str, np.ndarray, np.ndarray]
 
 
 def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `live_plot` on the lab model, pushed as in Step 3, behind a screen that nobody sees.
+    """Call `live_plot` on the lab model, pushed as in Step 3, with a headless back end that records what is shown.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Returns
     -------
     arrays ``events`` (k, 3): simulated time (s), points drawn, number of changes of the curves so far; ``returned``;
-    ``curves``: of a few moments, each with ``label``, ``x`` and ``y`` (array names), ``moment`` (simulated time).
+    ``curves``: at a few moments, each with ``label``, ``x`` and ``y`` (array names), ``moment`` (simulated time).
     """
     import mujoco
 
@@ -63,7 +63,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 class _PlotRecorder:
-    """Notes what is seen."""
+    """Recorder of the curves that a live plot shows, against the simulated time."""
 
     def __init__(self, data: Any, duration_s: float) -> None:
         self._data, self._start, self._duration_s = data, float(data.time), duration_s
@@ -76,14 +76,14 @@ class _PlotRecorder:
 
     @property
     def simulated(self) -> float:
-        """Simulated time so far, in s, whatever was reset in between."""
+        """Return the simulated time so far in s, also if the program resets the data."""
         return max(self._stepped, float(self._data.time) - self._start)
 
     def done(self) -> bool:
         return self.simulated >= self._duration_s * 0.999
 
     def seen(self, figure: Any) -> None:
-        """Something is shown."""
+        """Record the curves of a figure that is shown, if they have changed."""
         shown = {id(one): one for one in (figure, *open_figures())}
         curves = [curve for one in shown.values() for curve in _curves(one)][:_MAX_CURVES]
         points = sum(len(x) for _, x, _ in curves)
@@ -105,7 +105,7 @@ class _PlotRecorder:
 
     @contextlib.contextmanager
     def counting_steps(self) -> Iterator[None]:
-        """Count what `mj_step` simulates, also where a file took the name by itself."""
+        """Count the time that `mj_step` simulates, also if a file has imported the function by name."""
         import mujoco
 
         really = mujoco.mj_step

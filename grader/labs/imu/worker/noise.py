@@ -1,4 +1,4 @@
-"""The noisy IMU under experiment: many reads in a simulation that is held still."""
+"""Questions about the noisy IMU: many reads in a simulation that does not move."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Parameters
     ----------
     fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads`` (per state), ``accel_noise_std``, ``gyro_noise_std``
-    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``accel_bias`` (3,), ``gyro_bias`` (3,) where biases are given
+    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``accel_bias`` (3,), ``gyro_bias`` (3,) if biases are given
 
     Returns
     -------
-    arrays ``accel``, ``gyro`` (s, reads, 3), NaN where a read did not come back as two vectors of three (``odd``: the first
-    such value); ``disturbance`` (s, 4), as for `read`.
+    arrays ``accel``, ``gyro`` (s, reads, 3), NaN if a read did not return two vectors of three (``odd``: the first such value);
+    ``disturbance`` (s, 4), as for `read`.
     """
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
@@ -66,14 +66,14 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build `NoisyIMU`s that differ in one thing, each from the same seed, and read each a few times in one state.
+    """Build several `NoisyIMU`s that differ in one thing, each from the same seed, and read each a few times in one state.
 
-    Both halves of a difference are in one question, so that what raises or hangs costs its time once.
+    All of them are in one question, so that an error or an endless loop costs its time once.
 
     Parameters
     ----------
-    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``; for each twin ``twins``, its two standard deviations, and
-        ``states``, the row of its state
+    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``; ``twins``: the two standard deviations of each;
+        ``states``: the row of the state of each
     arrays : ``qpos`` (s, nq), ``qvel`` (s, nv), ``biases`` (twins, 2, 3)
 
     Returns
@@ -102,11 +102,11 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 _SEED = 1234
-"""Any number: it is the same for twins."""
+"""Seed of all instances; any value works as long as they share it."""
 
 
 def _generators() -> Iterator[Any]:
-    """The generators that the submission keeps in its modules and classes, which no new seed reaches."""
+    """Yield the random generators in the submission's modules and classes, which `seed` does not reach."""
     for module in list(submission.STATE.modules.values()):
         owned = [m for m in vars(module).values() if isinstance(m, type) and m.__module__ == module.__name__]
         for value in [value for owner in (module, *owned) for value in vars(owner).values()]:
@@ -130,10 +130,10 @@ def _rewind(generator: Any, state: Any) -> None:
 
 
 class _FrozenSimulation:
-    """A simulation that is held in one state, whatever the reads do to it.
+    """Simulation that is put back into one state after each read.
 
-    A read that wrote into the sensors' data spoils the next ones no further. One that stepped or reset, which costs it
-    leaves_simulation_alone, is told as a reading of the state that it found: what the sensors changed by is taken off.
+    If a read writes to the sensor data, the following reads are not affected. If a read steps or resets the simulation, which
+    leaves_simulation_alone deducts, the change of the sensors is subtracted from its row.
     """
 
     def __init__(self, fields: dict[str, Any], model: Any, data: Any, qpos: Any, qvel: Any) -> None:
@@ -181,6 +181,7 @@ def _imu_builder(fields: dict[str, Any], model: Any, data: Any, answer: dict[str
 
 
 def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
+    """Write a reading into a row; note the first one of another form, and find the two vectors in it."""
     as_asked = not isinstance(reading, dict)
     try:
         try:
@@ -209,10 +210,10 @@ def _is_vector(value: Any) -> bool:
 
 
 def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build many `NoisyIMU` without biases, and read each a few times in one state.
+    """Build many `NoisyIMU`s without biases, and read each a few times in one state.
 
-    The first read of each comes right after it was built; the others come when all are built, so that what one does to
-    another shows.
+    The first read of each follows its construction. The others follow when all are built, so that an instance that changes another
+    one is found.
 
     Returns
     -------

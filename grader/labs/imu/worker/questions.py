@@ -1,6 +1,6 @@
-"""The experiments: each runs one student function on given states and reports what came back, value by value.
+"""Questions about reader, recorder and plot: each runs one student function on given states and reports the results.
 
-An experiment answers with facts and arrays; an exception of the student's ends it and is reported beside what came before.
+An answer consists of facts and arrays. An exception of the student's ends the question and is reported with the earlier results.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
 
 
 def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]:
-    """Return the members that are three numbers."""
+    """Return the members that consist of three numbers."""
     found = []
     for name, part in parts:
         with suppress(TypeError, ValueError):
@@ -64,9 +64,9 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : per pair and state a node; ``later`` : the first state's readings again, after a step and another reading;
-    arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata while reading, in each of these states
-    and after that step.
+    ``calls`` : a node for each pair and state; ``later`` : the readings of the first state again, after a step and another reading;
+    arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by a reading, in each of these states and
+    after that step.
     """
     reader = submission.find("get_imu_readings", fields["path"])
     packer = Packer()
@@ -138,6 +138,7 @@ def changes_of(before: tuple[np.ndarray, ...], after: tuple[np.ndarray, ...]) ->
 
 
 def step_and_shift(model: Any, data: Any) -> None:
+    """Step the simulation, then add 1 to all sensor data, so that a view into it differs from a copy even at rest."""
     import mujoco
 
     mujoco.mj_step(model, data)
@@ -182,31 +183,31 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Step the lab model from a given state; asked of a worker that no submission has been in.
+    """Step the lab model from a given state, in a worker without a submission.
 
     Parameters
     ----------
     fields : ``model`` (XML text), ``steps``
-    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,), ``force``: what is applied from the start on;
-        ``set_at`` (m,): before which steps the state is set to ``set_qpos``, ``set_qvel``, ``set_force`` (m, …)
+    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,), ``force``: forces applied from the start on;
+        ``set_at`` (m,): the steps before which the state is set to ``set_qpos``, ``set_qvel``, ``set_force`` (m, …)
 
     Returns
     -------
-    array ``sensordata`` (steps, n), as it is after each step.
+    array ``sensordata`` (steps, n), after each step.
     """
     return {}, {"sensordata": np.array([np.array(data.sensordata) for _, data in _replayed_steps(fields, arrays)])}
 
 
 def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the submission's own reader after each step of such a run; NaN where it returns no two vectors.
+    """Call the submission's own reader after each step of a replayed run; NaN if it does not return two vectors.
 
     Parameters
     ----------
-    fields, arrays : as of `replay`, with ``path``, ``accel_id`` and ``gyro_id``
+    fields, arrays : as for `replay`, with ``path``, ``accel_id`` and ``gyro_id``
 
     Returns
     -------
-    array ``rows`` (steps, 6); fewer where it raised
+    array ``rows`` (steps, 6); fewer if it raised
     """
     reader = submission.find("get_imu_readings", fields["path"])
     answer: dict[str, Any] = {}
@@ -219,6 +220,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def _replayed_steps(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
+    """Yield model and data after each step of a run; set the state where the record says so."""
     import mujoco
 
     model = model_of(fields["model"])
@@ -261,14 +263,14 @@ def _options(model: Any) -> dict[str, np.ndarray]:
 
 
 def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `plot_imu_data` with the given data and tell what it drew and saved.
+    """Call `plot_imu_data` with the given data; report what it drew and saved.
 
     Parameters
     ----------
-    fields : ``path``, ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
-        call the submission's `simulate_and_collect`, which then records the sheet's series (``shows``: an array for each), and
-        whose result is given, with the series of these names in the place of its own
-    arrays : what is plotted; a number is an array of no dimension
+    fields : ``path``; ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
+        call the submission's `simulate_and_collect`. It then records the series named in ``shows``, and the plot gets its result,
+        in which the series in ``keys`` replace its own
+    arrays : the plotted data; a number is an array without dimensions
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)
@@ -289,9 +291,9 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str, Any]) -> Any:
-    """Return what the submission records of a run in which these series are measured, in its own form.
+    """Return what the submission records in a run with these series as measurements, in its own form.
 
-    Where it alters what it reads, the series are put in the place of its own that have the same form.
+    If it alters what it reads, the given series replace its own series of the same form.
     """
     function = submission.find("simulate_and_collect", recorder["path"])
     model, data = simulation_of(recorder["model"])
@@ -311,7 +313,7 @@ def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str
 
 @contextmanager
 def _measuring(time: np.ndarray, measured: dict[int, np.ndarray]) -> Iterator[None]:
-    """Let each step measure the next row (n, 3) of each address, and nothing move."""
+    """Make each step measure the next row (n, 3) at each sensor address; nothing moves."""
     import mujoco
 
     steps = 0
@@ -338,7 +340,7 @@ def _measuring(time: np.ndarray, measured: dict[int, np.ndarray]) -> Iterator[No
 
 
 def _replace(recorded: Any, name: str, value: Any) -> None:
-    """Put a series in the place of one of the same form: under a key, or in an object with attributes, which may be frozen."""
+    """Replace a series by one of the same form: under a key, or as an attribute, also of a frozen object."""
     try:
         own = recorded[name]
     except TypeError:
