@@ -1,4 +1,4 @@
-"""ResultContext-in pictures: which may be a plot, and when one counts, by made-up students."""
+"""Pictures that were handed in: which may be a plot, and when one counts, by made-up students."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.engine.findings import NEEDS_REVIEW, Charged, Missing
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.visualization.measure import _handed_in, measure
 from tests.judging.made import truth
-from tests.judging.test_check_visualization import Plotted, Sheet
+from tests.judging.test_check_visualization import SHEET, Plotted
 
 pytestmark = pytest.mark.quick
 PREVIEW, PALETTE = np.zeros((60, 80), np.uint8), np.full((256, 3), 255, np.uint8)
@@ -49,7 +49,6 @@ def test_a_picture_that_may_be_a_plot_shows_something(picture: Picture | None, s
     assert not _handed_in(Handing(picture=picture), "another.png")
 
 
-SHEET = Sheet().figure
 EMPTY = replace(SHEET, axes=())
 BESIDE_CODE: dict[str, tuple[Handing, bool]] = {
     "no code": (Handing(), True),

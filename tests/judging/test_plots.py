@@ -2,33 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from grader.engine.figures import Axes, Curve, Entry, Figure, Placed, VisibleParts
+from grader.engine.figures import Axes, Curve, Entry, Placed
 from grader.labs.imu.answers import KEYS, Array
 from grader.labs.imu.visualization import curves as plots
 from grader.labs.imu.visualization.curves import Panel, Shown
 from tests.judging.made import truth
-from tests.judging.test_check_visualization import Sheet, _curve, _figure, _with_curves
+from tests.judging.test_check_visualization import SHEET, changed, curve, figure_of, panel, says, visible, with_curves
 
 pytestmark = pytest.mark.quick
 SERIES = {key: truth()["tumbling"][key] for key in KEYS}
 TIME, ACCEL, RATE = (SERIES[key] for key in KEYS)
-UNSEEN = VisibleParts(np.ones(100, bool), np.zeros(100, bool))
-Change = Callable[[Array], Array]
+RESTING = SERIES | {"acceleration": ACCEL / 50 + np.array([0, 0, 9.81])}
+UPPER, LOWER = SHEET.axes
 
 
-def panel_of(*curves: Curve, **words: object) -> Panel | None:
-    found = plots.panels(_figure(replace(_with_curves(Sheet().panels[0], *curves), **words)), SERIES)  # type: ignore[arg-type]
+def panel_of(*curves: Curve, series: dict[str, Array] = SERIES, **words: object) -> Panel | None:
+    found = plots.panels(figure_of(replace(with_curves(UPPER, *curves), **words)), series)  # type: ignore[arg-type]
     return found[0] if found else None
 
 
-def shown(x: Array, y: Array) -> Shown | None:
-    panel = panel_of(_curve(x, y, "a", "#ff0000"))
+def shown(x: Array, y: Array, series: dict[str, Array] = SERIES) -> Shown | None:
+    panel = panel_of(curve(x, y, "a", "#ff0000"), series=series)
     return panel.shown[0] if panel is not None and panel.shown else None
 
 
@@ -43,53 +43,50 @@ def shown(x: Array, y: Array) -> Shown | None:
         (0, "mg", 1000 / 9.80665), (1, "rad/s", 1.0), (1, "mrad/s", 1000.0), (1, "deg/s", 180 / np.pi),
     ],
 )  # fmt: skip
-def test_a_channel_is_known_in_any_of_its_units(sensor: int, unit: str, scale: float, axis: int) -> None:
-    found = shown(TIME, scale * (ACCEL, RATE)[sensor][:, axis])
+@pytest.mark.parametrize("series", [SERIES, RESTING], ids=["moving", "at rest"])
+def test_a_channel_is_known_in_any_of_its_units(
+    series: dict[str, Array], sensor: int, unit: str, scale: float, axis: int
+) -> None:
+    found = shown(TIME, scale * series[KEYS[1 + sensor]][:, axis], series)
     assert found is not None
     assert (found.channel, found.unit, found.x) == ((sensor, axis), unit, "s")
     assert unit in plots.UNITS[sensor]
 
 
-@pytest.mark.parametrize("gravity", [9.81, 9.80665])
-@pytest.mark.parametrize(("unit", "scale"), [("g", 1.0), ("mg", 1000.0)])
-def test_of_a_robot_that_hardly_moves_gravity_may_be_any_of_two_numbers(
-    gravity: float, unit: str, scale: float
-) -> None:
-    resting = SERIES | {"acceleration": ACCEL / 50 + np.array([0, 0, 9.81])}
-    drawn = _curve(TIME, resting["acceleration"][:, 2] / gravity * scale, "z", "#ff0000")
-    (panel,) = plots.panels(_figure(_with_curves(Sheet().panels[0], drawn)), resting)
-    assert [(found.channel, found.unit) for found in panel.shown] == [((0, 2), unit)]
-
-
 ROWS = np.arange(float(len(TIME)))
-ABSCISSAE: dict[str, tuple[Array, Array, str | None]] = {
-    "milliseconds": (1000 * TIME, ACCEL, "ms"),
-    "from the start": (TIME - TIME[0], ACCEL, "s from start"),
-    "rows": (ROWS, ACCEL, "index"),
-    "every third row, by its number": (ROWS[::3], ACCEL[::3], "index"),
-    "some rows, counted": (
-        ROWS[:200],
-        np.repeat(np.interp(np.linspace(0, ROWS[-1], 200), ROWS, ACCEL[:, 2])[:, None], 3, 1),
-        "index",
-    ),
-    "fifty moments": (TIME[:: len(TIME) // 50][:50], ACCEL[:: len(TIME) // 50][:50], "s"),
-    "half of the time": (TIME[:300], ACCEL[:300], "s"),
-    "half of the rows": (ROWS[:300], ACCEL[:300], "index"),
-    "a twelfth of the time": (TIME[:60], ACCEL[:60], "s"),
-    "a moment": (np.full(60, TIME[9]), np.repeat(ACCEL[9:10], 60, 0), None),
-    "the other half of the time": (TIME[:300], ACCEL[300:], None),
-    "every other row over half of the time": (TIME[:300], ACCEL[::2], None),
-    "all rows over half of the time": (TIME / 2, ACCEL, None),
-    "minutes": (TIME / 60, ACCEL, None),
-    "late by ten steps": (TIME + 0.02, ACCEL, None),
-    "forty-nine moments": (TIME[:: len(TIME) // 49][:49], ACCEL[:: len(TIME) // 49][:49], None),
+Z, ALL = ACCEL[:, 2], range(100)
+ABSCISSAE: dict[str, tuple[Array, Array, str | None, range]] = {
+    "seconds": (TIME, Z, "s", ALL),
+    "milliseconds": (1e3 * TIME, Z, "ms", ALL),
+    "microseconds": (1e6 * TIME, Z, "us", ALL),
+    "nanoseconds": (1e9 * TIME, Z, "ns", ALL),
+    "days": (20_000 + TIME / 86_400, Z, "date", ALL),
+    "from the start": (TIME - TIME[0], Z, "s from start", ALL),
+    "rows": (ROWS, Z, "index", ALL),
+    "every third row, by its number": (ROWS[::3], Z[::3], "index", ALL),
+    "some rows, counted": (ROWS[:200], np.interp(np.linspace(0, ROWS[-1], 200), ROWS, Z), "index", ALL),
+    "fifty moments": (TIME[:: len(TIME) // 50][:50], Z[:: len(TIME) // 50][:50], "s", range(98)),
+    "half of the time": (TIME[:300], Z[:300], "s", range(50)),
+    "the other half": (TIME[300:], Z[300:], "s", range(50, 100)),
+    "a half, backwards": (1e3 * TIME[450:149:-1], Z[450:149:-1], "ms", range(25, 75)),
+    "half of the rows": (ROWS[:300], Z[:300], "index", range(50)),
+    "a twelfth of the time": (TIME[:60], Z[:60], "s", range(10)),
+    "a moment": (np.full(60, TIME[9]), np.repeat(Z[9:10], 60), None, ALL),
+    "the other half of the time": (TIME[:300], Z[300:], None, ALL),
+    "every other row over half of the time": (TIME[:300], Z[::2], None, ALL),
+    "all rows over half of the time": (TIME / 2, Z, None, ALL),
+    "minutes": (TIME / 60, Z, None, ALL),
+    "late by ten steps": (TIME + 0.02, Z, None, ALL),
+    "forty-nine moments": (TIME[:: len(TIME) // 49][:49], Z[:: len(TIME) // 49][:49], None, ALL),
 }
 
 
-@pytest.mark.parametrize(("x", "y", "kind"), ABSCISSAE.values(), ids=ABSCISSAE)
-def test_a_channel_is_known_over_any_measure_of_the_recorded_time(x: Array, y: Array, kind: str | None) -> None:
-    found = shown(x, y[:, 2])
-    assert (found and found.x) == kind
+@pytest.mark.parametrize(("x", "y", "kind", "drawn"), ABSCISSAE.values(), ids=ABSCISSAE)
+def test_a_channel_is_known_over_any_measure_of_the_recorded_time(
+    x: Array, y: Array, kind: str | None, drawn: range
+) -> None:
+    found = shown(x, y)
+    assert (found and (found.x, found.drawn)) == (kind and (kind, drawn))
 
 
 @pytest.mark.parametrize(
@@ -102,50 +99,25 @@ def test_a_channel_is_known_over_any_measure_of_the_recorded_time(x: Array, y: A
         (lambda y: y.astype(np.float32).astype(float), True),
     ],
 )
-def test_a_curve_is_a_channel_within_a_thousandth_of_its_range(change: Change, known: bool) -> None:
+def test_a_curve_is_a_channel_within_a_thousandth_of_its_range(change: Callable[[Array], Array], known: bool) -> None:
     assert (shown(TIME, change(RATE[:, 1])) is not None) is known
     assert (shown(TIME, np.degrees(change(RATE[:, 1]))) is not None) is known
 
 
-@pytest.mark.parametrize("start", [0.0, 5.0])
 @pytest.mark.parametrize(("origin", "kind"), [(0.0, "s"), (5.0, "s from start")])
-def test_a_recording_may_start_at_any_moment(start: float, origin: float, kind: str) -> None:
-    late = SERIES | {"time": TIME - TIME[0] + start}
-    drawn = _curve(late["time"] - min(origin, start), ACCEL[:, 2], "z", "#ff0000")
-    (panel,) = plots.panels(_figure(_with_curves(Sheet().panels[0], drawn)), late)
-    assert [(found.channel, found.x) for found in panel.shown] == [((0, 2), kind if start else "s")]
-
-
-def test_a_channel_that_never_moves_is_known_by_its_value() -> None:
-    resting = SERIES | {"acceleration": np.tile([0.0, 0.0, 9.81], (len(TIME), 1))}
-    drawn = _curve(TIME, resting["acceleration"][:, 2], "z", "#ff0000")
-    (panel,) = plots.panels(_figure(_with_curves(Sheet().panels[0], drawn, ODD)), resting)
-    assert [found.channel for found in panel.shown] == [(0, 2)]
-
-
-@pytest.mark.parametrize(
-    ("rows", "part"),
-    [
-        (slice(None), range(100)),
-        (slice(0, 300), range(50)),
-        (slice(300, 600), range(50, 100)),
-        (slice(450, 149, -1), range(25, 75)),
-    ],
-)
-@pytest.mark.parametrize("axis", [1000 * TIME, TIME, ROWS, TIME - TIME[0]])
-def test_a_curve_shows_a_part_of_the_recording(rows: slice, part: range, axis: Array) -> None:
-    found = shown(axis[rows], RATE[rows, 1])
+def test_a_recording_may_start_at_any_moment(origin: float, kind: str) -> None:
+    late = SERIES | {"time": TIME - TIME[0] + 5.0}
+    found = shown(late["time"] - origin, Z, late)
     assert found is not None
-    assert found.drawn == part
+    assert (found.channel, found.x) == ((0, 2), kind)
 
 
 # --- panels --------------------------------------------------------------------------------------------------------------
 
-X, Y, RATE_X = (_curve(TIME, y, name, colour) for y, name, colour in (
-    (ACCEL[:, 0], "x", "#ff0000"), (ACCEL[:, 1], "y", "#00ff00"), (RATE[:, 0], "wx", "#0000ff"),
-))  # fmt: skip
-ODD = _curve(TIME, np.cos(TIME), "odd", "#888888")
-FLAT = _curve(TIME, np.full(len(TIME), 9.81), "g", "#888888")
+X, Y, RATE_X = UPPER.curves[0], UPPER.curves[1], LOWER.curves[0]
+ODD = curve(TIME, np.cos(TIME), "odd", "#888888")
+FLAT = curve(TIME, np.full(len(TIME), 9.81), "g", "#888888")
+UNSEEN = visible(seen=slice(0))
 
 
 def test_a_panel_holds_channels_strange_curves_and_hidden_channels() -> None:
@@ -164,53 +136,51 @@ def test_a_channel_that_hides_itself_is_shown() -> None:
     assert (len(panel.shown), panel.hidden) == (2, ())
 
 
-@pytest.mark.parametrize(
-    ("curves", "there"), [((FLAT,), False), ((), False), ((ODD,), True), ((replace(X, visible_parts=UNSEEN),), True), ((X,), True)]
-)  # fmt: skip
-def test_axes_with_no_curve_of_data_are_no_panel(curves: tuple[Curve, ...], there: bool) -> None:
-    assert (panel_of(*curves) is not None) is there
-    assert panel_of(*curves, visible=False) is None
+def test_a_channel_that_never_moves_is_known_by_its_value() -> None:
+    panel = panel_of(FLAT, ODD, series=SERIES | {"acceleration": np.tile([0.0, 0.0, 9.81], (len(TIME), 1))})
+    assert panel is not None
+    assert [found.channel for found in panel.shown] == [(0, 2)]
 
 
 @pytest.mark.parametrize(
     ("curves", "mainly"),
-    [((X, Y, RATE_X), {0}), ((X, RATE_X), {0, 1}), ((RATE_X,), {1}), ((ODD,), set())],
-)
-def test_a_panel_is_of_the_sensor_that_most_of_its_curves_show(curves: tuple[Curve, ...], mainly: set[int]) -> None:
+    [
+        ((FLAT,), None), ((), None), ((ODD,), set()), ((replace(X, visible_parts=UNSEEN),), set()), ((RATE_X,), {1}),
+        ((X, Y, RATE_X), {0}), ((X, RATE_X), {0, 1}),
+    ],
+)  # fmt: skip
+def test_a_panel_is_of_the_sensor_that_most_of_its_curves_show(
+    curves: Sequence[Curve], mainly: set[int] | None
+) -> None:
     panel = panel_of(*curves)
-    assert panel is not None
-    assert panel.mainly == mainly
+    assert (panel and panel.mainly) == mainly
+    assert panel_of(*curves, visible=False) is None
+
+
+SMALL, LARGE = (0.5, 0.5, 0.8, 0.7), (0.1, 0.5, 0.9, 0.9)
 
 
 @pytest.mark.parametrize(
     ("curves", "position", "inset"),
     [
-        ((X,), (0.5, 0.5, 0.8, 0.7), True),
-        ((X, Y), (0.5, 0.5, 0.8, 0.7), True),
-        ((X, RATE_X), (0.5, 0.5, 0.8, 0.7), False),
-        ((ODD,), (0.5, 0.5, 0.8, 0.7), False),
-        ((X,), (0.1, 0.5, 0.9, 0.69), True),
-        ((X,), (0.1, 0.5, 0.9, 0.71), False),
-        ((X,), (0.1, 0.5, 0.9, 0.9), False),
+        ((X,), SMALL, True), ((X, Y), SMALL, True), ((X, RATE_X), SMALL, False), ((ODD,), SMALL, False),
+        ((X,), (0.1, 0.5, 0.9, 0.69), True), ((X,), (0.1, 0.5, 0.9, 0.71), False), ((X,), LARGE, False),
     ],
-)
+)  # fmt: skip
 def test_what_shows_the_same_and_is_less_than_half_as_large_is_an_inset(
-    curves: tuple[Curve, ...], position: tuple[float, float, float, float], inset: bool
+    curves: Sequence[Curve], position: tuple[float, float, float, float], inset: bool
 ) -> None:
-    large, small = panel_of(X, Y, position=(0.1, 0.5, 0.9, 0.9)), panel_of(*curves, position=position)
+    large, small = panel_of(X, Y, position=LARGE), panel_of(*curves, position=position)
     assert large is not None
     assert small is not None
-    assert large.area == pytest.approx(0.32)
     assert small.is_inset_of(large) is inset
 
 
 def test_figures_that_are_joined_keep_their_words_and_their_places() -> None:
-    first, second = Sheet(), Sheet()
     entry = Entry("x", "#ff0000", "-", "None", "")
-    first.says(title="Upper", xlabel="t", ylabel="a", texts=("one",), legend=(entry,))
-    second.says(texts=("two",), title="Lower")
-    second.panel_says(0, title="", ylabel="", xlabel="")
-    joined = plots.joined([first.figure, second.figure])
+    first = changed(says(title="Upper", xlabel="t", ylabel="a", texts=("one",), legend=(entry,)))
+    second = changed(says(texts=("two",), title="Lower"), panel(0, title="", ylabel="", xlabel=""))
+    joined = plots.joined([first, second])
     assert [axes.title for axes in joined.axes] == ["Accelerometer", "Gyroscope", "Lower", "Gyroscope"]
     assert [axes.xlabel for axes in joined.axes] == ["t", "Time (s)", "", "Time (s)"]
     assert joined.axes[2].ylabel == ""
@@ -218,7 +188,7 @@ def test_figures_that_are_joined_keep_their_words_and_their_places() -> None:
     assert joined.texts == ("one", "two")
     assert [axes.legend[-1] == entry for axes in joined.axes] == [True, True, False, False]
     assert len(joined.axes[0].legend) == 4
-    own = [axes.position for axes in first.panels]
+    own = [axes.position for axes in SHEET.axes]
     assert [axes.position for axes in joined.axes] == [*own, *(tuple(1 + share for share in place) for place in own)]
 
 
@@ -248,55 +218,27 @@ def test_a_curve_is_named_by_what_looks_like_it(entries: list[Entry], texts: lis
     assert plots.name_of(X, entries, texts) == name
 
 
-def named(*texts: Placed, legend: tuple[Entry, ...] = (), beside: Axes | None = None, figures: tuple[Entry, ...] = ()) -> list[str | None]:  # fmt: skip
-    axes = replace(_with_curves(Sheet().panels[0], X, Y), legend=legend, texts=texts)
-    figure: Figure = replace(_figure(axes, *([beside] if beside else [])), legend=figures)
+def named(*legend: Entry, texts: Sequence[Placed] = (), beside: Sequence[Axes] = (), figures: Sequence[Entry] = ()) -> list[str | None]:  # fmt: skip
+    axes = replace(with_curves(UPPER, X, Y), legend=legend, texts=texts)
+    figure = replace(figure_of(axes, *beside), legend=tuple(figures))
     return plots.names_of(plots.panels(figure, SERIES)[0], figure)
 
 
-def test_legends_of_the_panel_of_the_figure_and_of_a_twin_name_curves() -> None:
-    lower, twin = Sheet().panels[1], replace(Sheet().panels[0], legend=(sample("why", Y),), curves=())
-    assert named(legend=(sample("ex", X), sample("why", Y))) == ["ex", "why"]
-    assert named(legend=(sample("ex", X),), figures=(sample("why", Y),)) == ["ex", "why"]
-    assert named(legend=(sample("ex", X),), beside=twin) == ["ex", "why"]
-    assert named(legend=(sample("ex", X),), beside=replace(lower, legend=twin.legend)) == ["ex", None]
-
-
-def test_a_text_beside_a_curve_names_it_by_its_axis() -> None:
+def test_legends_of_the_panel_of_the_figure_and_of_a_twin_and_texts_among_the_curves_name_them() -> None:
+    ex, why, twin = sample("ex", X), sample("why", Y), replace(UPPER, legend=(sample("why", Y),), curves=())
+    assert named(ex, why) == ["ex", "why"]
+    assert named(ex, figures=[why]) == ["ex", "why"]
+    assert named(ex, beside=[twin]) == ["ex", "why"]
+    assert named(ex, beside=[replace(LOWER, legend=twin.legend)]) == ["ex", None]
     other, text = Placed("nothing", (0, 0), "#000000"), Placed("x", (0, 0), "#000000")
-    assert named(other, text) == ["x", None]
-    assert named(replace(text, colour=Y.colour)) == [None, "x"]
-
-
-@pytest.mark.parametrize(
-    ("kind", "x"),
-    [
-        ("s", lambda t: t),
-        ("ms", lambda t: 1e3 * t),
-        ("us", lambda t: 1e6 * t),
-        ("ns", lambda t: 1e9 * t),
-        ("date", lambda t: 20_000 + t / 86_400),
-    ],
-)
-def test_time_may_be_drawn_in_other_units_and_as_dates(kind: str, x: Callable[[Array], Array]) -> None:
-    panel = Sheet().panels[0]
-    drawn = replace(panel, curves=tuple(replace(curve, x=x(curve.x)) for curve in panel.curves))
-    series = {key: truth()["tumbling"][key] for key in KEYS}
-    (found,) = plots.panels(replace(Sheet().figure, axes=(drawn,)), series)
-    assert {shown.x for shown in found.shown} == {kind}
-    assert len(found.shown) == 3
+    assert named(texts=(other, text)) == ["x", None]
+    assert named(texts=(replace(text, colour=Y.colour),)) == [None, "x"]
 
 
 @pytest.mark.parametrize(
     ("sensor", "factor", "unit"),
-    [
-        (0, 1.0, "m/s²"),
-        (0, 1.09, "m/s²"),
-        (0, 1.11, ""),
-        (0, 1 / 9.81, "g"),
-        (1, 180 / np.pi, "deg/s"),
-    ],
+    [(0, 1.0, "m/s²"), (0, 1.09, "m/s²"), (0, 1.11, ""), (0, 1 / 9.81, "g"), (1, 180 / np.pi, "deg/s")],
 )
 def test_a_recording_is_in_the_unit_in_which_it_is_as_large_as_the_truth(sensor: int, factor: float, unit: str) -> None:
-    true = SERIES[("acceleration", "angular_velocity")[sensor]]
+    true = SERIES[KEYS[1 + sensor]]
     assert plots.unit_in(factor * true, true, sensor) == unit
