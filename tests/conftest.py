@@ -41,14 +41,15 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
 SLOW = (
     *FIRST, "browser", "fuzz", "hostile", "labs", "mutants", "sandbox",
-    "test_adjusting", "test_batch", "test_breakpoints", "test_budgets", "test_capitals", "test_caps", "test_castings", "test_chance", "test_charts",
-    "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_clock", "test_compat", "test_desk_repairs", "test_docs", "test_doubtful",
-    "test_drawing", "test_exports", "test_extensions", "test_first_screen", "test_handed_in", "test_kit", "test_marking", "test_module_level",
-    "test_namesakes", "test_nonsense", "test_not_running", "test_not_understood", "test_odd_data", "test_opening", "test_other_systems",
-    "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_relative_paths", "test_remarking", "test_repairs",
-    "test_repair_suggestions", "test_repeatable", "test_replays", "test_repro", "test_savings", "test_secret_words", "test_sight",
-    "test_stepping", "test_traces", "test_unforeseen_noise_filter", "test_unforeseen_plots", "test_unforeseen_reader_collect", "test_variants",
-    "test_wall_time", "test_withheld",
+    "test_adjusting", "test_batch", "test_breakpoints", "test_budgets", "test_chance", "test_charts", "test_check_first_lines",
+    "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_clock", "test_compat", "test_desk_repairs",
+    "test_docs", "test_doubtful", "test_drawing", "test_exports", "test_extensions", "test_file_name_case", "test_first_screen",
+    "test_handed_in", "test_hidden_feedback", "test_kit", "test_layout_variants", "test_marking", "test_message_limits",
+    "test_module_level", "test_not_running", "test_not_understood", "test_odd_data", "test_optimizations", "test_other_systems",
+    "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading", "test_relative_paths",
+    "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro", "test_secret_words",
+    "test_shadowing_modules", "test_statements", "test_traces", "test_unforeseen_noise_filter", "test_unforeseen_plots",
+    "test_unforeseen_reader_collect", "test_useless_code_sweep", "test_variants", "test_visibility", "test_wall_time",
 )  # fmt: skip
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
 LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")

@@ -25,7 +25,7 @@ from typing import Any
 
 from tests.corpus.pieces import FILTER_INCREMENT, tidy
 from tests.corpus.writing import write
-from tests.hostile.bait import below
+from tests.hostile.decoys import below
 
 ROOT = Path(__file__).parent.parent
 TARGETS = ("grader", "marker", "zygote", "worker")

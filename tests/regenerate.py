@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from tests import examples
-from tests.judging import made
+from tests.judging import fake_students
 from tests.recordings import losses
 
 ROOT = Path(__file__).parents[1]
 GENERATED: dict[Path, Callable[[], str]] = {
-    made.WORDS: made.all_words,
+    fake_students.WORDS: fake_students.all_words,
     losses.FILE: losses.all_losses,
     examples.TABLE: examples.table,
 }

@@ -25,10 +25,10 @@ from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.report.words import tells
-from tests.castings import CASTINGS, can_be_cast
 from tests.corpus.cases import CRITERIA, Case, of
 from tests.corpus.layouts import LAYOUTS
 from tests.corpus.writing import write
+from tests.layout_variants import CASTINGS, can_be_cast
 from tests.recordings import Marking
 
 PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")

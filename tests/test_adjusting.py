@@ -18,7 +18,7 @@ from grader.course.record import Store
 from grader.engine.results import Result
 from grader.intake import Submission
 from grader.sandbox.isolation_levels import LEVELS
-from tests.made_up import FakeMarker, check, lost, result
+from tests.fake_results import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
 
 NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)\n"

@@ -20,7 +20,7 @@ from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
-from tests.made_up import FakeMarker, check, fake_marker, result, submission
+from tests.fake_results import FakeMarker, check, fake_marker, result, submission
 
 ROOT = Path(__file__).parent.parent
 
@@ -91,7 +91,7 @@ def test_a_worker_that_never_gives_way_ends_with_the_run(tmp_path: Path) -> None
         "import os, sys, pathlib, threading, time\n"
         "from functools import partial\n"
         "from grader.course.pool import mark_all\n"
-        "from tests.made_up import fake_marker, submission\n"
+        "from tests.fake_results import fake_marker, submission\n"
         "def leave():\n"
         "    while not (folder / 'marked').exists(): time.sleep(0.05)\n"
         "    time.sleep(0.5)\n"
@@ -117,7 +117,7 @@ def test_workers_leave_when_the_run_is_killed(tmp_path: Path) -> None:
         "import os, sys, pathlib\n"
         "from functools import partial\n"
         "from grader.course.pool import mark_all\n"
-        "from tests.made_up import fake_marker, submission\n"
+        "from tests.fake_results import fake_marker, submission\n"
         "if __name__ == '__main__':\n"
         "    opener = partial(fake_marker, pathlib.Path(sys.argv[1]))\n"
         "    for done in mark_all(iter([submission('a'), submission('b')]), opener, 1):\n"

@@ -27,8 +27,8 @@ from grader.people.final_grade import FinalGrade
 from grader.report import charts as drawing
 from grader.report.pages import report_page
 from tests.examples import FOLDER
-from tests.made_up import SHA
-from tests.made_up import result as made_up
+from tests.fake_results import SHA
+from tests.fake_results import result as made_up
 from tests.sandboxes import Opened
 
 TRUTH = bundles.shipped()

@@ -20,7 +20,7 @@ from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.platforms import job
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
-from tests.made_up import check, lost, result
+from tests.fake_results import check, lost, result
 from tests.test_ci_formats import ID
 
 

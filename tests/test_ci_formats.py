@@ -33,7 +33,7 @@ from grader.platforms.places import Place, Places, find_places
 from grader.platforms.prairielearn import prairielearn
 from grader.report import words
 from tests.examples import expected
-from tests.made_up import HOSTILE, check, lost, result
+from tests.fake_results import HOSTILE, check, lost, result
 
 EVIL = (
     f"{HOSTILE}\n::error file=/etc/passwd::owned\n  ::set-output name=x::y\n##[error]x\n]]></failure><evil/>\n"

@@ -15,7 +15,7 @@ from grader.labs.imu.lab import LAB
 from grader.report.items import Item, items
 from grader.report.similarity import pairs
 from tests.examples import FOLDER
-from tests.made_up import check
+from tests.fake_results import check
 
 
 def files(name: str) -> dict[str, bytes]:

@@ -23,7 +23,7 @@ from grader.labs.imu import bundles
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 from grader.sandbox.level_choice import LevelResult
 from grader.sandbox.one_copy import Search
-from tests.made_up import FakeMarker, check, fake_marker, lost, result
+from tests.fake_results import FakeMarker, check, fake_marker, lost, result
 
 ROOT = Path(__file__).parent.parent
 Run = Callable[..., tuple[int, str, str]]
@@ -393,7 +393,7 @@ def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> Non
         "import sys\n"
         "from grader import cli\n"
         "from grader.commands import checking\n"
-        "from tests.made_up import result\n"
+        "from tests.fake_results import result\n"
         "checking.check = lambda *_, **__: result()\n"
         "sys.exit(cli.main(['check', sys.argv[1]]))\n"
     )
@@ -471,7 +471,7 @@ def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students:
         "from pathlib import Path\n"
         "from grader import cli\n"
         "from grader.course import classroom\n"
-        "from tests.made_up import fake_marker\n"
+        "from tests.fake_results import fake_marker\n"
         "if __name__ == '__main__':\n"
         "    classroom.opener = lambda order: partial(fake_marker, Path(sys.argv[1]))\n"
         "    sys.exit(cli.main(sys.argv[2:]))\n"

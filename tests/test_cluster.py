@@ -27,7 +27,7 @@ from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.durability import hand_in, recorded, results
-from tests.made_up import FakeMarker, Nobody, fake_marker, submission
+from tests.fake_results import FakeMarker, Nobody, fake_marker, submission
 
 ROOT = Path(__file__).parent.parent
 WITHIN_S = 60.0

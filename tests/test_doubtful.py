@@ -25,7 +25,7 @@ from tests.corpus.pieces import edit, verbatim
 from tests.corpus.writing import write
 from tests.desk import Desk, desk_over, words
 from tests.examples import FOLDER
-from tests.made_up import Nobody
+from tests.fake_results import Nobody
 
 FAILS = "# the sandbox fails over this one\n"
 UNITS = (

@@ -61,7 +61,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from grader.course.pool import mark_all
-from tests.made_up import FakeMarker, submission
+from tests.fake_results import FakeMarker, submission
 
 @contextmanager
 def killed_once(folder):

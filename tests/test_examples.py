@@ -16,8 +16,8 @@ from grader.engine.results import from_dict
 from grader.engine.rubric import shipped
 from grader.labs.imu.lab import LAB
 from tests.examples import FOLDER, expected, folders, summary
+from tests.fake_results import without_durations
 from tests.generated import STALE
-from tests.made_up import without_durations
 
 SCHEMA = json.loads(
     (Path(__file__).parent.parent / "grader" / "engine" / "result.schema.json").read_text(encoding="utf-8")

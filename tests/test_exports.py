@@ -28,7 +28,7 @@ from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
 from grader.platforms.sheet import read_sheet
 from tests import classes
-from tests.made_up import check, result
+from tests.fake_results import check, result
 
 FORMATS = registry.names("fill", "write")
 

@@ -21,7 +21,7 @@ from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import write
-from tests.made_up import check, result
+from tests.fake_results import check, result
 
 ROOT = Path(__file__).parent.parent
 POINTS = {"sensor_access.follows_address": 6.0, "allan_variance.white_noise": 0.0}

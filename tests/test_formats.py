@@ -7,7 +7,7 @@ from dataclasses import replace
 from grader.engine.results import Result
 from grader.people.final_grade import FinalGrade
 from grader.platforms.gradebook import gradebook
-from tests.made_up import check, lost, result
+from tests.fake_results import check, lost, result
 
 
 def book(results: dict[str, Result]) -> str:

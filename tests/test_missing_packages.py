@@ -15,7 +15,7 @@ from grader.course.warnings import remarks
 from grader.desk.review_queue import items
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
-from tests.made_up import check, result, submission
+from tests.fake_results import check, result, submission
 
 NOTE = "imu_reader.py, line 3 was skipped: ModuleNotFoundError: No module named 'pandas'; the rest of the file was used"
 FAILED = replace(result(check()), notes=(NOTE,))

@@ -6,7 +6,7 @@ import pytest
 
 from tests.corpus.cases import Case, of
 from tests.recordings import Marking
-from tests.slips import lost_by, marked
+from tests.single_faults import lost_by, marked
 
 DEFINED_IN = {
     "imu_reader.py": {"sensor_access", "data_collection", "visualization"},

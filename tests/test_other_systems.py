@@ -26,7 +26,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("system", ["darwin", "win32"])
 def test_a_check_marks_as_it_does_on_linux(lab: Path, system: str) -> None:
     answer, page = lab.parent / "result.json", lab.parent / "report.html"
-    command = [sys.executable, "tests/elsewhere.py", system, "-m", "grader", "check", str(lab)]
+    command = [sys.executable, "tests/other_systems.py", system, "-m", "grader", "check", str(lab)]
     done = subprocess.run(
         [*command, "--json", str(answer), "--html", str(page)], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True, text=True, check=False, timeout=300,

@@ -1,5 +1,5 @@
 """Situations from outside bug reports. Those about time zones, capitals, rosters and Git LFS are in `test_class_dates`,
-`test_capitals`, `test_class_people` and `test_placeholders`.
+`test_file_name_case`, `test_class_people` and `test_placeholders`.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ import pytest
 
 from tests.corpus.sheet import VERBATIM
 from tests.recordings import Marking
-from tests.slips import changed, lost_by, marked
+from tests.single_faults import changed, lost_by, marked
 
 READER = "imu_reader.py"
 STEP = "        mujoco.mj_step(model, data)\n\n        times[i] = data.time\n"

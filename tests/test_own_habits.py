@@ -10,7 +10,7 @@ import pytest
 from tests.corpus.pieces import tidy, verbatim
 from tests.corpus.writing import Files
 from tests.recordings import Marking
-from tests.slips import Changes, Slip, changed, costs_what_it_is, lost_by, marked
+from tests.single_faults import Changes, Slip, changed, costs_what_it_is, lost_by, marked
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 

@@ -21,10 +21,10 @@ from grader.labs.imu.lab import LAB
 from grader.platforms import job, registry
 from grader.platforms.classes import read_class
 from grader.platforms.platform import Platform
-from tests import classes, made_up_platform
+from tests import classes, fake_platform
 from tests.documents import site
+from tests.fake_results import result
 from tests.hostile import outputs
-from tests.made_up import result
 
 ROOT = Path(__file__).resolve().parent.parent
 EVERY = tuple(registry.LISTED)
@@ -113,7 +113,7 @@ def test_a_kit_is_written_for_the_platforms_that_tell_of_one() -> None:
 @pytest.fixture(scope="module")
 def known() -> dict[str, Any]:
     """Who knows the made-up platform, in a process in which it is listed from the start."""
-    command = [sys.executable, "-m", "tests.made_up_platform"]
+    command = [sys.executable, "-m", "tests.fake_platform"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     found: dict[str, Any] = json.loads(done.stdout)
     return found
@@ -136,7 +136,7 @@ def test_hostile_submissions_are_written_for_a_new_platform_and_what_reads_that_
 
 @pytest.fixture
 def _listed() -> Any:
-    with made_up_platform.listed("respond", "read", "write"):
+    with fake_platform.listed("respond", "read", "write"):
         yield
 
 
@@ -159,20 +159,20 @@ def test_grades_go_to_a_new_platform(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("_listed")
 def test_a_job_knows_a_new_platform_by_its_name() -> None:
-    assert job.named("made-up") is made_up_platform.PLATFORM
+    assert job.named("made-up") is fake_platform.PLATFORM
 
 
 # --- one that does less -------------------------------------------------------------------------------------------------
 
 
 def silent() -> Platform:
-    return replace(made_up_platform.PLATFORM, respond=None, write=None)
+    return replace(fake_platform.PLATFORM, respond=None, write=None)
 
 
 def test_a_line_that_promises_what_the_record_does_not_do_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(made_up_platform, "PLATFORM", silent())
+    monkeypatch.setattr(fake_platform, "PLATFORM", silent())
     with (
-        made_up_platform.listed("respond", "read", "write"),
+        fake_platform.listed("respond", "read", "write"),
         pytest.raises(GraderError, match="its line in the registry"),
     ):
         job.named("made-up")

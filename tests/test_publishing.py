@@ -19,7 +19,7 @@ from grader.course.record import Key, Store
 from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
-from tests.made_up import result
+from tests.fake_results import result
 
 MANY = 120
 LINE = Curve("x", "x", (0.0, 1.0, 2.0), (0.0, 1.0, 4.0))

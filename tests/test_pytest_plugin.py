@@ -20,7 +20,7 @@ READER_BY_ID = IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_se
 NO_FILTER = (
     "class LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        raise ValueError(alpha)\n"
 )
-TRAP = 'open(__file__ + ".ran", "w").close()\n\n\ndef test_nothing():\n    open(__file__ + ".ran", "w").close()\n'
+TRAP = 'open(__file__ + ".ran", "w").close()\n\n\ndef test_no_work_no_points():\n    open(__file__ + ".ran", "w").close()\n'
 
 
 def run(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -18,7 +18,7 @@ from grader.labs.imu.replies import RULES
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import FilterCase, Student
 from grader.labs.imu.worker import HANDLERS
-from tests.judging.made import truth
+from tests.judging.fake_students import truth
 
 pytestmark = pytest.mark.quick
 

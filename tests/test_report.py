@@ -23,7 +23,7 @@ from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, 
 from grader.report import words
 from grader.report.pages import index_page, report_page
 from grader.report.terminal import show
-from tests.made_up import HOSTILE, check, lost, result
+from tests.fake_results import HOSTILE, check, lost, result
 
 HOSTILE_RESULT = result(
     lost(title=HOSTILE, message=f"Expected  {HOSTILE}\nGot  {HOSTILE}", hint=HOSTILE),

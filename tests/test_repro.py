@@ -24,7 +24,7 @@ from grader.labs.imu.repeating import WRITTEN, program
 from grader.report.terminal import screen
 from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
 from tests.examples import FOLDER
-from tests.made_up import lost, result
+from tests.fake_results import lost, result
 
 ROOT = Path(__file__).parent.parent
 FAULTY = {

@@ -11,7 +11,7 @@ import grader
 from grader.engine.findings import Where
 from grader.engine.results import Result, from_dict, to_dict, to_json
 from grader.sandbox.isolation_levels import LEVELS
-from tests.made_up import check, lost, result
+from tests.fake_results import check, lost, result
 
 SCHEMA = json.loads((Path(grader.__file__).parent / "engine" / "result.schema.json").read_text(encoding="utf-8"))
 VALID = jsonschema.Draft202012Validator(SCHEMA)

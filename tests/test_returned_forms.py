@@ -9,7 +9,7 @@ import pytest
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.writing import Files
 from tests.recordings import Marking
-from tests.slips import Slip, costs_what_it_is
+from tests.single_faults import Slip, costs_what_it_is
 
 FORM = "wrong-return-type"
 

@@ -13,7 +13,7 @@ from grader import cli
 from grader.base.errors import RequestError
 from grader.course.database import FILE_NAME
 from grader.course.record import Key, Store
-from tests.made_up import check, lost, result
+from tests.fake_results import check, lost, result
 
 KEY = Key("alice", "s" * 64, "r" * 64, "t" * 64, "0.1.0")
 
@@ -51,7 +51,7 @@ def test_what_was_kept_survives_a_process_that_is_killed(tmp_path: Path) -> None
         "import os, signal, sys, pathlib\n"
         "from grader.course.record import Store\n"
         "from tests.test_store import KEY\n"
-        "from tests.made_up import result\n"
+        "from tests.fake_results import result\n"
         "Store(pathlib.Path(sys.argv[1])).keep(KEY, result())\n"
         "os.kill(os.getpid(), signal.SIGKILL)\n"
     )

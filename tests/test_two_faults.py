@@ -9,7 +9,7 @@ import pytest
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import Files
 from tests.recordings import Marking
-from tests.slips import lost_by, marked
+from tests.single_faults import lost_by, marked
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 RETURNED = "return acceleration, angular_velocity"

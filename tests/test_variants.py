@@ -11,7 +11,7 @@ from reference.imu_reader import simulate_and_collect
 from reference.lab_variants import lab_variant
 from reference.scene import LAB_PAIR, generator, roll
 from reference.variants import FRICTION, MASSES, SPRINGS, TIMESTEPS
-from tests.variety import LEAST, distances, push_of
+from tests.push_distances import LEAST, distances, push_of
 
 SECRETS = 8
 STANDING = [0.0, 0.0, -9.81]

@@ -17,7 +17,7 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
 from grader.report.pages import index_page, report_page
 from tests.examples import FOLDER
-from tests.made_up import HOSTILE, check, lost, result
+from tests.fake_results import HOSTILE, check, lost, result
 
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next(filter(None, map(shutil.which, BROWSERS)), None)

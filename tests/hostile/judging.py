@@ -23,7 +23,7 @@ from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, Link, write
 from tests.hostile import outputs
-from tests.hostile.bait import Bait, below
+from tests.hostile.decoys import Bait, below
 from tests.hostile.program import Program
 
 LIMITS = Limits(call_cpu_s=2.0, submission_cpu_s=12.0)

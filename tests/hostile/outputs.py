@@ -25,8 +25,8 @@ from grader.platforms import registry
 from grader.platforms.platform import Platform, ResultContext
 from grader.report import terminal
 from grader.report.pages import index_page, report_page
-from tests import made_up
-from tests.hostile.bait import SECRET
+from tests import fake_results
+from tests.hostile.decoys import SECRET
 
 ENVIRONMENT = {
     "CLASSROOM": "cs",
@@ -60,7 +60,7 @@ def _standing(result: Result) -> FinalGrade:
 
 def _responses(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
     """What a job on the platform writes."""
-    handed = ResultContext(LAB, made_up.submission("one"), Path(), ENVIRONMENT)
+    handed = ResultContext(LAB, fake_results.submission("one"), Path(), ENVIRONMENT)
     if platform.respond is not None:
         respond = platform.respond
         yield platform.name, lambda result: respond(result, handed)
@@ -184,7 +184,7 @@ def _in_page(text: str) -> Iterator[str]:
 
 def _in_page_of_ours(name: str, text: str) -> Iterator[str]:
     """A page has a script of its own, that of the class a form: it is held against that of a harmless result."""
-    own = Counter(_in_page(WRITERS[name](made_up.result(name="harmless"))))
+    own = Counter(_in_page(WRITERS[name](fake_results.result(name="harmless"))))
     yield from (Counter(_in_page(text)) - own).elements()
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from grader.sandbox.isolation_levels import NO_ISOLATION
 from tests.hostile import outputs
-from tests.hostile.bait import SECRET, below
+from tests.hostile.decoys import SECRET, below
 from tests.hostile.judging import Court
 from tests.hostile.program import FILTER, Program, in_method, last, sound
 

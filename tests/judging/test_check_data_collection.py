@@ -11,7 +11,7 @@ import pytest
 from mujoco import rollout
 
 from grader.labs.imu.data_collection import checks
-from tests.judging.made import Case, Made, Marked, Row, finding, is_as_marked, marked, truth
+from tests.judging.fake_students import Case, Made, Marked, Row, finding, is_as_marked, marked, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,

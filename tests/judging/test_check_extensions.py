@@ -17,7 +17,7 @@ from grader.labs.imu.bonuses.live_plot import LiveRun
 from grader.labs.imu.bonuses.multiple_imus import PLACES
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
-from tests.judging.made import Case, Made, Marked, is_as_marked, truth
+from tests.judging.fake_students import Case, Made, Marked, is_as_marked, truth
 
 Row = tuple[str, Any, Marked]
 

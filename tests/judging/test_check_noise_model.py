@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.noise_model import checks, measure
-from tests.judging.made import Case, Made, Marked, Row, finding, is_as_marked, truth, words
-from tests.test_nonsense import kept
+from tests.judging.fake_students import Case, Made, Marked, Row, finding, is_as_marked, truth, words
+from tests.test_useless_code_sweep import kept
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,

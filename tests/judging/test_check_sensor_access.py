@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.sensor_access import checks
-from tests.judging.made import Made, Marked, Row, is_as_marked
+from tests.judging.fake_students import Made, Marked, Row, is_as_marked
 
 Reader = Callable[..., Any]
 RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (

@@ -14,7 +14,7 @@ from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, U
 from grader.engine.findings import Fault
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import checks
-from tests.judging.made import Made, Marked, Row, is_as_marked, truth
+from tests.judging.fake_students import Made, Marked, Row, is_as_marked, truth
 
 CHECKS = SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
     checks.check_saves_image,

@@ -18,7 +18,7 @@ from grader.labs.imu.filtering import checks
 from grader.labs.imu.filtering.explain import PART, recursion
 from grader.labs.imu.filtering.measure import Facts, asked, facts, measure
 from grader.labs.imu.lab import LAB
-from tests.judging.made import Made, truth
+from tests.judging.fake_students import Made, truth
 
 pytestmark = pytest.mark.quick
 CASES = asked(truth()["filter"])

@@ -12,7 +12,7 @@ from grader.engine.figures import Picture
 from grader.engine.findings import NEEDS_REVIEW, Charged, Missing
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.visualization.measure import _handed_in, measure
-from tests.judging.made import truth
+from tests.judging.fake_students import truth
 from tests.judging.test_check_visualization import SHEET, Plotted
 
 pytestmark = pytest.mark.quick

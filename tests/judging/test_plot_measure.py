@@ -15,7 +15,7 @@ from grader.engine.load_report import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import measure
 from grader.sandbox.wire import Frame
-from tests.judging.made import Made, truth
+from tests.judging.fake_students import Made, truth
 from tests.judging.test_check_visualization import SHEET, Plotted
 
 pytestmark = pytest.mark.quick

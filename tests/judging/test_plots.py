@@ -12,7 +12,7 @@ from grader.engine.figures import Axes, Curve, Entry, Placed
 from grader.labs.imu.answers import KEYS, Array
 from grader.labs.imu.visualization import curves as plots
 from grader.labs.imu.visualization.curves import Panel, Shown
-from tests.judging.made import truth
+from tests.judging.fake_students import truth
 from tests.judging.test_check_visualization import SHEET, changed, curve, figure_of, panel, says, visible, with_curves
 
 pytestmark = pytest.mark.quick

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.judging.made import all_cases, pinned
+from tests.judging.fake_students import all_cases, pinned
 
 
 @pytest.mark.quick

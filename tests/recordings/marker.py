@@ -16,7 +16,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.sandbox import Sandbox
 from tests import sandboxes
-from tests.made_up import without_durations
+from tests.fake_results import without_durations
 from tests.recordings import store
 from tests.recordings.answers import RecordedSandbox, UnrecordedError
 from tests.scoreboard import Case, Verdict, as_written, graded_by

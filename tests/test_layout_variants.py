@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.castings import CASTINGS, can_be_cast
 from tests.corpus.cases import of
+from tests.layout_variants import CASTINGS, can_be_cast
 from tests.recordings import Marking
 from tests.scoreboard import Case, graded_by, recast
 

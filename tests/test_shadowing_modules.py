@@ -10,7 +10,7 @@ import pytest
 
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import write
-from tests.shadows import namesakes
+from tests.shadowing_modules import namesakes
 
 COMMAND = str(Path(sys.executable).with_name("imugrade"))
 #: What Python itself reads before the first line of a program that is called by `-m`, in one version or another.

@@ -1,4 +1,4 @@
-"""A program as on a system that is not Linux: ``python tests/elsewhere.py win32 -m grader check LAB``.
+"""A program as on a system that is not Linux: ``python tests/other_systems.py win32 -m grader check LAB``.
 
 What only Linux, or only POSIX, has is taken away before any of our own code is imported: modules, functions and flags, and
 `sys.platform` says the other system's name. Processes that are started live there, too. The standard library and the packages were

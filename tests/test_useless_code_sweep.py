@@ -22,7 +22,7 @@ from grader.labs.imu.noise_model import checks
 from tests.corpus.cases import Case
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import as_bytes
-from tests.judging.made import Made, truth
+from tests.judging.fake_students import Made, truth
 from tests.recordings import Marking
 
 _WITHOUT_MEMORY = (

@@ -18,7 +18,7 @@ from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.examples import folders
-from tests.made_up import without_durations
+from tests.fake_results import without_durations
 
 LONG = ("s12-endless-loop",)  # ten seconds, twice, and no picture
 

@@ -26,7 +26,7 @@ from grader.people.final_grade import (
 from grader.people.identity import Directory, Row
 from grader.people.late_policy import judged
 from grader.platforms.gradebook import gradebook
-from tests.made_up import check, lost, result
+from tests.fake_results import check, lost, result
 
 DUE = datetime(2026, 11, 20, 23, 0, tzinfo=timezone.utc)
 POLICY = LatePolicy(DUE, grace_minutes=10, per_day=10.0, cut_off_days=3)

@@ -12,7 +12,7 @@ from grader.commands import checking, opening
 from grader.engine.results import Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from tests.made_up import result
+from tests.fake_results import result
 
 
 def hand_in(folder: Path, *names: str) -> Path:

@@ -26,7 +26,7 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import HandIn, Person
 from grader.people.late_policy import judged
 from tests.examples import FOLDER, folders
-from tests.made_up import Nobody, lost
+from tests.fake_results import Nobody, lost
 from tests.recordings.marker import RecordedMarker
 
 SHIPPED = rubric.shipped(LAB).read_text(encoding="utf-8")

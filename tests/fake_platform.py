@@ -1,4 +1,4 @@
-"""A platform that nobody has heard of, listed as a new one would be: `python -m tests.made_up_platform` prints who knows it."""
+"""A platform that nobody has heard of, listed as a new one would be: `python -m tests.fake_platform` prints who knows it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ PLATFORM = Platform(
 @contextmanager
 def listed(*does: registry.Deed) -> Iterator[None]:
     """A line of the registry for it, as long as a test lasts."""
-    registry.LISTED["made-up"] = registry.Listed("tests.made_up_platform", does)
+    registry.LISTED["made-up"] = registry.Listed("tests.fake_platform", does)
     yield
     del registry.LISTED["made-up"]
 

@@ -9,7 +9,7 @@ import pytest
 from grader.engine.results import CheckResult, Result
 from tests.corpus.sheet import VERBATIM
 from tests.recordings import Marking
-from tests.slips import Changes, changed, lost_by, marked
+from tests.single_faults import Changes, changed, lost_by, marked
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 UPDATE = """\
