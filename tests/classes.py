@@ -1,8 +1,4 @@
-"""One class in the shape of each platform, and what each platform makes of the upload.
-
-The importers follow the rules of the platforms' own sources (canvas-lms `gradebook_importer.rb` and `content_zipper.rb`, Moodle's
-`importgradeslib.php` and `importziplib.php`), not our exporters.
-"""
+"""One class as a download of each platform, and a reader of each platform's upload."""
 
 from __future__ import annotations
 

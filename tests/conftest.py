@@ -1,8 +1,8 @@
-"""What all tests run under.
+"""Configuration of the test run: one thread for NumPy, compiled modules, slow files, recordings and shared fixtures.
 
-Ctrl-C reaches what the tests start, also where a shell runs them in the background and has switched it off for them. And modules are
-compiled once, as they are wherever the package is installed, also where the environment says otherwise: the tests start hundreds of
-processes. And NumPy keeps to one thread, as the command line makes it do: two test workers on two cores would wait for each other's.
+The tests start hundreds of processes, so modules are compiled once, also if the environment switches that off. Two test workers
+run on two cores, so NumPy uses one thread, as in the command line. Ctrl-C reaches the processes that the tests start, also if a
+shell has switched it off for them.
 """
 # ruff: noqa: E402 - what is imported before that is not compiled once, and NumPy reads the variables as it is loaded
 

@@ -1,4 +1,4 @@
-"""Commands in the documents: each line of a code block and each span between backticks that starts a program."""
+"""Commands in the documents: each line of a code block, and each code span, that starts a program."""
 
 from __future__ import annotations
 

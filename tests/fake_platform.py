@@ -1,4 +1,4 @@
-"""A platform that nobody has heard of, listed as a new one would be: `python -m tests.fake_platform` prints who knows it."""
+"""A fake platform, listed as a new one would be: `python -m tests.fake_platform` prints what knows it."""
 
 from __future__ import annotations
 

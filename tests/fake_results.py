@@ -1,4 +1,4 @@
-"""Results, submissions and a marker that are made up: for tests of what comes after marking."""
+"""Fake results, submissions and marker, for tests of what comes after grading."""
 
 from __future__ import annotations
 

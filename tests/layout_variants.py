@@ -1,6 +1,6 @@
-"""One submission in other layouts: all that it does at module level, as the sheet has it, and in the cells of a notebook.
+"""Variants of one submission in other layouts: all calls at module level, as on the sheet, and in the cells of a notebook.
 
-What it defines stays as it is, so that a fair marker gives the same marks.
+The definitions stay the same, so a fair marker gives the same points.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ _OWN = ("imu_reader", "noisy_imu", "filters")
 _FILES = tuple(f"{name}.py" for name in _OWN)
 
 
-def can_be_cast(files: Files) -> bool:
-    """Whether it is the sheet's three files, which Python can read, and no name means something else in two of them.
+def can_be_rearranged(files: Files) -> bool:
+    """Return whether these are the sheet's three files, valid Python, with no name defined in two of them.
 
-    A notebook has no modules of its own, and no ``__file__``.
+    A notebook has neither modules of its own nor ``__file__``.
     """
     if set(files) != set(_FILES) or any("__file__" in str(content) for content in files.values()):
         return False
@@ -33,7 +33,7 @@ def can_be_cast(files: Files) -> bool:
 
 
 def at_module_level(files: Files) -> Files:
-    """Each file without a main guard: what stands below one, and in functions that are called there, is run at import."""
+    """Return each file without a main guard: its statements, and those of the functions that it calls, run at import."""
     return {name: _written(_flat(_tree(files[name]))) for name in _FILES}
 
 
@@ -43,7 +43,7 @@ def as_notebook(files: Files) -> Files:
     return {"lab.ipynb": notebook(*_cells(parts))}
 
 
-CASTINGS: Mapping[str, Callable[[Files], Files]] = {"at module level": at_module_level, "as a notebook": as_notebook}
+VARIANTS: Mapping[str, Callable[[Files], Files]] = {"at module level": at_module_level, "as a notebook": as_notebook}
 
 _LIBRARIES = ("mujoco", "np", "plt")
 _DEFINITIONS = (ast.FunctionDef, ast.ClassDef)

@@ -1,7 +1,4 @@
-"""Robots that nobody here made: those of the dm_control wheel, fetched from the package index and never kept in this repository.
-
-Their XML and the meshes beside it are unpacked from the wheel; dm_control itself is not installed.
-"""
+"""Robots of the dm_control wheel, which is fetched from the package index and never kept in this repository."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""A program as on a system that is not Linux: ``python tests/other_systems.py win32 -m grader check LAB``.
-
-What only Linux, or only POSIX, has is taken away before any of our own code is imported: modules, functions and flags, and
-`sys.platform` says the other system's name. Processes that are started live there, too. The standard library and the packages were
-imported before and stay what they are: what is tried is our code, not theirs.
-"""
+"""Run a program as on a system that is not Linux: ``python tests/other_systems.py win32 -m grader check LAB``."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""How far apart two recordings of the push are, however one of them is shifted and stretched in time.
-
-The distance of a series from another: both are laid over the same second, the other one shifted by up to 0.1 s and stretched
-by up to a quarter either way, all six channels together; what is left is the root mean square over time and channels, each
-channel in units of its own standard deviation, at the best shift and stretch. 0.05 is 5 % of the spread.
-"""
+"""Distance of two recordings of the push, minimized over shifts and stretches in time."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ _STROKES = ["-", "-", "-", "--", "-.", ":"]
 
 
 @dataclass(frozen=True)
-class Made:
+class RandomFigure:
     """A figure with what a reader sees of each of its curves."""
 
     seed: int
@@ -52,11 +52,11 @@ def figure_of(seed: int) -> Iterator[Any]:
             plt.close(figure)
 
 
-def made(seed: int, left_out: str = "") -> Made:
+def made(seed: int, left_out: str = "") -> RandomFigure:
     """The figure of this seed, as facts and pixels, looked at; with a curve that is claimed and not drawn."""
     with figure_of(seed) as figure:
         found = looked_at(told(figure, left_out), Patience())
-    return Made(
+    return RandomFigure(
         seed, {curve.label: curve.visible_parts for panel in found.axes for curve in panel.curves if curve.n > 3}
     )
 
@@ -197,5 +197,5 @@ def share_seen(sight: VisibleParts) -> float:
     return float(sight.seen.sum() / max(1, sight.inside.sum()))
 
 
-def every(seeds: range) -> Iterator[Made]:
+def every(seeds: range) -> Iterator[RandomFigure]:
     return map(made, seeds)

@@ -1,4 +1,4 @@
-"""One sandbox for the markers of many tests: to open one takes longer than to mark a submission."""
+"""One sandbox for the markers of many tests, because opening one takes longer than grading a submission."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""How fair and how sharp the grader is: `python -m tests.scoreboard [--only NAME] [--part PART] [--jobs 2]`.
-
-Grades the whole corpus with the real marker and prints sound submissions with false deductions, faults missed, points lost
-in other criteria, faults that cost more than one check, and mistakes named right, wrong or not at all; a line for each trouble.
-A run over the whole corpus takes long, most of it for the part that hands everything in twice more in other layouts.
-"""
+"""Scoreboard of false deductions and missed faults: `python -m tests.scoreboard [--only NAME] [--part PART] [--jobs 2]`."""
 
 from __future__ import annotations
 
@@ -28,7 +23,7 @@ from grader.report.words import tells
 from tests.corpus.cases import CRITERIA, Case, of
 from tests.corpus.layouts import LAYOUTS
 from tests.corpus.writing import write
-from tests.layout_variants import CASTINGS, can_be_cast
+from tests.layout_variants import VARIANTS, can_be_rearranged
 from tests.recordings import Marking
 
 PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
@@ -88,7 +83,7 @@ def recast(only: Container[str] | None = None) -> Iterator[Case]:
     """Styles and single faults that are also asked for in other layouts; to tell which can be takes seconds for all of them."""
     styles_and_faults = (*of("sound"), *of("faulty"), *of("lookalikes"))
     wanted = (case for case in styles_and_faults if only is None or case.name in only)
-    yield from (Case("recast", case.name, case.files) for case in wanted if can_be_cast(case.files))
+    yield from (Case("recast", case.name, case.files) for case in wanted if can_be_rearranged(case.files))
 
 
 # ---------------------------------------------------------------- judging a result
@@ -280,7 +275,7 @@ def graded_by(marker: Marking, case: Case) -> Verdict:
     result = verdict.result
     look_at(verdict, result)
     if case.part == "recast":
-        for layout, put in CASTINGS.items():
+        for layout, put in VARIANTS.items():
             cast = marker.mark(handed_in(Case(case.part, case.name, put(case.files))))
             look_at_casting(verdict, result, cast, layout)
     return verdict
@@ -294,7 +289,7 @@ def look_at(verdict: Verdict, result: Result) -> None:
     if case.part in ONE_FAULT:
         look_at_charges(verdict)
     if case.part == "recast":
-        return  # it is held against its own castings
+        return  # it is held against its own variants
     if case.part == "nothing":
         look_at_nothing(verdict, result, case)
     elif case.part == "sound":

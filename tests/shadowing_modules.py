@@ -1,4 +1,4 @@
-"""A folder in which every module that the grader imports has a namesake, which tells in a file that it was run."""
+"""A folder in which every module that the grader imports has a namesake; a namesake that is run writes that to a file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ raise ImportError("a student's {name}")
 """
 
 
-def namesakes(folder: Path, told: Path, but: frozenset[str] = frozenset()) -> Path:
+def write_shadowing_modules(folder: Path, told: Path, but: frozenset[str] = frozenset()) -> Path:
     """Write them.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Submissions with one slip, and what a marker takes for it: those checks, those points, and nothing else."""
+"""Submissions with one fault, and the deductions of a fair marker: those checks, those points, and nothing else."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def changed(files: Files, path: str, changes: Changes) -> Files:
 
 
 @dataclass(frozen=True)
-class Slip:
+class SingleFault:
     """A submission with one fault: which checks lose how many points by it, by which names."""
 
     name: str
@@ -40,7 +40,7 @@ def lost_by(result: Result) -> dict[str, float]:
     return {check.id: check.max_points - (check.points or 0.0) for check in checks if check.points != check.max_points}
 
 
-def costs_what_it_is(slip: Slip, player: Marking) -> None:
+def assert_loses(slip: SingleFault, player: Marking) -> None:
     """It loses these points alone, by these names, and every check that could be asked says what to do."""
     result = marked(player, slip.files)
     lost = lost_by(result)

@@ -1,4 +1,4 @@
-"""Points by hand, regrades and what moved: the command on a class that a made-up marker marks."""
+"""Tests of overrides, regrades and changed grades: the command on a class that a fake marker grades."""
 
 from __future__ import annotations
 

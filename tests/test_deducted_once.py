@@ -1,4 +1,4 @@
-"""One fault costs once even where no list knows it, and what does nothing earns no more than its form."""
+"""Tests that a fault is deducted once even if no list knows it, and that code without effect earns no more than its form."""
 
 from __future__ import annotations
 

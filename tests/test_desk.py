@@ -1,4 +1,4 @@
-"""The review desk: who may come in, what needs a look, what people decide, and that OUT follows."""
+"""Tests of the review desk: access, review queue, decisions, and the files in OUT that follow them."""
 
 from __future__ import annotations
 

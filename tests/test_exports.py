@@ -1,4 +1,4 @@
-"""Uploads: a platform takes from them what was meant, and what it had itself written is still there byte for byte."""
+"""Tests of exports: a platform reads the intended grades, and its own content of the file stays the same byte for byte."""
 
 from __future__ import annotations
 

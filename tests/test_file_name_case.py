@@ -1,4 +1,4 @@
-"""Files whose names came in capitals count as the same files do in small letters."""
+"""Tests that files with names in capitals count as the same files in lower case do."""
 
 from __future__ import annotations
 

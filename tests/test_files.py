@@ -1,4 +1,4 @@
-"""Files are whole or absent, and nothing takes the place of a device."""
+"""Tests of file writing: a file is complete or absent, and a device is never replaced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands beside the marks: lateness, rosters, points by hand. None of it ever changes a result."""
+"""Tests of final grades: lateness, rosters and overrides are kept apart from the automatic result and never change it."""
 
 from __future__ import annotations
 

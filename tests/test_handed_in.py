@@ -1,4 +1,4 @@
-"""ResultContext-in pictures beside code that does not draw them, in a real sandbox."""
+"""Tests of handed-in pictures beside code that does not draw them, in a real sandbox."""
 
 from __future__ import annotations
 

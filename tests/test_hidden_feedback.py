@@ -1,4 +1,4 @@
-"""What a student is told of a hidden run holds nothing that code could have chosen after it had seen hidden data."""
+"""Tests that feedback on hidden scenarios holds nothing that code could choose after it has seen hidden data."""
 
 from __future__ import annotations
 

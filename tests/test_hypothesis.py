@@ -1,4 +1,4 @@
-"""The cheapest hypothesis that fits is cause, and only where no other of its cost is cause as something else."""
+"""Tests of the choice of a hypothesis: the cheapest that fits is the cause, unless another of the same cost names another cause."""
 
 from __future__ import annotations
 

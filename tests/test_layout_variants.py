@@ -1,11 +1,11 @@
-"""The same submission has the same marks at module level and in a notebook; `python -m tests.scoreboard` asks all of the corpus."""
+"""Tests that a submission gets the same points at module level and in a notebook; `python -m tests.scoreboard` tests the whole corpus."""
 
 from __future__ import annotations
 
 import pytest
 
 from tests.corpus.cases import of
-from tests.layout_variants import CASTINGS, can_be_cast
+from tests.layout_variants import VARIANTS, can_be_rearranged
 from tests.recordings import Marking
 from tests.scoreboard import Case, graded_by, recast
 
@@ -24,5 +24,5 @@ def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case
 
 
 def test_nearly_all_of_the_single_faults_can_be_cast() -> None:
-    assert sum(can_be_cast(fault.files) for fault in of("faulty")) >= 0.9 * len(of("faulty"))
-    assert len(CASTINGS) == 2
+    assert sum(can_be_rearranged(fault.files) for fault in of("faulty")) >= 0.9 * len(of("faulty"))
+    assert len(VARIANTS) == 2

@@ -1,4 +1,4 @@
-"""Statements that end their process: what is believed of what such a process wrote down."""
+"""Tests of statements that end their process: which place is used of what such a process wrote down."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Caps that fit each other: whatever is accepted from a submission can be sent to a worker, and every answer sent back in a question."""
+"""Tests that limits fit each other: any accepted submission can be sent to a worker, and any answer can be sent back in a question."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Nothing for nothing: a part that does none of its job keeps a few points for its form at most, and costs no other part any."""
+"""Tests of parts that do none of their job: they keep a few points for their form at most, and no other part loses any."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What makes grading cheap changes no mark: the example class is marked with every saving, and without any."""
+"""Tests that no optimization changes points: the example class is graded with all of them and without any."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import pytest
 from tests.corpus.pieces import tidy, verbatim
 from tests.corpus.writing import Files
 from tests.recordings import Marking
-from tests.single_faults import Changes, Slip, changed, costs_what_it_is, lost_by, marked
+from tests.single_faults import Changes, SingleFault, assert_loses, changed, lost_by, marked
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 
@@ -198,30 +198,30 @@ READING = {
 """What a `read` takes, and what the program gives it."""
 
 
-def _slips() -> Iterator[Slip]:
+def _slips() -> Iterator[SingleFault]:
     for name, (path, changes, lost, named) in (PARAMETERS | EDITED).items():
-        yield Slip(name, changed(verbatim(), path, changes), lost, named)
+        yield SingleFault(name, changed(verbatim(), path, changes), lost, named)
     for name, (path, line, lost) in FORGOTTEN.items():
-        yield Slip(f"forgotten: {name}", changed(verbatim(), path, {line: ""}), lost)
-    yield Slip("forgotten: a partner", changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}), {})
+        yield SingleFault(f"forgotten: {name}", changed(verbatim(), path, {line: ""}), lost)
+    yield SingleFault("forgotten: a partner", changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}), {})
     for name, own in MISSPELLED:
-        yield Slip(f"misspelled: {own}", _renamed(verbatim(), name, own), {})
+        yield SingleFault(f"misspelled: {own}", _renamed(verbatim(), name, own), {})
     methods = changed(verbatim(), FILTER, {"def update": "def Up_date", ".update(": ".Up_date("})
-    yield Slip("misspelled: Up_date", methods, {})
+    yield SingleFault("misspelled: Up_date", methods, {})
     for name, (takes, reads) in READING.items():
         own = {"def read(self)": f"def read(self, {takes})", "noisy_imu.read()": f"noisy_imu.read({reads})"}
         files = changed(verbatim(), NOISY, own)
         files = changed(files, FILTER, {"noisy_imu.read()": own["noisy_imu.read()"]})
-        yield Slip(f"read() is given {name}", files, {NOISE: 3.0}, OTHER)
+        yield SingleFault(f"read() is given {name}", files, {NOISE: 3.0}, OTHER)
     flag = {"class LowPassFilter:": "first = True\n\n\nclass LowPassFilter:",
             "        if self.state is None:\n": "        global first\n        if first and self.state is None:\n            first = False\n"}  # fmt: skip
-    yield Slip(
+    yield SingleFault(
         "a flag that all filters share",
         changed(tidy(), FILTER, flag),
         {"filtering.instances_independent": 3.0},
         ("shared-state",),
     )
-    yield Slip(
+    yield SingleFault(
         "legends of the parts of a figure",
         changed(
             tidy(),
@@ -253,8 +253,8 @@ SHEET = "\n\n".join(
 
 
 @pytest.mark.parametrize("slip", [*_slips()], ids=lambda slip: slip.name)
-def test_it_costs_what_it_is_and_nothing_else(slip: Slip, player: Marking) -> None:
-    costs_what_it_is(slip, player)
+def test_it_costs_what_it_is_and_nothing_else(slip: SingleFault, player: Marking) -> None:
+    assert_loses(slip, player)
 
 
 def test_what_was_supplied_is_noted(player: Marking) -> None:

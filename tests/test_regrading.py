@@ -1,4 +1,4 @@
-"""Outcomes are facts and points are arithmetic: another rubric marks from the record what a sandbox would mark again."""
+"""Tests that another rubric gives the same points from the record as from a new grading in the sandbox."""
 
 from __future__ import annotations
 

@@ -1,3 +1,5 @@
+"""Tests of the report pages and the terminal report."""
+
 from __future__ import annotations
 
 import base64

@@ -9,7 +9,7 @@ import pytest
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.writing import Files
 from tests.recordings import Marking
-from tests.single_faults import Slip, costs_what_it_is
+from tests.single_faults import SingleFault, assert_loses
 
 FORM = "wrong-return-type"
 
@@ -55,31 +55,33 @@ COLLECTED: dict[str, tuple[tuple[str, str], dict[str, float], tuple[str, ...]]] 
     }  # fmt: skip
 
 
-def _slips() -> Iterator[Slip]:
+def _slips() -> Iterator[SingleFault]:
     for name, value in READS.items():
         files = edit(verbatim(), "imu_reader.py", ("return acceleration, angular_velocity", f"return {value}"))
-        yield Slip(f"read: {name}", files, {"sensor_access.returns_two_vectors": 3.0}, (FORM,))
+        yield SingleFault(f"read: {name}", files, {"sensor_access.returns_two_vectors": 3.0}, (FORM,))
     for name, value in NOISY.items():
         files = edit(verbatim(), "noisy_imu.py", ("return accel_noisy, gyro_noisy", f"return {value}"))
-        yield Slip(f"noise: {name}", files, {"noise_model.noise_size": 3.0}, (FORM,))
+        yield SingleFault(f"noise: {name}", files, {"noise_model.noise_size": 3.0}, (FORM,))
     for name, value in FILTERED.items():
         files = edit(verbatim(), "filters.py", ("return self.value.copy()", f"return {value}"))
-        yield Slip(f"filter: {name}", files, {"filtering.follows_recursion": 3.0}, (FORM,))
+        yield SingleFault(f"filter: {name}", files, {"filtering.follows_recursion": 3.0}, (FORM,))
     for name, (line, value) in KEEPING.items():
         files = edit(verbatim(), "filters.py", ("return self.value.copy()", f"{line}\n        return {value}"))
-        yield Slip(f"filter: kept {name}", files, {"filtering.follows_recursion": 3.0}, (FORM,))
+        yield SingleFault(f"filter: kept {name}", files, {"filtering.follows_recursion": 3.0}, (FORM,))
     alone = edit(verbatim(), "imu_reader.py", ("return acceleration, angular_velocity", "return acceleration"))
-    yield Slip("read: the accelerometer alone", alone, {"sensor_access.matches_truth": 6.0}, (FORM,))
+    yield SingleFault("read: the accelerometer alone", alone, {"sensor_access.matches_truth": 6.0}, (FORM,))
     for name, (change, lost, mistakes) in COLLECTED.items():
         files = edit(verbatim(), "imu_reader.py", change)
-        yield Slip(f"record: {name}", files, {f"data_collection.{check}": p for check, p in lost.items()}, mistakes)
+        yield SingleFault(
+            f"record: {name}", files, {f"data_collection.{check}": p for check, p in lost.items()}, mistakes
+        )
     for name, form in OWN_FORMS.items():
         named = {"columns": "arrays-transposed", "a key for each axis": "wrong-keys"}.get(name, FORM)
-        yield Slip(
+        yield SingleFault(
             f"record and plot: {name}", _recorded_as(*form), {"data_collection.returns_named_arrays": 3.0}, (named,)
         )
     files = edit(tidy(), "filters.py", ("alpha=0.1, initial_value", "alpha, initial_value"))
-    yield Slip("filter: alpha has no default", files, {"filtering.follows_recursion": 3.0}, ())
+    yield SingleFault("filter: alpha has no default", files, {"filtering.follows_recursion": 3.0}, ())
 
 
 RECORDING = "{\n        'time': times,\n        'acceleration': accelerations,\n        'angular_velocity': angular_velocities\n    }"
@@ -125,5 +127,5 @@ def _recorded_as(returned: str, time: str, accel: str, gyro: str) -> Files:
 
 
 @pytest.mark.parametrize("slip", [*_slips()], ids=lambda slip: slip.name)
-def test_another_form_costs_what_it_is_and_nothing_else(slip: Slip, player: Marking) -> None:
-    costs_what_it_is(slip, player)
+def test_another_form_costs_what_it_is_and_nothing_else(slip: SingleFault, player: Marking) -> None:
+    assert_loses(slip, player)

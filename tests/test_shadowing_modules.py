@@ -1,4 +1,4 @@
-"""Where a student's folder holds a `numpy.py` or a `signal.py`, the grader imports its own; it may be called from there."""
+"""Tests with a `numpy.py` or `signal.py` in the student's folder: the grader imports its own modules, also if it is started there."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import write
-from tests.shadowing_modules import namesakes
+from tests.shadowing_modules import write_shadowing_modules
 
 COMMAND = str(Path(sys.executable).with_name("imugrade"))
 #: What Python itself reads before the first line of a program that is called by `-m`, in one version or another.
@@ -44,7 +44,7 @@ def called(command: list[str], cwd: Path) -> subprocess.CompletedProcess[str]:
 )  # fmt: skip
 def test_the_command_imports_nothing_from_the_folder_that_it_is_called_in(tmp_path: Path, words: list[str]) -> None:
     write(VERBATIM, tmp_path / "lab")
-    here = namesakes(tmp_path / "here", tmp_path / "told")
+    here = write_shadowing_modules(tmp_path / "here", tmp_path / "told")
     done = called([COMMAND, *words], here)
     assert (tmp_path / "told").read_text(encoding="utf-8") == ""
     assert done.returncode == 0, done.stderr
@@ -52,7 +52,7 @@ def test_the_command_imports_nothing_from_the_folder_that_it_is_called_in(tmp_pa
 
 def test_python_m_grader_imports_nothing_more_from_there_once_it_runs(tmp_path: Path) -> None:
     write(VERBATIM, tmp_path / "lab")
-    here = namesakes(tmp_path / "here", tmp_path / "told", but=READ_BEFORE)
+    here = write_shadowing_modules(tmp_path / "here", tmp_path / "told", but=READ_BEFORE)
     done = called([sys.executable, "-m", "grader", "grade", "../lab", "-o", "../out"], here)
     assert (tmp_path / "told").read_text(encoding="utf-8") == ""
     assert done.returncode == 0, done.stderr

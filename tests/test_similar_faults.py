@@ -1,4 +1,4 @@
-"""Cousins of known faults, with the same symptom and another cause: name, message and hint are true of each of them."""
+"""Tests of faults with the symptom of a known fault and another cause: name, message and hint are true of each of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Statement by statement: what one of them does is stepped over, what it leaves behind is as if the file had run as a whole."""
+"""Tests of running a file statement by statement: a failing statement is skipped; what remains is as if the file had run as a whole."""
 
 from __future__ import annotations
 

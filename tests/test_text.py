@@ -1,4 +1,4 @@
-"""Text from strangers is safe to show."""
+"""Tests that text from submissions is safe to show."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""A sweep over generated parts that do nothing: filters without memory, readers and noise models without a sensor, and others.
-
-None earns more than the points for its form. `pytest -m sweep` runs every combination; a fixed sample runs with the other tests.
-"""
+"""Sweep over generated parts that do nothing: filters without memory, readers and noise models without a sensor, and others."""
 
 from __future__ import annotations
 
@@ -22,7 +19,7 @@ from grader.labs.imu.noise_model import checks
 from tests.corpus.cases import Case
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import as_bytes
-from tests.judging.fake_students import Made, truth
+from tests.judging.fake_students import FakeStudent, truth
 from tests.recordings import Marking
 
 _WITHOUT_MEMORY = (
@@ -247,7 +244,7 @@ def noise_models() -> Iterator[Any]:
 def kept(kind: type) -> dict[str, float]:
     """Points of each check of the noise model."""
     worth = {check.id: check.max_points for part in rubric.load(LAB).criteria for check in part.checks}
-    student, points = Made(NoisyIMU=kind), {}
+    student, points = FakeStudent(NoisyIMU=kind), {}
     for check in CHECKS:
         try:
             check(student, truth())

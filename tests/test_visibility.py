@@ -1,4 +1,4 @@
-"""What a reader sees of each curve: sound figures lose none, and a claim without a picture shows nothing."""
+"""Tests of the visibility of curves: a random sound figure loses none, and a curve that is claimed but not drawn is not seen."""
 
 from __future__ import annotations
 

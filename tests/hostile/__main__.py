@@ -15,15 +15,15 @@ from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import probe
 from tests.hostile import record
 from tests.hostile.corpus import PROGRAMS
-from tests.hostile.judging import Court, Verdict
+from tests.hostile.judging import AttackJudge, Verdict
 from tests.hostile.program import FAMILIES, Program
 
 
 def run(isolation_level: str, programs: Sequence[Program], *, aloud: bool) -> list[Verdict]:
     verdicts = []
-    with Court(isolation_level) as court:
+    with AttackJudge(isolation_level) as attack_judge:
         for program in programs:
-            verdict = court.try_(program)
+            verdict = attack_judge.try_(program)
             verdicts.append(verdict)
             for trouble in verdict.troubles:
                 print(f"{isolation_level:<10} {program.family}/{program.name}: FELL: {trouble}", flush=True)

@@ -1,4 +1,4 @@
-"""The court that the tests share: on the best isolation level that this machine allows."""
+"""Fixture: one judge of attacks for all tests, on the best isolation level of this machine."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from collections.abc import Iterator
 import pytest
 
 from grader.sandbox.isolation_levels import NO_ISOLATION
-from tests.hostile.judging import Court
+from tests.hostile.judging import AttackJudge
 
 
 @pytest.fixture(scope="package")
-def court() -> Iterator[Court]:
+def attack_judge() -> Iterator[AttackJudge]:
     if not sys.platform.startswith("linux"):
         pytest.skip("looks for leftovers in /proc")
-    with Court(None) as court:
-        if court.isolation_level == NO_ISOLATION.name:
+    with AttackJudge(None) as attack_judge:
+        if attack_judge.isolation_level == NO_ISOLATION.name:
             pytest.skip("nothing isolates here")
-        yield court
+        yield attack_judge

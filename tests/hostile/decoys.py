@@ -1,4 +1,4 @@
-"""Decoys that attacks aim at, and a look at the surroundings before and after: what was touched, reached or left behind."""
+"""Decoys that attacks aim at, and the state of the machine before and after: what was touched, reached or left behind."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ _PACKAGE = Path(grader.__file__).parent
 _SETTLING_S = 5.0
 
 
-class Bait:
+class Decoys:
     """The decoys of one run; a context manager.
 
     `folder` holds a file to read (``@SECRET@``), one to change (``@TARGET@``) and a neighbour's submission (``@NEIGHBOUR@``);
     ``@PORT@``, ``@UDP@``, ``@SOCKET@`` and ``@ABSTRACT@`` are listened to, ``@PID@`` is a process that does nothing.
     """
 
-    def __enter__(self) -> Bait:
+    def __enter__(self) -> Decoys:
         self._open = ExitStack()
         self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
         os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the sandbox, not of modes

@@ -23,7 +23,7 @@ from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, Link, write
 from tests.hostile import outputs
-from tests.hostile.decoys import Bait, below
+from tests.hostile.decoys import Decoys, below
 from tests.hostile.program import Program
 
 LIMITS = Limits(call_cpu_s=2.0, submission_cpu_s=12.0)
@@ -54,7 +54,7 @@ def _hidden() -> Traces:
     return bundles.obtain(_SECRET_SEED)
 
 
-class Court:
+class AttackJudge:
     """One isolation level with its markers and decoys; a context manager."""
 
     def __init__(self, isolation_level: str | None) -> None:
@@ -62,8 +62,8 @@ class Court:
         self._scores: dict[tuple[object, ...], float] = {}
         self._markers: dict[bool, Marker] = {}
 
-    def __enter__(self) -> Court:
-        self._bait = Bait().__enter__()
+    def __enter__(self) -> AttackJudge:
+        self._bait = Decoys().__enter__()
         self._markers[False] = Marker(small_rubric(), bundles.shipped(), isolation_level=self.isolation_level)
         self.isolation_level = self._markers[False].isolation.name
         self._neighbour_scores = self._neighbour()

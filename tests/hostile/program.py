@@ -20,7 +20,7 @@ class Program:
     ----------
     name, family
     files
-        The submission. Texts hold marks such as ``@SECRET@`` that `bait.Bait.fill` replaces by the decoys of the run.
+        The submission. Texts hold marks such as ``@SECRET@`` that `decoys.Decoys.fill` replaces by the decoys of the run.
     twin
         The same submission without the attack, which must score as much or more; None where nothing is to be gained.
     only

@@ -11,7 +11,7 @@ from tests.corpus.pieces import FILTER_INCREMENT, tidy
 from tests.corpus.writing import Files, write
 from tests.durability import grade, results
 from tests.hostile.corpus import PROGRAMS
-from tests.hostile.judging import Court
+from tests.hostile.judging import AttackJudge
 from tests.hostile.program import FAMILIES, Program
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for leftovers in /proc")
@@ -39,8 +39,8 @@ BY_NAME = {program.name: program for program in PROGRAMS}
 
 
 @pytest.mark.parametrize("name", REDUCED)
-def test_a_hostile_submission_gains_nothing_and_touches_nothing(court: Court, name: str) -> None:
-    assert court.try_(BY_NAME[name]).troubles == []
+def test_a_hostile_submission_gains_nothing_and_touches_nothing(attack_judge: AttackJudge, name: str) -> None:
+    assert attack_judge.try_(BY_NAME[name]).troubles == []
 
 
 def test_names_are_unique_and_every_family_is_there() -> None:

@@ -1,4 +1,4 @@
-"""The court itself: what it would say of an attack that succeeds. Without this, `held` would mean nothing."""
+"""Tests of the judge of attacks itself: it must report an attack that succeeds, or `held` would mean nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from grader.sandbox.isolation_levels import NO_ISOLATION
 from tests.hostile import outputs
 from tests.hostile.decoys import SECRET, below
-from tests.hostile.judging import Court
+from tests.hostile.judging import AttackJudge
 from tests.hostile.program import FILTER, Program, in_method, last, sound
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for leftovers in /proc")
@@ -59,7 +59,7 @@ def no_descendants() -> Iterator[None]:
 
 @pytest.mark.usefixtures("no_descendants")
 def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> None:
-    with Court(NO_ISOLATION.name) as unwalled:
+    with AttackJudge(NO_ISOLATION.name) as unwalled:
         troubles = unwalled.try_(in_filter(ESCAPES)).troubles
     assert "report.html: it holds what the decoys hold" in troubles
     assert "result.json: it holds what the decoys hold" in troubles

@@ -1,9 +1,4 @@
-"""Made-up students: their functions are in this process, and the lab's own questions are asked of them there, without a sandbox.
-
-A case is a check, a made-up student, and what a fair marker says: all points (None), or the share that is kept and the mistakes. A row of
-a table is a student with what every check of a criterion says. The words of each finding stand in `words.yaml`, which
-`python -m tests.regenerate` writes.
-"""
+"""Fake students: their functions run in this process, and the lab's own questions are asked of them without a sandbox."""
 
 from __future__ import annotations
 
@@ -47,7 +42,7 @@ def truth() -> Traces:
     return bundles.shipped()
 
 
-class Made(Student):
+class FakeStudent(Student):
     """A student made of functions and classes, by the names that the lab asks for."""
 
     def __init__(self, **parts: Any) -> None:

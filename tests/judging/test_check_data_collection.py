@@ -11,7 +11,7 @@ import pytest
 from mujoco import rollout
 
 from grader.labs.imu.data_collection import checks
-from tests.judging.fake_students import Case, Made, Marked, Row, finding, is_as_marked, marked, truth
+from tests.judging.fake_students import Case, FakeStudent, Marked, Row, finding, is_as_marked, marked, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -576,8 +576,11 @@ OUT_OF_SIGHT = {("squared", "another pose"), ("squared", "another push each time
 """Rows that are altered so much that nothing tells what was simulated."""
 CHECKS = (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
 ROWS = [
-    *(Row(name, lambda kind=kind: Made(simulate_and_collect=_function(kind())), marks) for name, kind, marks in KINDS),  # type: ignore[misc]
-    Row("in another order", lambda: Made(simulate_and_collect=_turned), {NAMED: (0.0, ["other-parameters"])}),
+    *(
+        Row(name, lambda kind=kind: FakeStudent(simulate_and_collect=_function(kind())), marks)
+        for name, kind, marks in KINDS
+    ),  # type: ignore[misc]
+    Row("in another order", lambda: FakeStudent(simulate_and_collect=_turned), {NAMED: (0.0, ["other-parameters"])}),
 ]
 CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 
@@ -594,7 +597,7 @@ def test_a_made_up_recorder_is_marked_fairly(row: Row) -> None:
 def test_a_fault_costs_the_same_whatever_is_done_to_the_rows(treatment: Any, fault: Any) -> None:
     recorder = both(treatment[1], fault[1])
     marks = treatment[2] | (_UNKNOWN if (treatment[0], fault[0]) in OUT_OF_SIGHT else fault[2])
-    row = Row("both", lambda: Made(simulate_and_collect=_function(recorder())), marks)
+    row = Row("both", lambda: FakeStudent(simulate_and_collect=_function(recorder())), marks)
     assert {case.check: marked(finding(case)) for case in row.cases(CHECKS)} == dict.fromkeys(CHECKS) | marks
 
 
@@ -614,15 +617,15 @@ class OwnReader(Recorder):
 @pytest.mark.quick
 @pytest.mark.parametrize("check", [COUNT, TIME, TRUTH, RESET, PUSH], ids=lambda check: check.check.id)
 def test_rows_that_the_submissions_own_reader_gives_are_the_readers_fault_alone(check: Any) -> None:
-    def student() -> Made:
-        return Made(simulate_and_collect=_function(OwnReader()), get_imu_readings=_squaring)
+    def student() -> FakeStudent:
+        return FakeStudent(simulate_and_collect=_function(OwnReader()), get_imu_readings=_squaring)
 
     assert finding(Case("of its own reader", check, student)) is None
 
 
 @pytest.mark.quick
 def test_the_charts_of_a_report_find_the_recording() -> None:
-    student = Made(simulate_and_collect=_function(Recorder()))
+    student = FakeStudent(simulate_and_collect=_function(Recorder()))
     COUNT(student, truth())
     assert len(student.stored_answer("push").time) == 600
 
@@ -652,7 +655,7 @@ def test_stamps_and_rows_of_any_length_are_judged(
 ) -> None:
     kind = telling(lambda t, a, g, _m: (stamps(t), scale * a[rows], g[rows]))
     cases = [
-        Case("of any length", check, lambda: Made(simulate_and_collect=_function(kind())))
+        Case("of any length", check, lambda: FakeStudent(simulate_and_collect=_function(kind())))
         for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
     ]
     assert [marked(finding(case)) for case in cases] == kept

@@ -17,7 +17,7 @@ from grader.labs.imu.bonuses.live_plot import LiveRun
 from grader.labs.imu.bonuses.multiple_imus import PLACES
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
-from tests.judging.fake_students import Case, Made, Marked, is_as_marked, truth
+from tests.judging.fake_students import Case, FakeStudent, Marked, is_as_marked, truth
 
 Row = tuple[str, Any, Marked]
 
@@ -344,7 +344,7 @@ IMUS: list[tuple[Any, list[Row]]] = [
 # --- a plot that grows ----------------------------------------------------------------------------------------------
 
 
-class Watched(Made):
+class Watched(FakeStudent):
     """A student whose live plot was seen."""
 
     def __init__(self, run: LiveRun) -> None:
@@ -410,9 +410,9 @@ def _cases(rows: list[tuple[Any, list[Row]]], student: Callable[[Any], Student])
 
 
 CASES = [
-    *_cases(TILT, lambda kind: Made(ComplementaryFilter=kind)),
-    *_cases(ALLAN, lambda function: Made(allan_deviation=function)),
-    *_cases(IMUS, lambda function: Made(read_all_imus=function)),
+    *_cases(TILT, lambda kind: FakeStudent(ComplementaryFilter=kind)),
+    *_cases(ALLAN, lambda function: FakeStudent(allan_deviation=function)),
+    *_cases(IMUS, lambda function: FakeStudent(read_all_imus=function)),
     *_cases(LIVE, Watched),
 ]
 
@@ -427,14 +427,14 @@ def test_a_made_up_extension_is_marked_fairly(case: Case) -> None:
 def test_where_another_robot_is_graded_on_the_labs_own_is_the_sheets() -> None:
     many = replace(truth()["reading_many"], name="reading_lab")
     scenarios = {**truth().scenarios, "reading_sheet": truth()["reading_lab"], "reading_lab": many}
-    student = Made(read_all_imus=every)
+    student = FakeStudent(read_all_imus=every)
     assert set(multiple_imus.measure(student, replace(truth(), scenarios=scenarios)).lab.read) == set(PLACES)
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("single", ["accel_alone_rms", "gyro_alone_rms"])
 def test_a_steep_ride_is_to_beat_the_better_one_of_both_sensors(single: str) -> None:
-    facts = complementary_filter.measure(Made(ComplementaryFilter=Tilt), truth())
+    facts = complementary_filter.measure(FakeStudent(ComplementaryFilter=Tilt), truth())
     alone = {check: {**each, single: 0.001} for check, each in facts.alone.items()}
     held = replace(facts, alone=alone)
     off = [complementary_filter.TILT.checks[f"complementary_filter.{name}"][1](held) is not None for name in RIDES]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.noise_model import checks, measure
-from tests.judging.fake_students import Case, Made, Marked, Row, finding, is_as_marked, truth, words
+from tests.judging.fake_students import Case, FakeStudent, Marked, Row, finding, is_as_marked, truth, words
 from tests.test_useless_code_sweep import kept
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
@@ -449,7 +449,7 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("the time", of(read=_adding_to_time), _MOVED),
     ("a pose, and into the sensors' data", both(Writing, read=_adding_to("qpos")), _NO_NOISE | _FIXED | _MOVED | {GIVEN: (0.0, ["no-bias"])}),
 ]  # fmt: skip
-ROWS = [Row(name, lambda kind=kind: Made(NoisyIMU=kind), marks) for name, kind, marks in KINDS]  # type: ignore[misc]
+ROWS = [Row(name, lambda kind=kind: FakeStudent(NoisyIMU=kind), marks) for name, kind, marks in KINDS]  # type: ignore[misc]
 CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 
 
@@ -465,7 +465,7 @@ def test_a_made_up_noisy_imu_is_marked_fairly(row: Row) -> None:
     [(_scaled(2.0), "0.16 m/s²"), (_on_one_axis(2.0), "0.159 on x and 0.0793 on y"), (SILENT, "the same number")],
 )
 def test_noise_that_is_off_is_told_by_one_number_and_by_each_axis_where_they_differ(kind: type, told: str) -> None:
-    found = finding(Case("", SIZE, lambda: Made(NoisyIMU=kind)))
+    found = finding(Case("", SIZE, lambda: FakeStudent(NoisyIMU=kind)))
     assert words(found)["got"].startswith(told)
 
 
@@ -478,7 +478,7 @@ def test_no_bias_earns_no_more_than_a_constant_one_of_the_class_itself() -> None
 @pytest.mark.quick
 def test_the_reads_that_a_report_draws_are_those_with_given_noise_and_biases() -> None:
     called: list[dict[str, Any]] = []
-    sound = Made(NoisyIMU=of(bias=_raises_without))
+    sound = FakeStudent(NoisyIMU=of(bias=_raises_without))
 
     def noise(**question: Any) -> Any:
         called.append(question)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.sensor_access import checks
-from tests.judging.fake_students import Made, Marked, Row, is_as_marked
+from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked
 
 Reader = Callable[..., Any]
 RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (
@@ -250,7 +250,7 @@ READERS: list[tuple[str, Any, dict[Any, Marked]]] = [
     ("a change beyond what rounds", _stepping(by=1.5e-12, part="qvel"), _MOVED),
     ("a change within what rounds", _stepping(by=5e-13, part="qvel"), {}),
 ]  # fmt: skip
-ROWS = [Row(name, lambda reader=reader: Made(get_imu_readings=reader), marks) for name, reader, marks in READERS]  # type: ignore[misc]
+ROWS = [Row(name, lambda reader=reader: FakeStudent(get_imu_readings=reader), marks) for name, reader, marks in READERS]  # type: ignore[misc]
 CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 
 

@@ -14,7 +14,7 @@ from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, U
 from grader.engine.findings import Fault
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import checks
-from tests.judging.fake_students import Made, Marked, Row, is_as_marked, truth
+from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked, truth
 
 CHECKS = SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
     checks.check_saves_image,
@@ -190,7 +190,7 @@ _PICTURE = Picture((800, 600), 0.2, np.zeros((60, 80), np.uint8), np.full((256, 
 # --- students ------------------------------------------------------------------------------------------------------------
 
 
-class Plotted(Made):
+class Plotted(FakeStudent):
     """A student of whom it is known what was drawn: of the tumbling run, of the lab's own, and by scripts beside a stand-in."""
 
     def __init__(
@@ -239,7 +239,7 @@ class Making(Plotted):
         return Drawing((figure_of(replace(SHEET.axes[0], curves=(made,))),))
 
 
-Kind = tuple[str, Callable[[], Made], Mapping[Any, Marked]]
+Kind = tuple[str, Callable[[], FakeStudent], Mapping[Any, Marked]]
 """A name, a student, and the checks that a fair marker does not pass."""
 
 

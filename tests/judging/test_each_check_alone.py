@@ -1,4 +1,4 @@
-"""Every check has a submission of the corpus that loses it and it alone; `losses.yaml` says which, and the recordings prove it."""
+"""Tests that every check has a submission in the corpus that loses this check only; `losses.yaml` names it."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from grader.labs.imu.filtering import checks
 from grader.labs.imu.filtering.explain import PART, recursion
 from grader.labs.imu.filtering.measure import Facts, asked, facts, measure
 from grader.labs.imu.lab import LAB
-from tests.judging.fake_students import Made, truth
+from tests.judging.fake_students import FakeStudent, truth
 
 pytestmark = pytest.mark.quick
 CASES = asked(truth()["filter"])
@@ -208,7 +208,7 @@ def test_the_worker_is_asked_every_case_once_and_sound_code_is_charged_nothing()
             self.value = self.alpha * measurement + (1 - self.alpha) * before
             return self.value.copy()
 
-    student = Made(LowPassFilter=LowPassFilter)
+    student = FakeStudent(LowPassFilter=LowPassFilter)
     assert judged(measure(student, truth())) == {}
     assert [len(run.output) for run in student.stored_answer("filter")[:4]] == [400, 400, 400, 100]
     checks.check_follows_recursion(student, truth())

@@ -1,4 +1,4 @@
-"""Pictures that were handed in: which may be a plot, and when one counts, by made-up students."""
+"""Tests of handed-in pictures: which may be a plot, and when one counts, with fake students."""
 
 from __future__ import annotations
 

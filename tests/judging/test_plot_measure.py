@@ -15,7 +15,7 @@ from grader.engine.load_report import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import measure
 from grader.sandbox.wire import Frame
-from tests.judging.fake_students import Made, truth
+from tests.judging.fake_students import FakeStudent, truth
 from tests.judging.test_check_visualization import SHEET, Plotted
 
 pytestmark = pytest.mark.quick
@@ -72,7 +72,7 @@ def test_of_figures_that_show_as_much_the_saved_one_or_the_first_is_judged() -> 
         assert measure.measure(Plotted(Drawing(figures)), truth()).plot.figure is judged
 
 
-class Imported(Made):
+class Imported(FakeStudent):
     """A student whose file was imported, and whose statements ended so."""
 
     def __init__(self, *ends: str) -> None:

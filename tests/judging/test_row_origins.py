@@ -1,4 +1,4 @@
-"""The row_origins of recorded rows, and the facts about a recorder, made by hand."""
+"""Tests of the origins of recorded rows, and of the facts about a recorder, on arrays made by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is seen of a curve in a picture, by pictures that are painted pixel by pixel."""
+"""Tests of the visibility of a curve, in pictures that are painted pixel by pixel."""
 
 from __future__ import annotations
 

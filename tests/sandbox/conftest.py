@@ -1,4 +1,4 @@
-"""Boxes for the tests: one for each isolation level, shared by all tests, with the tiny worker code of `probe_worker/`."""
+"""Fixtures with a sandbox: one for each isolation level, shared by all tests, with the small worker code of `probe_worker/`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox, Worker
 
 WORKER_CODE = Path(__file__).parent / "probe_worker"
-WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.isolates]
+ISOLATING = [isolation_level.name for isolation_level in LEVELS if isolation_level.isolates]
 
 
 @pytest.fixture(scope="session")
@@ -23,7 +23,7 @@ def isolation_levels() -> dict[str, LevelResult]:
 
 
 @pytest.fixture(scope="session")
-def box_on(isolation_levels: dict[str, LevelResult]) -> Iterator[Callable[[str], Sandbox]]:
+def sandbox_on(isolation_levels: dict[str, LevelResult]) -> Iterator[Callable[[str], Sandbox]]:
     """The one sandbox of an isolation level; skips the test where this machine does not allow the isolation level."""
     sandboxes: dict[str, Sandbox] = {}
 
@@ -40,13 +40,13 @@ def box_on(isolation_levels: dict[str, LevelResult]) -> Iterator[Callable[[str],
 
 
 @pytest.fixture(params=[isolation_level.name for isolation_level in LEVELS])
-def sandbox(request: pytest.FixtureRequest, box_on: Callable[[str], Sandbox]) -> Sandbox:
-    return box_on(request.param)
+def sandbox(request: pytest.FixtureRequest, sandbox_on: Callable[[str], Sandbox]) -> Sandbox:
+    return sandbox_on(request.param)
 
 
-@pytest.fixture(params=WALLED)
-def walled_box(request: pytest.FixtureRequest, box_on: Callable[[str], Sandbox]) -> Sandbox:
-    return box_on(request.param)
+@pytest.fixture(params=ISOLATING)
+def isolating_sandbox(request: pytest.FixtureRequest, sandbox_on: Callable[[str], Sandbox]) -> Sandbox:
+    return sandbox_on(request.param)
 
 
 @pytest.fixture
@@ -70,9 +70,9 @@ def anyone(best: Sandbox) -> Iterator[Worker]:
 
 
 @pytest.fixture
-def walled(walled_box: Sandbox) -> Iterator[Worker]:
+def isolated_worker(isolating_sandbox: Sandbox) -> Iterator[Worker]:
     """A worker behind walls, on each isolation level that has some."""
-    with walled_box.worker() as worker:
+    with isolating_sandbox.worker() as worker:
         yield worker
 
 

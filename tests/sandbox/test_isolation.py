@@ -1,4 +1,4 @@
-"""Hostile programs on every isolation level that has walls: each is held, and the worker still answers where it still can."""
+"""Tests of hostile programs on every level that isolates: each is stopped, and the worker answers if it still can."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def refused(worker: Worker, source: str) -> bool:
         "import multiprocessing as m; m.get_context('fork').Process(target=print).start()",
     ],
 )
-def test_no_process_can_be_started(walled: Worker, source: str) -> None:
-    assert refused(walled, source)
+def test_no_process_can_be_started(isolated_worker: Worker, source: str) -> None:
+    assert refused(isolated_worker, source)
 
 
 @pytest.mark.parametrize(
@@ -54,14 +54,16 @@ def test_no_process_can_be_started(walled: Worker, source: str) -> None:
         "AF_ALG, socket.SOCK_SEQPACKET",
     ],
 )
-def test_no_socket_can_be_opened(walled: Worker, kind: str) -> None:
-    assert refused(walled, f"import socket; socket.socket(socket.{kind})")
+def test_no_socket_can_be_opened(isolated_worker: Worker, kind: str) -> None:
+    assert refused(isolated_worker, f"import socket; socket.socket(socket.{kind})")
 
 
-def test_a_listener_on_this_machine_is_not_reached(walled: Worker) -> None:
+def test_a_listener_on_this_machine_is_not_reached(isolated_worker: Worker) -> None:
     with socket.create_server(("127.0.0.1", 0)) as bait:
         bait.settimeout(0)
-        assert refused(walled, f"import socket; socket.create_connection(('127.0.0.1', {bait.getsockname()[1]}))")
+        assert refused(
+            isolated_worker, f"import socket; socket.create_connection(('127.0.0.1', {bait.getsockname()[1]}))"
+        )
         with pytest.raises(BlockingIOError):
             bait.accept()
 
@@ -69,36 +71,36 @@ def test_a_listener_on_this_machine_is_not_reached(walled: Worker) -> None:
 # Files ----------------------------------------------------------------------------------------------------------------
 
 
-def test_a_file_outside_cannot_be_read_by_any_way(walled: Worker, tmp_path: Path) -> None:
+def test_a_file_outside_cannot_be_read_by_any_way(isolated_worker: Worker, tmp_path: Path) -> None:
     decoy = tmp_path / "trace.npz"
     decoy.write_text("secret")
     os.chmod(decoy, 0o644)
-    assert refused(walled, f"open({str(decoy)!r}).read()")
-    assert refused(walled, f"import os; os.listdir({str(tmp_path)!r})")
-    assert refused(walled, f"import os; os.symlink({str(decoy)!r}, 'link'); open('link').read()")
-    assert refused(walled, f"open('/box/../..' + {str(decoy)!r}).read()")
-    assert refused(walled, f"import os; os.link({str(decoy)!r}, 'hard')")
+    assert refused(isolated_worker, f"open({str(decoy)!r}).read()")
+    assert refused(isolated_worker, f"import os; os.listdir({str(tmp_path)!r})")
+    assert refused(isolated_worker, f"import os; os.symlink({str(decoy)!r}, 'link'); open('link').read()")
+    assert refused(isolated_worker, f"open('/box/../..' + {str(decoy)!r}).read()")
+    assert refused(isolated_worker, f"import os; os.link({str(decoy)!r}, 'hard')")
 
 
 def test_a_root_of_ones_own_does_not_even_tell_that_a_file_exists(
-    walled_box: Sandbox, walled: Worker, tmp_path: Path
+    isolating_sandbox: Sandbox, isolated_worker: Worker, tmp_path: Path
 ) -> None:
-    if not walled_box.isolation_level.own_root:
+    if not isolating_sandbox.isolation_level.own_root:
         pytest.skip("Landlock does not cover stat")
-    assert run(walled, f"import os; result = os.path.exists({str(tmp_path)!r})") == {"result": False}
+    assert run(isolated_worker, f"import os; result = os.path.exists({str(tmp_path)!r})") == {"result": False}
 
 
 @pytest.mark.parametrize("name", ["errors.py", "results.py", "sandbox/box.py"])
-def test_the_grader_itself_cannot_be_read(walled: Worker, name: str) -> None:
-    assert refused(walled, f"open({str(GRADER / name)!r}).read()")
+def test_the_grader_itself_cannot_be_read(isolated_worker: Worker, name: str) -> None:
+    assert refused(isolated_worker, f"open({str(GRADER / name)!r}).read()")
 
 
-def test_the_graders_source_tree_cannot_be_imported(walled: Worker) -> None:
-    assert run(walled, "import grader.engine.results")["error"] in {"ModuleNotFoundError", "PermissionError"}
+def test_the_graders_source_tree_cannot_be_imported(isolated_worker: Worker) -> None:
+    assert run(isolated_worker, "import grader.engine.results")["error"] in {"ModuleNotFoundError", "PermissionError"}
 
 
 def test_a_grader_among_the_packages_cannot_be_read(
-    walled_box: Sandbox, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    isolating_sandbox: Sandbox, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     packages = tmp_path / "site-packages"
     for name in ("grader", "neighbour"):
@@ -108,7 +110,9 @@ def test_a_grader_among_the_packages_cannot_be_read(
         os.chmod(folder, 0o755)
     monkeypatch.setattr("grader.sandbox.surroundings.hidden", lambda: (str(packages / "grader"),))
     with (
-        Sandbox(Contents(WORKER_CODE, readable=(packages,)), isolation_level=walled_box.isolation_level.name) as shown,
+        Sandbox(
+            Contents(WORKER_CODE, readable=(packages,)), isolation_level=isolating_sandbox.isolation_level.name
+        ) as shown,
         shown.worker() as worker,
     ):
         assert run(worker, f"result = open('{packages}/neighbour/rubric.yaml').read()") == {"result": "points"}
@@ -118,14 +122,16 @@ def test_a_grader_among_the_packages_cannot_be_read(
 @pytest.mark.parametrize(
     "path", ["/proc/self/environ", "/proc/1/environ", "/proc/cpuinfo", "/sys/kernel", "/etc/shadow"]
 )
-def test_the_kernels_and_the_systems_files_are_shut(walled: Worker, path: str) -> None:
-    assert refused(walled, f"import os; os.close(os.open({path!r}, os.O_RDONLY))")
+def test_the_kernels_and_the_systems_files_are_shut(isolated_worker: Worker, path: str) -> None:
+    assert refused(isolated_worker, f"import os; os.close(os.open({path!r}, os.O_RDONLY))")
 
 
-def test_proc_is_absent_where_the_box_has_its_own_root(walled_box: Sandbox, walled: Worker) -> None:
-    if not walled_box.isolation_level.own_root:
+def test_proc_is_absent_where_the_box_has_its_own_root(isolating_sandbox: Sandbox, isolated_worker: Worker) -> None:
+    if not isolating_sandbox.isolation_level.own_root:
         pytest.skip("the root is the host's")
-    found = run(walled, "import os; result = [os.path.exists(p) for p in ('/proc', '/tmp/.', '/dev/shm', '/home')]")
+    found = run(
+        isolated_worker, "import os; result = [os.path.exists(p) for p in ('/proc', '/tmp/.', '/dev/shm', '/home')]"
+    )
     assert found["result"][0] is found["result"][2] is found["result"][3] is False
 
 
@@ -133,17 +139,17 @@ def test_proc_is_absent_where_the_box_has_its_own_root(walled_box: Sandbox, wall
     "place",
     ["np.__file__ + 'x'", "os.__file__", "'/tmp/leak'", "'../leak'", "'/dev/shm/leak'", "'/cache/leak'", "'/leak'"],
 )
-def test_nothing_outside_the_scratch_can_be_written(walled: Worker, place: str) -> None:
-    assert refused(walled, f"import os; open({place}, 'a').write('x')")
-    assert refused(walled, f"import os; os.makedirs({place} + '.d/e')")
+def test_nothing_outside_the_scratch_can_be_written(isolated_worker: Worker, place: str) -> None:
+    assert refused(isolated_worker, f"import os; open({place}, 'a').write('x')")
+    assert refused(isolated_worker, f"import os; os.makedirs({place} + '.d/e')")
 
 
-def test_the_files_of_the_same_user_keep_their_modes(walled: Worker, tmp_path: Path) -> None:
+def test_the_files_of_the_same_user_keep_their_modes(isolated_worker: Worker, tmp_path: Path) -> None:
     own = tmp_path / "own"
     own.write_text("")
     os.chmod(own, 0o640)
-    assert refused(walled, f"import os; os.chmod({str(own)!r}, 0o777)")
-    assert refused(walled, f"import os; os.utime({str(own)!r}, (0, 0))")
+    assert refused(isolated_worker, f"import os; os.chmod({str(own)!r}, 0o777)")
+    assert refused(isolated_worker, f"import os; os.utime({str(own)!r}, (0, 0))")
     assert own.stat().st_mode & 0o777 == 0o640
 
 
@@ -151,11 +157,11 @@ def test_the_files_of_the_same_user_keep_their_modes(walled: Worker, tmp_path: P
 
 
 @pytest.mark.parametrize("target", ["os.getppid()", "-1", "0", "GRADER"])
-def test_no_other_process_can_be_signalled(walled_box: Sandbox, walled: Worker, target: str) -> None:
+def test_no_other_process_can_be_signalled(isolating_sandbox: Sandbox, isolated_worker: Worker, target: str) -> None:
     source = f"import os, signal; GRADER = {os.getpid()}\nif {target} != os.getpid(): os.kill({target}, signal.SIGTERM)"
-    found = run(walled, source)
+    found = run(isolated_worker, source)
     assert found.get("error") in {"PermissionError", "ProcessLookupError"}
-    assert run(walled, "result = 1") == {"result": 1}
+    assert run(isolated_worker, "result = 1") == {"result": 1}
 
 
 @pytest.mark.parametrize(
@@ -173,23 +179,23 @@ def test_no_other_process_can_be_signalled(walled_box: Sandbox, walled: Worker, 
         "prctl(4, 1, 0, 0, 0)",  # PR_SET_DUMPABLE
     ],
 )
-def test_no_system_call_reaches_another_process_or_namespace(walled: Worker, call: str) -> None:
+def test_no_system_call_reaches_another_process_or_namespace(isolated_worker: Worker, call: str) -> None:
     source = f"import ctypes\nPID = {os.getpid()}\nlibc = ctypes.CDLL(None, use_errno=True)\n"
-    found = run(walled, source + f"result = [libc.{call}, ctypes.get_errno()]")
+    found = run(isolated_worker, source + f"result = [libc.{call}, ctypes.get_errno()]")
     assert found["result"] in ([-1, 1], [-1, 38])
 
 
-def test_limits_of_another_process_cannot_be_changed(walled: Worker) -> None:
+def test_limits_of_another_process_cannot_be_changed(isolated_worker: Worker) -> None:
     before = os.sched_getaffinity(0)
     target = os.getpid()
-    assert refused(walled, f"import os; os.sched_setaffinity({target}, [0])") or target == 1
-    assert refused(walled, f"import resource; resource.prlimit({target}, resource.RLIMIT_NOFILE, (9, 9))")
+    assert refused(isolated_worker, f"import os; os.sched_setaffinity({target}, [0])") or target == 1
+    assert refused(isolated_worker, f"import resource; resource.prlimit({target}, resource.RLIMIT_NOFILE, (9, 9))")
     assert os.sched_getaffinity(0) == before
 
 
-def test_a_limit_cannot_be_raised(walled: Worker) -> None:
+def test_a_limit_cannot_be_raised(isolated_worker: Worker) -> None:
     source = "import resource; soft, hard = resource.getrlimit(resource.RLIMIT_AS)\n"
-    found = run(walled, source + "resource.setrlimit(resource.RLIMIT_AS, (hard * 2, hard * 2))")
+    found = run(isolated_worker, source + "resource.setrlimit(resource.RLIMIT_AS, (hard * 2, hard * 2))")
     assert found["error"] in {"ValueError", "PermissionError"}
 
 
@@ -197,60 +203,62 @@ def test_a_limit_cannot_be_raised(walled: Worker) -> None:
 
 
 @pytest.mark.parametrize("source", ["bytearray(6 << 30)", "np.ones(10**10)", "[bytes(1 << 30) for _ in range(9)]"])
-def test_memory_is_bounded(walled: Worker, source: str) -> None:
-    assert "MemoryError" in run(walled, source)["error"]
-    assert run(walled, "result = 1") == {"result": 1}
+def test_memory_is_bounded(isolated_worker: Worker, source: str) -> None:
+    assert "MemoryError" in run(isolated_worker, source)["error"]
+    assert run(isolated_worker, "result = 1") == {"result": 1}
 
 
-def test_when_memory_runs_out_the_kernel_takes_the_worker_first(walled_box: Sandbox, walled: Worker) -> None:
-    if walled_box.isolation_level.program:
+def test_when_memory_runs_out_the_kernel_takes_the_worker_first(
+    isolating_sandbox: Sandbox, isolated_worker: Worker
+) -> None:
+    if isolating_sandbox.isolation_level.program:
         pytest.skip("there is no /proc from the start")
-    pid = walled._process._pid  # type: ignore[attr-defined]
+    pid = isolated_worker._process._pid  # type: ignore[attr-defined]
     assert Path(f"/proc/{pid}/oom_score_adj").read_text().strip() == "1000"
 
 
-def test_threads_are_bounded(walled: Worker) -> None:
+def test_threads_are_bounded(isolated_worker: Worker) -> None:
     source = "import threading\nstop = threading.Event()\nresult = 0\ntry:\n"
     source += "    while result < 5000:\n        threading.Thread(target=stop.wait, daemon=True).start(); result += 1\n"
-    assert run(walled, source + "except RuntimeError: pass\nstop.set()")["result"] < 5000
+    assert run(isolated_worker, source + "except RuntimeError: pass\nstop.set()")["result"] < 5000
 
 
-def test_descriptors_are_bounded(walled: Worker) -> None:
+def test_descriptors_are_bounded(isolated_worker: Worker) -> None:
     source = "import os\nheld = []\ntry:\n    while True: held.append(os.open('/dev/null', 0))\n"
-    found = run(walled, source + "except OSError as e: result = [e.errno, len(held)]")["result"]
+    found = run(isolated_worker, source + "except OSError as e: result = [e.errno, len(held)]")["result"]
     assert found[0] == 24
     assert found[1] < 128
-    assert run(walled, "result = 1") == {"result": 1}
+    assert run(isolated_worker, "result = 1") == {"result": 1}
 
 
-def test_a_file_is_bounded(walled: Worker) -> None:
-    found = run(walled, "import os; fd = os.open('f', os.O_RDWR | os.O_CREAT); os.ftruncate(fd, 10 << 40)")
+def test_a_file_is_bounded(isolated_worker: Worker) -> None:
+    found = run(isolated_worker, "import os; fd = os.open('f', os.O_RDWR | os.O_CREAT); os.ftruncate(fd, 10 << 40)")
     assert found["error"] == "OSError"
 
 
-def test_the_disk_is_bounded_where_the_box_has_its_own(walled_box: Sandbox, walled: Worker) -> None:
-    if not walled_box.isolation_level.own_root:
+def test_the_disk_is_bounded_where_the_box_has_its_own(isolating_sandbox: Sandbox, isolated_worker: Worker) -> None:
+    if not isolating_sandbox.isolation_level.own_root:
         pytest.skip("Landlock has no quota")
     source = "result = 0\ntry:\n    for n in range(20):\n        with open(f'f{n}', 'wb', 0) as f:\n"
     source += "            result += f.write(bytes(8 << 20))\nexcept OSError: pass"
-    assert run(walled, source)["result"] <= 64 << 20
-    with walled_box.worker() as fresh:
+    assert run(isolated_worker, source)["result"] <= 64 << 20
+    with isolating_sandbox.worker() as fresh:
         assert run(fresh, "result = open('f', 'wb').write(bytes(8 << 20))") == {"result": 8 << 20}
 
 
-def test_a_fork_bomb_at_the_level_of_system_calls_is_held(walled: Worker) -> None:
+def test_a_fork_bomb_at_the_level_of_system_calls_is_held(isolated_worker: Worker) -> None:
     source = "import ctypes\nlibc = ctypes.CDLL(None)\nresult = [libc.fork(), libc.vfork(), libc.daemon(1, 1)]"
-    assert run(walled, source)["result"] == [-1, -1, -1]
+    assert run(isolated_worker, source)["result"] == [-1, -1, -1]
 
 
-def test_calls_of_another_architecture_end_the_worker(walled: Worker) -> None:
+def test_calls_of_another_architecture_end_the_worker(isolated_worker: Worker) -> None:
     code = "b'\\xb8\\x14\\x00\\x00\\x00\\xcd\\x80\\xc3'"  # mov eax, 20 (getpid of i386); int 0x80; ret
     source = f"import ctypes, mmap\npage = mmap.mmap(-1, 4096, prot=7)\npage.write({code})\n"
     source += "ctypes.CFUNCTYPE(ctypes.c_int)(ctypes.addressof(ctypes.c_char.from_buffer(page)))()"
     if os.uname().machine != "x86_64":
         pytest.skip("int 0x80 is of x86")
     with pytest.raises(NoAnswer):
-        run(walled, source)
+        run(isolated_worker, source)
 
 
 # What sound work needs ------------------------------------------------------------------------------------------------
@@ -272,5 +280,5 @@ def test_calls_of_another_architecture_end_the_worker(walled: Worker) -> None:
         "result = int(abs(np.linalg.svd(np.eye(50))[1][0]))",
     ],
 )
-def test_sound_work_is_not_hindered(walled: Worker, source: str) -> None:
-    assert run(walled, source) == {"result": 1}
+def test_sound_work_is_not_hindered(isolated_worker: Worker, source: str) -> None:
+    assert run(isolated_worker, source) == {"result": 1}

@@ -90,11 +90,13 @@ def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypat
         Sandbox(Contents(WORKER_CODE), isolation_level="full")
 
 
-def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.MonkeyPatch, walled_box: Sandbox) -> None:
+def test_walls_that_do_not_hold_when_tried_are_refused(
+    monkeypatch: pytest.MonkeyPatch, isolating_sandbox: Sandbox
+) -> None:
     """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(IsolationRefusedError, match="the grader's files could be read"):
-        level_choice.start_zygote(walled_box.isolation_level, Contents(WORKER_CODE))
+        level_choice.start_zygote(isolating_sandbox.isolation_level, Contents(WORKER_CODE))
 
 
 @pytest.mark.parametrize("times", [1, 2])
@@ -104,9 +106,9 @@ def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.Monke
     ids=lambda isolation_level: isolation_level.name,
 )  # what bwrap started outlives it, and goes on
 def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
-    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Sandbox], isolation_level: IsolationLevel, times: int
+    monkeypatch: pytest.MonkeyPatch, sandbox_on: Callable[[str], Sandbox], isolation_level: IsolationLevel, times: int
 ) -> None:
-    box_on(isolation_level.name)
+    sandbox_on(isolation_level.name)
     kills, await_walls = iter(range(times)), Zygote._await_isolation
 
     def killed(zygote: Zygote) -> None:

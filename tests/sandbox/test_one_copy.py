@@ -17,7 +17,7 @@ from grader.sandbox import one_copy, surroundings
 from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox
 
-from .conftest import WALLED, WORKER_CODE, run
+from .conftest import ISOLATING, WORKER_CODE, run
 
 SOLUTION = Path(reference.__file__).parent
 PACKAGE = Path(grader.__file__).parent
@@ -93,11 +93,11 @@ result = sorted(set(found))
 """
 
 
-@pytest.mark.parametrize("isolation_level", WALLED)
+@pytest.mark.parametrize("isolation_level", ISOLATING)
 def test_a_submission_that_searches_everything_finds_no_copy(
-    isolation_level: str, checkout: Path, isolation_levels: dict[str, object], box_on: object
+    isolation_level: str, checkout: Path, isolation_levels: dict[str, object], sandbox_on: object
 ) -> None:
-    box_on(isolation_level)  # type: ignore[operator] # skips where there is no such isolation level
+    sandbox_on(isolation_level)  # type: ignore[operator] # skips where there is no such isolation level
     roots = [str(checkout), str(checkout.parent), "/", *sys.path, *surroundings.visible()]
     phrase = b"get_imu_readings"
     assert phrase in (checkout / "reference/imu_reader.py").read_bytes()
@@ -108,11 +108,11 @@ def test_a_submission_that_searches_everything_finds_no_copy(
             assert run(worker, f"import {name}")["error"] == "ModuleNotFoundError"
 
 
-@pytest.mark.parametrize("isolation_level", WALLED)
+@pytest.mark.parametrize("isolation_level", ISOLATING)
 def test_what_was_installed_for_students_works_and_the_graders_own_tools_are_not_there(
-    isolation_level: str, checkout: Path, box_on: object
+    isolation_level: str, checkout: Path, sandbox_on: object
 ) -> None:
-    box_on(isolation_level)  # type: ignore[operator]
+    sandbox_on(isolation_level)  # type: ignore[operator]
     with Sandbox(Contents(WORKER_CODE), isolation_level=isolation_level) as sandbox, sandbox.worker() as worker:
         assert run(worker, "import labtools; result = labtools.ANSWER") == {"result": 42}
         assert run(worker, "import theirtool; result = 1") == {"result": 1}

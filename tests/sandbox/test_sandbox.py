@@ -209,8 +209,8 @@ def test_worker_code_that_fails_to_start_is_our_fault_and_says_why(sandbox: Sand
         broken.worker()
 
 
-def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Sandbox) -> None:
-    with Sandbox(Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name) as fragile:
+def test_a_killed_zygote_takes_its_workers_along_and_comes_back(isolating_sandbox: Sandbox) -> None:
+    with Sandbox(Contents(WORKER_CODE), isolation_level=isolating_sandbox.isolation_level.name) as fragile:
         with fragile.worker() as worker:
             os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
             with pytest.raises(GraderError, match="the sandbox is gone"):
