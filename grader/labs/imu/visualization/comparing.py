@@ -6,27 +6,30 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grader.engine.figures import Axes, Curve, Figure
 from grader.labs.imu.answers import Array
 from grader.labs.imu.visualization.curves import FEWEST_POINTS, is_reference, name_of
 from grader.labs.imu.visualization.labels import says_raw, says_smooth, unit_of
 
-Index = NDArray[np.intp]
-
+Drawn = tuple[Axes, Curve]
 _SEEN = 0.05
 """Least share of a curve that is seen; a comparison may be a detail."""
 _SMOOTHER = 0.8  # of the raw series' differences from value to value
-_MOST_POINTS = 20_000
-"""Points of a curve that are compared, its last: eight times what the lab records."""
+_MOST_POINTS = 5000
+"""Points of a curve that are compared, its last: twice what the lab records."""
 _MOST_PAIRS = 1000
 """Pairs of curves of a figure that are compared: six channels with five filtered versions of each."""
 _TURNS = 0.25
 """Share of neighbouring second differences that change sign, of a series with noise in it. White noise has 0.73, the lab's own
 noise on the lab's signals 0.55 and more, however thinned; clean signals 0.01 to 0.12, and 0.23 where every fifth value is drawn."""
 _LIKENESS = 0.75
-"""Correlation of a series with its smoother version."""
+"""Least correlation of a filtered series with the running mean of the raw one.
+
+An exponential average has 0.85 and more, whatever alpha; two different channels of a standing robot stay below 0.5.
+"""
+_WINDOWS = (3, 9, 27, 81)
+"""Lengths of the running means, in samples."""
 _ROUNDING = 1e-5
 """Share of the largest value below which second differences come from digits that were cut off."""
 
@@ -52,20 +55,13 @@ def comparisons(figure: Figure) -> list[Compared]:
     """The raw series with smoother versions of them in a figure, on the same axes or on axes that may be in the same unit."""
     drawn = _seen_curves(figure)
     pairs = (
-        (above, raw, below, smooth)
-        for above, raw in drawn
-        for below, smooth in drawn
-        if raw is not smooth and _may_be_in_one_unit(above, below)
+        (one, other) for one in drawn for other in drawn if one is not other and _may_be_in_one_unit(one[0], other[0])
     )
-    named = (
-        (Compared(_name_on(above, raw), _name_on(below, smooth), _has_noise(_last_points(raw)[1])), raw, smooth)
-        for above, raw, below, smooth in islice(pairs, _MOST_PAIRS)
-    )
-    return [
-        compared
-        for compared, raw, smooth in named
-        if _is_smoothed(*_at_the_same_points(_last_points(raw), _last_points(smooth)))
-    ]
+    return [_compared(raw, smooth) for raw, smooth in islice(pairs, _MOST_PAIRS) if _is_smoothed(raw[1], smooth[1])]
+
+
+def _compared(raw: Drawn, smooth: Drawn) -> Compared:
+    return Compared(_name_on(*raw), _name_on(*smooth), _has_noise(_last_points(raw[1])[1]))
 
 
 def _may_be_in_one_unit(one: Axes, other: Axes) -> bool:
@@ -81,22 +77,9 @@ def _last_points(curve: Curve) -> tuple[Array, Array]:
 
 def named_comparisons(figure: Figure) -> list[Compared]:
     """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
-    named = [(_name_on(axes, curve), curve) for axes, curve in _seen_curves(figure)]
-    return [
-        Compared(raw, smooth, _has_noise(_last_points(curve)[1]))
-        for raw, curve in named if says_raw(raw)
-        for smooth, _ in named if says_smooth(smooth)
-    ]  # fmt: skip
-
-
-def _is_smoother(raw: Array, smooth: Array) -> bool:
-    """Return whether its differences from value to value are smaller; with noise, of the second half as well: a filter may climb.
-
-    Of clean channels each is smoother than some other one while a robot comes to rest.
-    """
-    steps, its_steps = np.diff(raw), np.diff(smooth)
-    begins = (0, len(steps) // 2) if _has_noise(raw) else (0,)
-    return any(np.std(its_steps[n:]) <= _SMOOTHER * np.std(steps[n:]) for n in begins)
+    drawn = _seen_curves(figure)
+    raw, smooth = ([each for each in drawn if says(_name_on(*each))] for says in (says_raw, says_smooth))
+    return [_compared(one, other) for one in raw for other in smooth]
 
 
 def in_words(figure: Figure) -> tuple[int, str]:
@@ -116,7 +99,7 @@ def _name_on(axes: Axes, curve: Curve) -> str:
     return name_of(curve, axes.legend, axes.texts) or ""
 
 
-def _seen_curves(figure: Figure) -> list[tuple[Axes, Curve]]:
+def _seen_curves(figure: Figure) -> list[Drawn]:
     return [(axes, curve) for axes in figure.visible_axes for curve in _long_curves(axes) if _is_seen(curve)]
 
 
@@ -132,26 +115,31 @@ def _long_curves(axes: Axes) -> list[Curve]:
     return [curve for curve in _curves(axes) if len(curve.points[1]) >= FEWEST_POINTS]
 
 
-def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -> tuple[Array, Array, int]:
-    """The values of both curves row by row, where both are drawn, and how many rows there are to a point of the shorter one."""
-    if len(raw[0]) == len(smooth[0]):
-        return raw[1], smooth[1], 1
-    shorter, longer = sorted((raw[0], smooth[0]), key=len)
-    x = longer[(longer >= shorter.min()) & (longer <= shorter.max())]
-    return np.interp(x, *raw), np.interp(x, *smooth), len(longer) // len(shorter)
+def _at_the_same_points(one: Curve, other: Curve) -> tuple[Array, Array, int]:
+    """The values of two curves where both are drawn, and how many of these rows there are to a point of the shorter one."""
+    (x, y), (its_x, its_y) = _last_points(one), _last_points(other)
+    if len(x) == len(its_x):
+        return y, its_y, 1
+    fewer, more = sorted((x, its_x), key=len)
+    at = more[(more >= fewer.min()) & (more <= fewer.max())]
+    return np.interp(at, x, y), np.interp(at, its_x, its_y), len(more) // len(fewer)
 
 
-def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
-    """Return whether one series is smoother than the other and goes where its running mean goes, at some lag.
+def _is_smoothed(raw: Curve, smooth: Curve) -> bool:
+    """Return whether one curve is smoother than the other and goes where its running mean goes, at some lag.
 
-    An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
-    standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
-    value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
+    A series is smoother if its differences from value to value are smaller; with noise, those of its second half count as well, as
+    a filter may climb from zero. Of clean channels each is smoother than some other one while a robot comes to rest. Of a thinned
+    curve the drawn values count: those between them lie on straight lines, and are no smoother for it.
     """
-    if len(raw) < FEWEST_POINTS or not _is_smoother(raw[::step], smooth[::step]):
+    values, its_values, step = _at_the_same_points(raw, smooth)
+    if len(values) < FEWEST_POINTS:
         return False
-    windows = [window for window in (3, 9, 27, 81) if 4 * window < len(raw)]
-    return any(_follows(raw, smooth, window) for window in windows)
+    steps, its_steps = np.diff(values[::step]), np.diff(its_values[::step])
+    begins = (0, len(steps) // 2) if _has_noise(values[::step]) else (0,)
+    if not any(np.std(its_steps[n:]) <= _SMOOTHER * np.std(steps[n:]) for n in begins):
+        return False
+    return any(_follows(values, its_values, window) for window in _WINDOWS if 4 * window < len(values))
 
 
 def _has_noise(raw: Array) -> bool:
@@ -162,37 +150,17 @@ def _has_noise(raw: Array) -> bool:
 
 
 def _follows(raw: Array, smooth: Array, window: int) -> bool:
-    """Return whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
-
-    Both are as long, and longer than four windows: a lag leaves two thirds of the rows.
-    """
-    mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
-    lags = np.arange(min(2 * window, len(mean) // 4) + 1)
-    ends = np.minimum(len(mean), len(smooth) - window // 2 - lags)
-    cut = int(ends.min()) // 2
-    wanted, got = mean[cut:], smooth[window // 2 + cut :]
-    level = float(wanted.mean())  # what both are measured from: sums of squares then lose no digits
-    return _alike(wanted - level, got - level, (ends // 2 - cut, ends - cut), lags)
+    """Return whether the second half of a series goes where the running mean of another goes, up to two windows later."""
+    mean = np.convolve(raw, np.full(window, 1 / window), mode="same")[: len(raw) - window // 2]
+    half = len(raw) // 2
+    lags = range(0, min(2 * window, len(raw) // 4) + 1, max(1, window // 8))
+    return any(_alike(mean[half - lag : len(smooth) - lag], smooth[half : len(mean) + lag]) for lag in lags)
 
 
-def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index) -> bool:
-    """Return whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
-    begins, ends = rows
-    means, widths = _moments(wanted, begins, ends)
-    its_means, its_widths = _moments(got, begins + lags, ends + lags)
-    each = zip(begins, ends, lags, strict=True)
-    products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in each])
-    alike = products / (ends - begins) - means * its_means > _LIKENESS * widths * its_widths
-    near = np.abs(means - its_means) <= 3 * widths + 1e-12
-    as_large = (its_widths > 0.25 * widths) & (its_widths < 4 * widths)
-    return bool(np.any(alike & near & as_large))
-
-
-def _moments(values: Array, begins: Index, ends: Index) -> tuple[Array, Array]:
-    """Mean and standard deviation of many runs of rows, by running sums."""
-    sums, squares = (np.concatenate(([0.0], np.cumsum(power))) for power in (values, values**2))
-    count = ends - begins
-    means = (sums[ends] - sums[begins]) / count
-    variances = (squares[ends] - squares[begins]) / count - means**2
-    rounding = 1e-13 * float(np.max(values**2, initial=0.0))
-    return means, np.sqrt(np.where(variances > rounding, variances, 0.0))
+def _alike(wanted: Array, got: Array) -> bool:
+    """Return whether two series agree in shape, level and size."""
+    width, its_width = (float(np.std(each)) for each in (wanted, got))
+    level, its_level = (float(np.mean(each)) for each in (wanted, got))
+    likeness = float(np.mean((wanted - level) * (got - its_level)))
+    near = abs(level - its_level) <= 3 * width + 1e-12
+    return near and likeness > _LIKENESS * width * its_width and 0.25 * width < its_width < 4 * width
