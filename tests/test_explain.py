@@ -35,7 +35,7 @@ def test_a_check_is_explained_with_its_points_and_its_step(capsys: Capture) -> N
     code, out, _ = explained(capsys, "filtering.passes_constant")
     assert code == 0
     assert out == (
-        "# filtering.passes_constant\n\nA constant input comes out as itself.\n\n"
+        "# filtering.passes_constant\n\nA constant input comes out unchanged.\n\n"
         "Worth 3 points. Read: Lab 04-01, Step 6.\n\nRerun: `imugrade check --only filtering`\n"
     )
 

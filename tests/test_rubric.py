@@ -94,8 +94,8 @@ def test_slips_of_every_kind_are_told_in_one_round() -> None:
     text = text.replace("time_axis: 3", "time_axis: many")
     told = problems(text + "mistakes: {no-such: 1}\n")
     assert [line.partition(": ")[2].partition(";")[0] for line in told] == [
-        "the check sensor_access.follows_address (Reads the sensors that the ids name, wherever they lie in sensordata and "
-        "in whichever model) has no weight under sensor_access",
+        "the check sensor_access.follows_address (Reads the sensors that the ids name, at any address and "
+        "in any model) has no weight under sensor_access",
         "the points of sensor_access must be a number from 0 to 1000, not '-1'",
         "there is no check sensor_access.follows_adress (did you mean sensor_access.follows_address?)",
         "the weight of time_axis must be a number from 0 to 1000, not 'many'",

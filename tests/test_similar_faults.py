@@ -78,14 +78,14 @@ COUSINS = [
         {ACCEL: "accel_adr = accel_sensor_id", GYRO: "gyro_adr = gyro_sensor_id"},
         "sensor-id-as-address",
         "accel = ",
-        "The id and 3 * id are no addresses",
+        "The id and 3 * id are not addresses",
     ),
     _address(
         "three times the id",
         {ACCEL: "accel_adr = 3 * accel_sensor_id", GYRO: "gyro_adr = 3 * gyro_sensor_id"},
         "sensor-id-as-address",
         "accel = ",
-        "The id and 3 * id are no addresses",
+        "The id and 3 * id are not addresses",
     ),
     _address("the gyroscope's id", {GYRO: "gyro_adr = gyro_sensor_id"}, "sensor-id-as-address", "gyro = ", "3 * id"),
     _address(

@@ -71,7 +71,7 @@ def test_a_mistake_leads_to_those_who_made_it_and_a_name_to_the_report(watched: 
     )
     page.locator(".check.brief a").first.click()
     expect(page.locator(".check:target h4")).to_have_text(
-        "The noise of each sensor has the standard deviation that was asked for"
+        "The noise of each sensor has the requested standard deviation"
     )
     expect(page.locator(".check:target")).to_be_in_viewport()
 

@@ -177,7 +177,7 @@ def check_matches_truth(facts: Imus) -> Deviation | None:
 
 @IMUS.check("multiple_imus.readings_are_copies")
 def check_readings_are_copies(facts: Imus) -> Deviation | None:
-    """Readings stay what they were when the simulation steps on"""
+    """A reading keeps its values while the simulation goes on"""
     changed = facts.lab.changed
     return Deviation({"changed": len(changed), "read": len(facts.lab.read)}) if changed else None
 

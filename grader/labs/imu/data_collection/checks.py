@@ -43,7 +43,7 @@ def check_time_axis(found: Explained) -> Deviation | None:
 
 @PART.check("data_collection.matches_truth", lab_step=3)
 def check_matches_truth(found: Explained) -> Deviation | None:
-    """The rows are what the sensors read, step by step"""
+    """The rows are what the sensors read at each step"""
     if not (fault := row_fault(found)):
         return None
     push, origin = found.facts.push, found.push

@@ -13,7 +13,7 @@ from grader.labs.imu.filtering.measure import ATOL, FORM, Facts
 
 @PART.check("filtering.follows_recursion", lab_step=6)
 def check_follows_recursion(facts: Facts) -> Deviation | None:
-    """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1], with alpha 0.1 where none is given"""
+    """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1]; the default of alpha is 0.1"""
     run = next((run for run in facts.runs if not run.obeys), None)
     if run is None:
         return None
@@ -23,7 +23,7 @@ def check_follows_recursion(facts: Facts) -> Deviation | None:
 
 @PART.check("filtering.starts_from_first_measurement", lab_step=6)
 def check_starts_from_first_measurement(facts: Facts) -> Deviation | None:
-    """The first output is the first measurement, or follows from the initial value where one is given"""
+    """The first output is the first measurement, or follows from the initial value if one is given"""
     if facts.nothing_at_first:
         return Deviation({"form": FORM, "came": facts.odd}, size=Size("no vector from the first update()"))
     if not facts.runs[0].starts:
@@ -36,7 +36,7 @@ def check_starts_from_first_measurement(facts: Facts) -> Deviation | None:
 
 @PART.check("filtering.passes_constant", lab_step=6)
 def check_passes_constant(facts: Facts) -> Deviation | None:
-    """A constant input comes out as itself"""
+    """A constant input comes out unchanged"""
     wanted, came = facts.constant.x[0], facts.constant.y[-1]
     return None if same(came, wanted, CONSTANT_ATOL) else _off(wanted, came, samples=len(facts.constant.y))
 
@@ -57,7 +57,7 @@ def check_preserves_signal(facts: Facts) -> Deviation | None:
 
 @PART.check("filtering.instances_independent", lab_step=6)
 def check_instances_independent(facts: Facts) -> Deviation | None:
-    """Each instance keeps a state of its own, which nobody else can change"""
+    """Each instance keeps its own state, which no other code can change"""
     own = facts.own
     others = (own.beside, own.spoilt_input, own.spoilt_output)
     other = next((y for y in others if not same(y, own.alone, ATOL)), None)

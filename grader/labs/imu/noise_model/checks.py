@@ -20,7 +20,7 @@ CHANNELS = [f"{name} {axis}" for name in SENSOR_NAMES for axis in "xyz"]
 
 @PART.check("noise_model.noise_size", lab_step=5)
 def check_noise_size(facts: Facts) -> Deviation | None:
-    """The noise of each sensor has the standard deviation that was asked for"""
+    """The noise of each sensor has the requested standard deviation"""
     wrong = [*BOTH] if not facts.follows else explain.sizes_off(facts)
     if not wrong:
         return None
@@ -33,7 +33,7 @@ def check_noise_size(facts: Facts) -> Deviation | None:
 
 @PART.check("noise_model.given_bias", lab_step=5)
 def check_given_bias(facts: Facts) -> Deviation | None:
-    """A bias that is given is added to every reading, zero included"""
+    """A given bias is added to every reading, also if it is zero"""
     both = [*BOTH] if facts.exchanged or facts.one_twice else []
     missing = both or explain.missing_bias(facts)
     if not (wrong := missing or explain.bias_beside(facts)):
@@ -49,7 +49,7 @@ def check_given_bias(facts: Facts) -> Deviation | None:
 
 @PART.check("noise_model.default_bias", lab_step=5)
 def check_default_bias(facts: Facts) -> Deviation | None:
-    """Without a given bias, each instance draws its own, keeps it, and has one for every axis"""
+    """Without a given bias, each instance draws a bias for every axis and keeps it"""
     wrong = next((which for off in explain.DEFAULTS if (which := off(facts))), None)
     if wrong is None:
         return None
@@ -71,7 +71,7 @@ def check_white_and_gaussian(facts: Facts) -> Deviation | None:
 
 @PART.check("noise_model.axes_and_sensors_independent", lab_step=5)
 def check_axes_and_sensors_independent(facts: Facts) -> Deviation | None:
-    """Each axis of each sensor has noise of its own"""
+    """The noise of each axis of each sensor is independent of the others"""
     if facts.still:
         return Deviation({"one": SENSOR_NAMES[0], "other": SENSOR_NAMES[1], "came": 1.0, "reads": 0})
     values = explain.columns(facts)

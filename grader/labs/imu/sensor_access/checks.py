@@ -30,7 +30,7 @@ def check_matches_truth(found: Explained) -> Deviation | None:
 
 @PART.check("sensor_access.follows_address", lab_step=2)
 def check_follows_address(found: Explained) -> Deviation | None:
-    """Reads the sensors that the ids name, wherever they lie in sensordata and in whichever model"""
+    """Reads the sensors that the ids name, at any address and in any model"""
     if (wrong := found.misplaced()) is not None:
         visit, sensor = wrong
         return _off(visit, sensor, visit.scene.true(sensor), {})

@@ -23,7 +23,7 @@ def check_saves_image(facts: Facts) -> Deviation | None:
 @PART.check("visualization.two_labelled_panels", lab_step=4)
 @to_the_end
 def check_two_labelled_panels(facts: Facts) -> Deviation | None:
-    """Acceleration and angular velocity have a panel each, which says what it shows"""
+    """Acceleration and angular velocity have one panel each, with a label"""
     plot = facts.plot
     if explain.shares_a_panel(facts):
         return Deviation()
@@ -64,7 +64,7 @@ def check_axis_labels_with_units(facts: Facts) -> Deviation | None:
 @PART.check("visualization.legend_names_curves", lab_step=4)
 @to_the_end
 def check_legend_names_curves(facts: Facts) -> Deviation | None:
-    """A legend, or text beside the curves, tells the curves of a panel apart"""
+    """A legend, or text beside the curves, names each curve of a panel"""
     if came := words.exchanged_name(facts.plot):
         return Deviation({"came": came})
     nameless = words.share_nameless(facts.plot)
