@@ -38,6 +38,7 @@ def _is_stream(path: Path) -> bool:
 
 
 def _replace(path: Path, content: bytes) -> None:
+    """Write the content to a temporary file beside `path`, then rename it to `path`."""
     handle, scratch = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.")
     try:
         with os.fdopen(handle, "wb") as stream:
@@ -50,7 +51,7 @@ def _replace(path: Path, content: bytes) -> None:
 
 
 def _umask() -> int:
-    """The process's umask; there is no way to read it other than setting it."""
+    """Return the process's umask, which can be read only by setting it."""
     mask = os.umask(0o077)
     os.umask(mask)
     return mask

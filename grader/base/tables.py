@@ -9,7 +9,7 @@ from typing import Any
 
 
 def reader(data: bytes) -> Any:
-    """A `csv.reader` of a table with commas, semicolons or tabs, in UTF-8, UTF-16 with its mark, or Windows' western letters.
+    """Return a `csv.reader` for a table with commas, semicolons or tabs, in UTF-8, UTF-16 with a byte order mark, or Windows-1252.
 
     Raises
     ------

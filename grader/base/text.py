@@ -59,5 +59,5 @@ def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
 
 
 def csv_cell(text: str) -> str:
-    """The text of a cell that no spreadsheet takes for a formula; numbers are not passed through here."""
+    """Return text for a CSV cell that no spreadsheet takes for a formula. Numbers need no such treatment."""
     return f"'{text}" if text.startswith(_FORMULA) else text

@@ -136,6 +136,7 @@ class _Arguments:
 
 
 def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | None) -> int:
+    """Check the submission on every save and show the result until Ctrl-C; return the exit code."""
     from grader.commands.watching import View  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.intake.submission import original_name  # noqa: PLC0415
@@ -194,6 +195,7 @@ def _show(result: Result, arguments: _Arguments, before: Mapping[str, float], pr
 def _lines(
     result: Result, arguments: _Arguments, screen: Console, before: Mapping[str, float], prints: Sequence[Text]
 ) -> list[Text]:
+    """Return the lines of the report for the terminal, with what the student's code printed."""
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
@@ -205,6 +207,7 @@ def _lines(
 
 
 def _write(result: Result, arguments: _Arguments) -> None:
+    """Write the files of `--html` and `--json`, if given."""
     from grader.base.files import write_whole  # noqa: PLC0415
 
     if arguments.html is not None:

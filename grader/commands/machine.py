@@ -49,6 +49,7 @@ def packages_of(paths: Sequence[Path]) -> list[Finding]:
 
 
 def _isolation() -> list[Finding]:
+    """Return the findings about isolation: each level, the level in use, and copies of the grader that student code could open."""
     tried = probe()
     best = next(each.isolation_level for each in tried if each.usable)
     rows = [

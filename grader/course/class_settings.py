@@ -87,6 +87,7 @@ class ClassSettings:
 
 
 def _of_rubric(rubric: Rubric) -> dict[str, Any]:
+    """Return what a class remembers of its rubric."""
     return {
         "rubric": rubric.text,
         "rubric_source": rubric.source,

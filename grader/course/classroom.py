@@ -387,6 +387,7 @@ class _Run:
         self._publisher.put(final_grade)
 
     def grade(self, entries: Sequence[Entry]) -> None:
+        """Grade all submissions; record, publish and report each result as it arrives."""
         with Reader() as reader:
             for submission, marked in self._marked(entries, reader):
                 result = _result(submission, self._request, marked)
@@ -569,6 +570,7 @@ def _without_output_folder(entries: tuple[Entry, ...], request: GradeRequest) ->
 
 
 def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: PersonLookup) -> list[Entry]:
+    """Return the entries that `--only` names, or all without it; refuse a word that matches no submission."""
     ids = [entry.id for entry in entries]
     wanted = {who.by(word): word for word in only}
     for id_, word in wanted.items():

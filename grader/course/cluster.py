@@ -87,6 +87,7 @@ def _lost(address: str) -> GraderError:
 
 @contextmanager
 def _connected(address: str) -> Iterator[Client]:
+    """Connect to the Dask scheduler at this address; refuse the request without Dask or without a scheduler."""
     try:
         import dask  # noqa: PLC0415 - an extra
         from distributed import Client  # noqa: PLC0415
@@ -149,6 +150,7 @@ def _grading_plugins(client: Client, open_marker: OpenMarker, bounds: Bounds, ad
 
 
 def _set_up(client: Client, plugin: GradingPlugin, address: str) -> None:
+    """Install the grading plugin on all workers; refuse the request if a worker cannot grade."""
     try:
         client.register_plugin(plugin)
     except RequestError as problem:

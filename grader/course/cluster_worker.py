@@ -95,6 +95,7 @@ class GradingPlugin(WorkerPlugin):
                 self._leave_if_idle()
 
     def _marked(self, pool: Pool, submission: Submission) -> dict[str, Any]:
+        """Grade one submission in the pool; return the plain result, or the reason why there is none."""
         try:
             ((_, outcome),) = pool.run(iter([submission]))
         except (RequestError, GraderError) as problem:
@@ -113,6 +114,7 @@ class GradingPlugin(WorkerPlugin):
                 )
 
     def _pool_here(self) -> Pool:
+        """Return this worker's pool. A pool of an earlier run in this process is closed first."""
         if self._pool is None:
             self._agree()
             if GradingPlugin._taken_by is not None:

@@ -179,6 +179,7 @@ class Database:
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
+        """Commit what is written in this context, or roll it back if it raises."""
         self._db.execute("BEGIN IMMEDIATE")
         try:
             yield

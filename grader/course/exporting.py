@@ -174,6 +174,7 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
 def _filled(
     fill: Fill, template: Path, order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]
 ) -> Draft:
+    """Return the platform's own file with the grades filled in, and the lists of people to review."""
     source = printable(str(template), 500)
     filled = fill(_bytes(template, source), source, order.column, final_grades, scaled=order.scaled)
     known = directory(final_grades)
@@ -202,6 +203,7 @@ def _one_of(final_grade: FinalGrade, person: Person) -> str:
 
 
 def _bytes(path: Path, source: str) -> bytes:
+    """Return the bytes of the template; refuse one that is too large or cannot be read."""
     try:
         with open(path, "rb") as stream:
             data = stream.read(MAX_TEMPLATE + 1)

@@ -69,6 +69,7 @@ def _hunks(diff: Sequence[bytes], place: str) -> Iterator[tuple[int, list[bytes]
 
 
 def _hunk(diff: Sequence[bytes], at: int, counts: Sequence[int], place: str) -> tuple[list[bytes], list[bytes], int]:
+    """Parse one hunk; return its old lines, its new lines, and the index of the line after it."""
     old: list[bytes] = []
     new: list[bytes] = []
     while (len(old), len(new)) != tuple(counts) or diff[at : at + 1] == [_NO_NEWLINE]:

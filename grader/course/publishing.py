@@ -100,6 +100,7 @@ class Publisher:
                 self._writers.shutdown(cancel_futures=True)
 
     def put(self, final_grade: FinalGrade, figures: Drawn | None = None) -> None:
+        """Queue a submission whose files are outdated; write the queue when it holds a batch."""
         if final_grade.id in self._ids:  # the last of two final grades determines the files
             self._finish()
         source = _Source.of(final_grade, self._store, figures)
@@ -111,6 +112,7 @@ class Publisher:
             self._write()
 
     def _write(self) -> None:
+        """Give the queue to the writer processes, or write it here if there are none."""
         if not self._processes:
             self._write_here()
             return

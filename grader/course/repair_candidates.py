@@ -58,6 +58,7 @@ def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S)
 
 
 def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -> Candidates:
+    """Limit the CPU time and memory of this process, then return the candidates."""
     began = time.process_time()
     used = math.ceil(began)  # starting the process took that long
     with suppress(ImportError):  # Windows has no such limits; the time of the call is bounded there, too
@@ -148,6 +149,7 @@ def _whole(lines: _Lines) -> Iterator[list[str]]:
 
 
 def _other_languages(line: str) -> Iterator[str]:
+    """Yield edits of habits from other languages, such as ``print x``, ``else if``, ``i++`` and ``=`` in a condition."""
     yield from (
         new
         for new in (

@@ -359,6 +359,7 @@ def apply_suggested(store: Store, out: Path, ids: Iterable[str], grading: Gradin
 def _applied(
     store: Store, log: RepairLog, final_grade: FinalGrade, decided: set[tuple[str, str]], grading: Grading
 ) -> Result | None:
+    """Apply a suggested repair to a submission that has none yet; return the new result, None without a suggestion."""
     handed_in = _handed_in(store, final_grade)
     if not log.is_new(grading.key(final_grade.id, handed_in.sha256)):
         return None
@@ -376,6 +377,7 @@ def _applied(
 def _renewed(
     store: Store, log: RepairLog, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading
 ) -> Iterator[Result | str]:
+    """Yield the result of each repair that still fits the submitted files, and a message for each that does not."""
     name = printable(final_grade.id, 80)
     try:
         handed_in = _handed_in(store, final_grade)

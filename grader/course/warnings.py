@@ -104,6 +104,7 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def _outdated(final_grade: FinalGrade, adjustment: Adjustment) -> str:
+    """Return the warning about an override whose automatic points have changed."""
     now = automatic_points(final_grade.result, adjustment.criterion)
     then = [points for points in adjustment.automatic.values() if points is not None]
     worth_then = sum(adjustment.out_of.values())

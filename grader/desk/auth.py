@@ -70,6 +70,7 @@ class Guard:
             await self._app(scope, receive, _with_headers(send))
 
     def _refusal(self, scope: Scope) -> Response | None:
+        """Return the response that refuses a request: wrong host, method, origin or no token; None if it is allowed."""
         headers = Headers(scope=scope)
         if headers.get("host") not in self._keys.hosts:
             return PlainTextResponse("The review desk is only available at its own address.", 421)
@@ -82,6 +83,7 @@ class Guard:
         return None
 
     def _has_cookie(self, headers: Headers) -> bool:
+        """Return whether a request has the cookie of this desk."""
         try:
             found = SimpleCookie(headers.get("cookie", "")[:4096]).get(self._keys.cookie_name)
         except CookieError:
@@ -89,6 +91,7 @@ class Guard:
         return found is not None and _same(found.value, self._keys.cookie)
 
     def _set_cookie(self, scope: Scope) -> Response:
+        """Exchange the token in the address for the cookie."""
         given = parse_qs(scope["query_string"][:512].decode("latin-1")).get("token", [""])[0]
         if not _same(given, self._keys.token):
             return PlainTextResponse("This is not the address that `imugrade review` printed.", 403)
@@ -102,6 +105,8 @@ def _same(given: str, wanted: str) -> bool:
 
 
 def _with_headers(send: Send) -> Send:
+    """Return a `send` that adds the security headers to each response."""
+
     async def sent(message: Message) -> None:
         if message["type"] == "http.response.start":
             headers = MutableHeaders(scope=message)

@@ -217,6 +217,7 @@ class _Publisher:
         self._thread.join()
 
     def _run(self) -> None:
+        """Write the files of changed submissions until the desk closes."""
         while True:
             with self._lock:
                 self._busy = False

@@ -49,6 +49,7 @@ def show_all(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
+    """Return the page with the shared lines of two submissions side by side."""
     final_grades = book.final_grades()
     two = [final_grades.get(web_request.path[place]) for place in ("first", "second")]
     first, second = two
@@ -83,6 +84,7 @@ def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:
 
 
 def _excerpt(path: str, text: str, shared: Set[int]) -> Excerpt:
+    """Return the shared lines of a file with the lines around them, as pieces."""
     rows = coloured(path, text)
     wanted = sorted(
         {near for line in shared for near in range(line - _AROUND, line + _AROUND + 1) if 1 <= near <= len(rows)}

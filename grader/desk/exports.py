@@ -89,6 +89,7 @@ def _page(
     plan: Plan | None = None,
     code: int = 200,
 ) -> Response:
+    """Return the export page, with the errors of the form or the plan of the export."""
     settings = book.store.settings()
     people = (person for each in book.final_grades().values() for person in each.people)
     return framed(

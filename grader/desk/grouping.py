@@ -20,6 +20,7 @@ from grader.people.final_grade import BONUS, TOTAL
 
 
 def show_all(book: Classbook, web_request: WebRequest) -> Response:
+    """Return the page with all groups and the decisions on them."""
     found = groups(book.final_grades())
     kinds = {MISTAKE: "Same fault", CHECK: "Same failed check", SAME: "Same set of failed checks"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
@@ -90,6 +91,7 @@ def take_back(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def _one(book: Classbook, web_request: WebRequest) -> Group:
+    """Return the group in the address; refuse one that does not exist any more."""
     wanted = (web_request.path["kind"], web_request.path["key"])
     together = (similar_group(each.ids) for each in queue(book) if each.others)
     every = itertools.chain(groups(book.final_grades()), together)

@@ -43,6 +43,7 @@ def review_queue(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def class_page(book: Classbook, web_request: WebRequest) -> Response:
+    """Return the class page of the desk."""
     waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
     everybody = book.final_grades().values()
     absent = class_settings.absent(book.store.settings(), {each.id: each.hand_in for each in everybody})

@@ -113,6 +113,7 @@ def read_in(book: Classbook, path: Path) -> str:
 
 
 def _read_file(path: Path) -> list[ReceivedRequest]:
+    """Return the regrade requests in a text, JSON or CSV file."""
     try:
         with open(path, "rb") as stream:
             data = stream.read(MOST_BYTES + 1)
@@ -193,6 +194,7 @@ def _bounded(received: ReceivedRequest) -> ReceivedRequest:
 
 
 def _json(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
+    """Return the records of a JSON text, with a name for each; None if it is no JSON."""
     if text.lstrip()[:1] not in ("{", "["):
         return None
     try:

@@ -27,6 +27,7 @@ def page(template: str, code: int = 200, /, **values: object) -> HTMLResponse:
 
 @cache
 def environment() -> Environment:
+    """Return the Jinja environment of the desk, with autoescape."""
     made = Environment(
         loader=FileSystemLoader([beside(__package__, "templates"), beside("grader.report", "templates")]),
         autoescape=True,

@@ -111,6 +111,7 @@ class RepairJobs:
         self._stack.close()
 
     def _run(self, job: Job, do: Callable[[Grading], None]) -> None:
+        """Do a job, and keep its problem if it fails."""
         try:
             do(self._grading(job))
         except (RequestError, GraderError) as problem:
@@ -121,6 +122,7 @@ class RepairJobs:
             job.ended.set()
 
     def _grading(self, job: Job) -> Grading:
+        """Return how edited copies are graded; the marker is opened again if the settings of the class have changed."""
         now = self._settings_on_record()
         if self._open is None or _digests(now) != _digests(self._open):
             self._stack.close()
@@ -148,6 +150,7 @@ class RepairJobs:
         return replace(self._results[key], submission=submission.name)
 
     def _graded(self, submission: Submission, opened: GradingSettings, cpu_s: float | None = None) -> Result:
+        """Grade an edited copy in the marker process."""
         if self._pool is None:
             self._pool = self._stack.enter_context(Pool(opened.open_marker, 1, _BOUNDS))
         for _, outcome in list(self._pool.run(iter([submission]), cpu_s)):

@@ -228,6 +228,7 @@ def _typed(web_request: WebRequest) -> str:
 
 
 def _wrong(book: Classbook, web_request: WebRequest) -> dict[str, str]:
+    """Return the errors of the form by field: deduction and comment."""
     found = {}
     most = max((each.result.max_score for each in book.final_grades().values()), default=0.0)
     points = _number(web_request.text("deduct"))
@@ -252,6 +253,7 @@ def _preview(book: Classbook, job: Job, request: RepairRequest, grading: Grading
 
 
 def _suggest(book: Classbook, job: Job, request: RepairRequest, grading: Grading) -> None:
+    """Search for a suggestion and put it, with its grade, into the job."""
     job.step = "Trying edits of the line that fails"
     _, found = repairs.suggestion(book.out, job.id, grading)
     if found is None:

@@ -118,6 +118,7 @@ def items(
 
 
 def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
+    """Yield the reasons to review one submission by itself."""
     result = final_grade.result
     yield from (Reason("does-not-run", each.sentence, file=each.file) for each in stops(result, lab))
     for repair in result.repairs:
@@ -176,6 +177,7 @@ def _near_a_boundary(final_grade: FinalGrade, result: Result) -> Iterator[Reason
 def _of_several(
     final_grades: Mapping[str, FinalGrade], groups: Sequence[SimilarityGroup]
 ) -> Iterator[tuple[tuple[str, ...], Reason]]:
+    """Yield the reasons that concern several submissions: missing packages, the same files, similar code."""
     failed = {id_: missing_packages.failed(each.result) for id_, each in final_grades.items()}
     if said := missing_packages.lines(failed):
         ids = tuple(id_ for id_, names in failed.items() if names)

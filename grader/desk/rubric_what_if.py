@@ -75,6 +75,7 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 200) -> Response:
+    """Return the page with the form, its errors and the preview of changed scores."""
     final_grades = book.final_grades()
     base = book.rubric
     problem, preview, changed = "", None, base
@@ -219,6 +220,7 @@ def _number(text: str) -> float | int | str:
 
 
 def _preview(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Preview:
+    """Return the changed scores, the largest change first, and the means before and after."""
     changes = [
         GradeChange(each, before[id_].final, each.final)
         for id_, each in after.items()

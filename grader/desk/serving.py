@@ -37,6 +37,7 @@ def open_socket(port: int) -> socket.socket:
 
 
 def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
+    """Return the HTTP server of the desk."""
     config = uvicorn.Config(
         application(book, keys, author),
         log_level="warning",

@@ -128,6 +128,7 @@ def _page(
     code_: int = 200,
     typed: Typed | None = None,
 ) -> Response:
+    """Return the page of a submission: report, code, history and forms."""
     items = queue(book)
     history = book.history(final_grade.id)
     requests = [each for each in book.requests() if each.id == final_grade.id]
@@ -278,6 +279,7 @@ def _part(
     shown: Sequence[Chart],
     extras: _PageExtras,
 ) -> Part:
+    """Return one criterion or extension for the page: its checks, charts and overrides."""
     lab = final_grade.result.lab
     figures = tuple(
         Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
@@ -301,6 +303,7 @@ def _part(
 
 
 def _overrides(final_grade: FinalGrade, target: str, extras: _PageExtras) -> Overrides:
+    """Return what the form of an override shows for a target: maximum, automatic points, the override in force, requests."""
     comments = (each for each in final_grade.adjustments if each.alone and each.criterion == target)
     return Overrides(
         target,

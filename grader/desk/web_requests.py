@@ -84,6 +84,7 @@ def in_cookie(text: str) -> str:
 
 
 def _fields(text: str) -> dict[str, list[str]]:
+    """Parse form fields; refuse a form with too many."""
     found: dict[str, list[str]] = {}
     try:
         for key, value in parse_qsl(text, keep_blank_values=True, max_num_fields=_MOST_FIELDS):

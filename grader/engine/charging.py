@@ -126,6 +126,7 @@ class Part(Generic[Facts]):
         table: Mapping[str, Mistake],
         stopped: Collection[str],
     ) -> Mapping[str, Charge]:
+        """Return the charge of each deviating check: to the fault that explains it, once, or to the check itself."""
         at: dict[str, str] = {}  # fault -> the check that charges it
         charges: dict[str, Charge] = {}
         taken: dict[str, str] = {}

@@ -126,6 +126,7 @@ class CheckRun:
         return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)
 
     def _feedback(self, finding: BaseException, earlier: str | None) -> Feedback:
+        """Return the feedback on a finding; with a secret, without anything that student code could have chosen."""
         if (
             self._secret
             and earlier is None
@@ -213,12 +214,12 @@ class Session:
 
     @pytest.fixture
     def student(self) -> SubmissionSession:
-        """The submission being checked."""
+        """Return the session about the submission that is checked."""
         return self._now.student
 
     @pytest.fixture
     def truth(self) -> Traces:
-        """The ground truth."""
+        """Return the ground truth."""
         return self._now.truth
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
@@ -305,6 +306,7 @@ def _write(own: OwnChecks, private: Path) -> Path:
 
 
 def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
+    """Collect the lab's checks with pytest, without any plugin that prints, caches or captures."""
     switched_off = ("terminal", "cacheprovider", "doctest", "junitxml", "pastebin", "faulthandler", "stepwise", "logging",
                     "warnings", "capture", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
                     "unraisableexception", "threadexception", "nose", "legacypath")  # fmt: skip

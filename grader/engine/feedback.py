@@ -105,6 +105,7 @@ def seen_elsewhere(charge: Charge) -> Feedback | None:
 
 
 def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
+    """Return the feedback on a charge: text of the fault's row, or of the check's row if the fault has none."""
     if (elsewhere := seen_elsewhere(charge)) is not None:
         return elsewhere
     told_by, deviation = charge.found[0]
@@ -131,6 +132,7 @@ def public(charge: Charge, rows: Mapping[str, Mistake]) -> tuple[str, ...]:
 
 
 def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
+    """Return the feedback on a check that failed by itself, such as an instructor's own check."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes) or STEP_BY_STEP
     return Feedback(
@@ -145,6 +147,7 @@ def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
 
 
 def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Feedback:
+    """Return the feedback on an exception of the student's code."""
     fault = finding.fault
     place = f" at {fault.where}" if fault.where else ""
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
@@ -176,6 +179,7 @@ def mistake_of(fault: Fault, mistakes: Mapping[str, Mistake]) -> str:
 
 
 def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
+    """Return the feedback on a call that timed out, crashed or gave no valid answer."""
     if isinstance(finding, TimedOut):
         return no_answer("timeout", f"none: {printable(str(finding), 200)}", ("never-returns",), mistakes)
     if isinstance(finding, Crashed):

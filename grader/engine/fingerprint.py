@@ -51,6 +51,7 @@ def of_the_sheet(lab: Lab) -> frozenset[int]:
 
 
 def _sources(files: Mapping[str, bytes]) -> Iterator[str]:
+    """Yield the source text of the code files, up to a limit on bytes."""
     left = _MOST_BYTES
     for path in sorted(files):
         content = files[path]

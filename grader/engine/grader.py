@@ -156,6 +156,7 @@ class Marker:
         waiting: Callable[[str], None] | None = None,
         cpu_s: float | None = None,
     ) -> SubmissionSession:
+        """Open the session about a submission, with these limits of CPU time."""
         limits = self._rubric.limits
         most = limits.submission_cpu_s if cpu_s is None else cpu_s
         self._sandbox.warm(libraries_of(self._lab, files))
@@ -212,6 +213,7 @@ class Marker:
         self, submission: Submission, status: Status, judgements: Mapping[str, Judgement], notes: list[str], started: float,
         only: str | None,
     ) -> Result:  # fmt: skip
+        """Make the result from the judgements, notes and provenance."""
         criteria = tuple(self._criterion(c, judgements, status) for c in self._rubric.criteria if only in (None, c.id))
         extensions = tuple(
             self._extension(e, submission, judgements, status) for e in self._rubric.extensions if only in (None, e.id)
@@ -271,6 +273,7 @@ class Marker:
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:
+        """Return the versions and digests that the result depends on."""
         return {
             "grader": __version__,
             "rubric_sha256": self._rubric.sha256,

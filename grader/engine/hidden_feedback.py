@@ -73,6 +73,7 @@ def _kind(finding: Raised) -> str:
 
 
 def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
+    """Return the feedback on a failed check: the titles of its faults and the order of magnitude of the error."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     kinds = [mistakes[id_].title for id_ in finding.mistakes]
     got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or _DOES_NOT

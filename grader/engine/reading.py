@@ -146,6 +146,7 @@ class Reader:
         return None
 
     def _start(self) -> Connection:
+        """Start the reading process, and return the connection to it."""
         start = context()
         self._line, theirs = start.Pipe()
         copied = (self._line,) if start.get_start_method() == "fork" else ()
@@ -156,6 +157,7 @@ class Reader:
         return self._line
 
     def _end(self) -> None:
+        """Close the connection, and kill the process if it does not end by itself."""
         if self._line is not None:
             self._line.close()
         if self._process is not None:
@@ -167,6 +169,7 @@ class Reader:
 
 
 def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, begin: Callable[[], None]) -> None:
+    """Read submissions in the child process until the parent closes the connection."""
     for end in copied:  # a copy of the parent's end: while it is open, the pipe does not close
         end.close()
     begin()

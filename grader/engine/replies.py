@@ -150,6 +150,8 @@ def maybe(kind: Callable[[Any], Any]) -> Kind:
 
 
 def listed(kind: Callable[[Any], Any], most: int, exactly: int | None = None) -> Kind:
+    """Return the rule for a list of at most `most` items of one kind, or of `exactly` this number."""
+
     def rule(value: Any) -> None:
         if not isinstance(value, list) or len(value) > most or exactly not in (None, len(value)):
             raise Wrong("no list, or one of another length")
@@ -160,6 +162,7 @@ def listed(kind: Callable[[Any], Any], most: int, exactly: int | None = None) ->
 
 
 def part_of(record: Any, name: str, kind: Callable[[Any], Any]) -> Any:
+    """Check one entry of a record by its rule, and return it."""
     if not isinstance(record, dict) or name not in record:
         raise Wrong(f"{name!r} is missing")
     try:
@@ -208,6 +211,8 @@ _stepped_over = record(
 
 
 def node(answer: Answer, depth: int = 0) -> Kind:
+    """Return the rule for a node, as `worker.values` describes a returned value."""
+
     def rule(value: Any) -> None:
         kind = part_of(value, "kind", short)
         if depth > _DEPTH:
@@ -231,6 +236,8 @@ def node(answer: Answer, depth: int = 0) -> Kind:
 
 
 def _member(answer: Answer, depth: int) -> Callable[[Any], None]:
+    """Return the rule for a member of a dictionary or object: a name and a node."""
+
     def rule(value: Any) -> None:
         if not isinstance(value, list) or len(value) != 2:
             raise Wrong("a member is a name and a value")
@@ -268,6 +275,7 @@ def _run_script(answer: Answer) -> None:
 
 
 def _image(answer: Answer) -> None:
+    """Check the reply about a decoded picture."""
     if answer.part("readable", flag):
         answer.part("size_px", listed(whole, 2, 2))
         answer.part("colours", whole)
@@ -306,12 +314,13 @@ _FIGURE: dict[str, Callable[[Any], Any]] = {
 
 
 def drawings(answer: Answer) -> None:
+    """Check the figures of a reply: their facts, small pictures and curves."""
     answer.part("pictures", listed(long, 300))
     answer.part("strange", listed(record(path=long, reason=short), 64))
     answer.part("figures", listed(_figure, 16))
     for figure in answer.frame.fields["figures"]:
         if "unreadable" not in figure:
-            _witness(answer, figure)
+            _check_pixels(answer, figure)
     curves = [c for figure in answer.frame.fields["figures"] for axes in figure["axes"] for c in axes["curves"]]
     if len(curves) > MAX_CURVES:
         raise Wrong(f"{len(curves)} curves")
@@ -327,7 +336,7 @@ def _figure(figure: Any) -> None:
         record(**_FIGURE)(figure)
 
 
-def _witness(answer: Answer, figure: Mapping[str, Any]) -> None:
+def _check_pixels(answer: Answer, figure: Mapping[str, Any]) -> None:
     """Check the pixels of a figure: they exist and have the size that the figure states."""
     pixels = answer.frame.arrays.get(str(figure.get("seen")))
     if pixels is None or pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3:

@@ -226,6 +226,7 @@ def to_dict(result: Result) -> dict[str, Any]:
 
 
 def _row(check: CheckResult) -> dict[str, Any]:
+    """Return a check as a row of `result.json`."""
     return {
         "id": check.id,
         "title": check.title,

@@ -344,6 +344,7 @@ def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tup
 
 
 def _criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
+    """Return the criteria in the order of `ids`; report problems."""
     criteria = []
     for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
         title = reader.text(keys.get("title"), f"the title of {name}")
@@ -365,6 +366,7 @@ def _extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, float 
 
 
 def _extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], each: float) -> tuple[Extension, ...]:
+    """Return the extensions in the order of `ids`, each worth `each` points unless it names its own; report problems."""
     extensions = []
     for name, (item, keys) in reader.records(
         node, "extension", ids, ("id", "title", "file"), ("points", "checks")
@@ -387,6 +389,7 @@ def _extension_checks(reader: Reader, node: yaml.Node | None, part: str, points:
 
 
 def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
+    """Return the checks of a criterion with their shares of its points; report problems."""
     if node is None:
         return ()
     if not isinstance(node, yaml.MappingNode) or not node.value:
@@ -431,6 +434,7 @@ def _limits(reader: Reader, node: yaml.Node | None) -> Limits:
 
 
 def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | None:
+    """Return the late policy; None if the rubric has none; report problems."""
     if node is None:
         return None
     optional = ("grace_minutes", "per_day", "cut_off_days", "extensions", "tz")

@@ -159,6 +159,7 @@ class SandboxSession:
             self.listen(self._part, self._session.new_output())
 
     def _fresh_session(self) -> _Session:
+        """Return the current worker with the submission's files; start a new one if the last one has ended."""
         if self._session is None or not self._session.worker.alive:
             self.end_session()
             self._session = _Session(self._sandbox.worker())
@@ -170,6 +171,7 @@ class SandboxSession:
         return self._session
 
     def _submit(self, worker: Worker) -> None:
+        """Send the submission's files to a new worker, with the stand-ins and the statements to skip."""
         files, arrays = self._files_to_send()
         fields = {
             "files": files,
@@ -186,6 +188,7 @@ class SandboxSession:
         self.paths = frozenset([path for path, _, _ in files] + written)
 
     def _files_to_send(self) -> tuple[list[tuple[str, str, int]], dict[str, np.ndarray]]:
+        """Return the files for a worker, and their bytes: code and data up to a limit, without files that end their process."""
         rows: list[tuple[str, str, int]] = []
         arrays: dict[str, np.ndarray] = {}
         total = 0
@@ -216,6 +219,13 @@ class SandboxSession:
         self._part = part
 
     def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Frame:
+        """Ask the current worker a question, and account its time to the current part.
+
+        Raises
+        ------
+        NoAnswer
+            If the worker crashed, timed out or gave no valid answer.
+        """
         session = self._fresh_session()
         worker = session.worker
         if self._used_cpu_s[self._part] >= self._share_cpu_s or self._left_s() <= 0:
@@ -248,6 +258,7 @@ class SandboxSession:
     def _checked_answer(
         self, session: _Session, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray], limit_s: float
     ) -> Frame:
+        """Ask, check the answer against the lab's rules, and record statements that ended the process or exceeded their time."""
         try:
             with self._telling_if_slow(op, fields, limit_s):
                 frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s, most_s=self._left_s())
@@ -264,6 +275,7 @@ class SandboxSession:
 
     @contextmanager
     def _telling_if_slow(self, op: str, fields: Mapping[str, Any], limit_s: float) -> Iterator[None]:
+        """Report what the grader waits for if the context takes longer than two seconds."""
         if self._waiting is None:
             yield
             return

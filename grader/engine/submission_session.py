@@ -50,6 +50,10 @@ class SubmissionSession(SandboxSession):
         return self.ask(question.op, {**place, **question.fields}, question.arrays)
 
     def load(self, path: str) -> Loaded:
+        """Load a file in the current worker once, and return the report.
+
+        It is loaded again in a new process if another file, or data of a question, may have affected the report.
+        """
         if path in self.deadly:
             raise self.deadly[path].with_traceback(None)
         session = self._fresh_session()
@@ -157,6 +161,7 @@ class SubmissionSession(SandboxSession):
             )
 
     def _other_files_defining(self, name: str, home: str) -> list[str]:
+        """Return the other files that define a name, the nearest to the submission's folder first."""
         if self._outline is None:
             try:
                 self._outline = self.retried(lambda: self.ask("outline", {})).fields["names"]
@@ -167,6 +172,7 @@ class SubmissionSession(SandboxSession):
         return sorted(named, key=lambda p: (p.count("/"), p not in self._lab.files, p.endswith(".ipynb"), p))
 
     def _missing(self, name: str, home: str) -> Missing:
+        """Return why no file defines a name: a statement that failed, a syntax error, or no such definition."""
         there = [home] if home in self.paths else []
         places = (*there, *self._other_files_defining(name, home))
         for path in places:

@@ -105,6 +105,7 @@ def load(path: Path) -> Traces:
 
 
 def _read_manifest(path: Path) -> dict[str, Any]:
+    """Read and check the manifest of a trace bundle."""
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -121,6 +122,7 @@ def _read_manifest(path: Path) -> dict[str, Any]:
 
 
 def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """Read the arrays of a trace bundle, as read-only arrays."""
     try:
         # Opened here, because np.load leaves the file of a damaged archive open.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:

@@ -115,6 +115,7 @@ class _Counted(io.RawIOBase):
         self._in_vain = 0
 
     def read(self, size: int = -1) -> bytes:
+        """Read from the stream; raise if it unpacks to more than the limit or claims more bytes than it has."""
         data = self._stream.read(size)
         self._left -= len(data)
         self._in_vain += not data
@@ -167,6 +168,7 @@ def _read_zip(stream: BinaryIO, budget: FileBudget) -> None:
 
 
 def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], budget: FileBudget) -> None:
+    """Take the members of a zip archive, code first, within the limit on unpacked bytes."""
     unpacked = 0
 
     def bytes_of(entry: zipfile.ZipInfo) -> bytes:
@@ -185,6 +187,7 @@ def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile
 def _take_member(
     name: str, entry: zipfile.ZipInfo, budget: FileBudget, bytes_of: Callable[[zipfile.ZipInfo], bytes]
 ) -> None:
+    """Take one member of a zip archive, or note why it is left out."""
     parts = archive_parts(name)
     if parts is None:
         budget.leave(name, UNSAFE)
@@ -258,6 +261,7 @@ def _bounded_headers() -> type[tarfile.TarInfo]:
 
 
 def _read_tar(stream: _Readable, budget: FileBudget) -> None:
+    """Take the members of a tar archive from a stream."""
     counted = _Counted(stream)
     with tarfile.open(fileobj=counted, mode="r|", tarinfo=_bounded_headers()) as archive:
         for number, entry in enumerate(archive):
@@ -269,6 +273,7 @@ def _read_tar(stream: _Readable, budget: FileBudget) -> None:
 
 
 def _take_from_tar(archive: tarfile.TarFile, entry: tarfile.TarInfo, budget: FileBudget) -> None:
+    """Take one member of a tar archive, or note why it is left out."""
     parts = archive_parts(entry.name)
     if parts is None:
         budget.leave(entry.name, UNSAFE)

@@ -41,7 +41,7 @@ class Download:
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:
-        """The bytes of a file at the top; None if it cannot be read or has more than `most`."""
+        """Return the bytes of a file at the top; None if it cannot be read or is larger than `most`."""
         try:
             if os.path.isdir(self.path):
                 with open(self.path / self.place(name), "rb") as stream:
@@ -85,6 +85,7 @@ def gather_sources(path: Path, sources: Sources, required: Collection[str] = ())
 
 
 def _folder(path: Path, root: str) -> Download:
+    """Return the names at the top of a download that is a folder."""
     top: dict[str, bool] = {}
     left: list[tuple[str, str]] = []
     try:
@@ -104,6 +105,7 @@ def _folder(path: Path, root: str) -> Download:
 
 
 def _zip(path: Path, root: str) -> Download:
+    """Return the names at the top of a download that is a zip archive."""
     contents = _contents(path)
     start = f"{root}/" if root else ""
     top: dict[str, bool] = {}
@@ -126,6 +128,7 @@ class _Contents:
 
 
 def _contents(path: Path) -> _Contents:
+    """Return the contents of a zip archive; refuse one that cannot be read."""
     try:
         status = os.stat(path)
         return _opened(os.fspath(path), status.st_size, status.st_mtime_ns)
@@ -138,6 +141,7 @@ def _contents(path: Path) -> _Contents:
 
 @lru_cache(maxsize=4)
 def _opened(path: str, _size: int, _stamp: int) -> _Contents:
+    """Return an open zip archive with its names sorted into top entries; cached by size and time stamp."""
     archive = zipfile.ZipFile(path)  # the instructor's own download: its table of contents may be as long as it likes
     names: list[str] = []
     unsafe: list[str] = []

@@ -113,7 +113,7 @@ class FileBudget:
         return reserved if asked_for else self._room[is_code(path)]
 
     def lone_archive(self) -> str | None:
-        """The only archive, if there is no code beside it; pictures and notes beside it are no reason to leave it shut."""
+        """Return the only archive if there is no code beside it, else None; other files, such as pictures, do not matter."""
         archives = [name for name in self.files if has_suffix(name, ARCHIVES)]
         return archives[0] if len(archives) == 1 and not any(map(is_code, self.files)) else None
 
@@ -129,7 +129,7 @@ class FileBudget:
 
 
 def listing(names: list[str]) -> str:
-    """The first few names, printable, and how many more there are."""
+    """Return the first few names as printable text, and the number of the others."""
     shown = ", ".join(printable(name, 120) for name in names[:MAX_NAMED])
     more = len(names) - MAX_NAMED
     return f"{shown} and {more:,} more" if more > 0 else shown

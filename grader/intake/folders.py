@@ -41,7 +41,7 @@ def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Colle
 
 
 def gather_file(path: Path) -> FileBudget:
-    """A single program or notebook, as if it lay in a folder of its own."""
+    """Take a single program or notebook, as if it were in a folder of its own."""
     budget = FileBudget()
     _take(budget, (path.name,), os.path.realpath(path), 0)  # the caller's own path may be a link
     return budget
@@ -90,6 +90,7 @@ def _listed(root: Path, budget: FileBudget) -> Iterator[tuple[tuple[str, ...], s
 
 
 def _entries(folder: str, above: tuple[str, ...], budget: FileBudget) -> list[os.DirEntry[str]]:
+    """Return the entries of a folder, sorted; note it if the system refuses to list them."""
     try:
         with os.scandir(folder) as entries:
             return sorted(islice(entries, MAX_ENTRIES + 1), key=lambda entry: entry.name)
@@ -100,7 +101,7 @@ def _entries(folder: str, above: tuple[str, ...], budget: FileBudget) -> list[os
 
 
 def status_of(entry: os.DirEntry[str]) -> os.stat_result | None:
-    """Its lstat; None where the system refuses it (a folder that may be listed and not entered)."""
+    """Return the lstat of an entry; None if the system refuses it, as in a folder that may be listed but not entered."""
     try:
         return entry.stat(follow_symlinks=False)
     except OSError:

@@ -54,13 +54,13 @@ def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
 
 
 def outwards(folder: str, levels: int) -> str:
-    """The folder that lies so many levels above this one, with a slash, or "" for the top."""
+    """Return the folder this many levels above a folder, with a slash; "" for the top."""
     parts = folder.split("/") if folder else []
     return "".join(f"{part}/" for part in parts[: len(parts) - levels])
 
 
 def _choose(paths: Iterable[str], required: Collection[str]) -> tuple[str, list[str]] | None:
-    """The lab's folder, and those that hold the same files once more.
+    """Return the lab's folder, and the other folders that hold the same files.
 
     It is one with required files, or else with any code: the shallower, then the more complete, then by name.
     """
@@ -92,7 +92,7 @@ def _within(path: str, folder: str) -> bool:
 
 
 def _inside(folder: str, budget: FileBudget, required: Collection[str]) -> tuple[str, ...]:
-    """The paths in the lab's folder, sorted: names that every system can hold, side by side."""
+    """Return the paths in the lab's folder, sorted. All systems can store these names side by side."""
     start = len(folder) + 1 if folder else 0
     inside = sorted(path[start:] for path in budget.files if _within(path, folder))
     kept: dict[str, str] = {}
@@ -126,13 +126,13 @@ def _around(folder: str, elsewhere: Iterable[str], inside: Iterable[str]) -> dic
 
 
 def _from_above(path: str, folder: str) -> tuple[int, str]:
-    """The lowest of the folders above the lab's that holds this path, by its level above the lab's, and the path in it."""
+    """Return the level above the lab's folder, and the path there, of the nearest outer folder that holds this path."""
     shared = posixpath.commonpath((posixpath.dirname(path), folder))
     return _level(folder) - _level(shared), path[len(shared) + 1 :] if shared else path
 
 
 def _folders(path: str) -> Iterable[str]:
-    """The folders that a path names, the outermost first."""
+    """Yield the folders in a path, the outermost first."""
     parts = path.split("/")
     return ("/".join(parts[:n]) for n in range(1, len(parts)))
 

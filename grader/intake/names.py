@@ -46,7 +46,7 @@ def is_litter(parts: Iterable[str]) -> bool:
 
 
 def archive_parts(name: str) -> tuple[str, ...] | None:
-    """The parts of a path in an archive; None if it leads out of the archive or means another place elsewhere."""
+    """Return the parts of a path in an archive; None if it leads out of the archive or has another meaning on another system."""
     if "\0" in name or "\\" in name or name.startswith("/") or _DRIVE.match(name):
         return None
     parts = tuple(part for part in name.split("/") if part not in ("", "."))
@@ -54,14 +54,14 @@ def archive_parts(name: str) -> tuple[str, ...] | None:
 
 
 def joined(parts: tuple[str, ...]) -> str | None:
-    """The path as its key: composed letters (macOS decomposes them), no lone surrogates; None if too long or deep."""
+    """Return the path as a key: composed letters (macOS decomposes them), no lone surrogates; None if it is too long or deep."""
     path = "/".join(unicodedata.normalize("NFC", _encodable(part)) for part in parts)
     fits = 0 < len(parts) <= MAX_PARTS and len(path) <= MAX_PATH
     return path if fits and all(len(part.encode()) <= MAX_PART for part in path.split("/")) else None
 
 
 def _encodable(text: str) -> str:
-    """Names need not be UTF-8 on disk or in a tar; what is not reaches us as lone surrogates."""
+    """Return a name with lone surrogates replaced; they stand for bytes that are not UTF-8."""
     return re.sub("[\ud800-\udfff]", "_", text)
 
 
@@ -81,7 +81,7 @@ def folded(path: str) -> str:
 
 
 def safe_id(name: str) -> str:
-    """A folder name for any name: letters, digits, ``-``, ``_`` and ``.``, no leading dot, at most 80 long."""
+    """Return a safe folder name for any name: letters, digits, ``-``, ``_`` and ``.``, no leading dot, at most 80 characters."""
     kept = (char if char.isalnum() or char in "-_." else "_" for char in unicodedata.normalize("NFC", name[:1000]))
     safe = _shortened("".join(kept).strip("."), MAX_ID)
     return f"_{safe}"[:MAX_ID] if _DEVICE.match(safe) else safe or "submission"
@@ -93,7 +93,7 @@ def _shortened(name: str, limit: int) -> str:
 
 
 def distinct_ids(names: Iterable[str]) -> list[str]:
-    """A safe id for each name, in order; two that case alone tells apart are numbered (``-2``, …)."""
+    """Return a safe id for each name, in order. Ids that differ only in case are numbered (``-2``, …)."""
     names = list(names)
     ids: list[str] = []
     # A name that is safe as it stands keeps its id, even if the number of another would fall on it.

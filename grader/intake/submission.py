@@ -120,7 +120,7 @@ def read_submission(
 
 
 def unread(id: str, name: str, why: str) -> Submission:
-    """A submission that could not be read, for a reason that lies outside this package."""
+    """Return a submission that could not be read for a reason outside this package."""
     return _nothing_to_mark(id, name, "unreadable", (why,), {})
 
 
@@ -142,6 +142,7 @@ def _gather(path: Path, sources: Sources, required: Collection[str]) -> FileBudg
 
 
 def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
+    """Gather the files of a folder, an archive or a single program."""
     if os.path.isdir(path):
         return gather_folder(path, required)
     name = printable(path.name)
@@ -193,7 +194,7 @@ def _is_notebook(content: bytes) -> bool:
 def _nothing_to_mark(
     id: str, name: str, status: Literal["empty", "unreadable"], notes: tuple[str, ...], files: Mapping[str, bytes]
 ) -> Submission:
-    """Files are for people to look at. The notes are hashed with them, so that another fault makes another record."""
+    """Return a submission without gradable files; a person can still see its files, and the notes are part of its digest."""
     digest = _digest([*((note, status.encode()) for note in notes), *files.items()])
     return Submission(id, name, files, notes, status, digest)
 

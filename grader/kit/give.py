@@ -92,7 +92,7 @@ def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def github(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """A workflow and the wheel, for the root of the repository that students start from."""
+    """Return the kit for GitHub: a workflow and the wheel, for the root of the repository that students start from."""
     workflow = _text("platforms/imugrade.yml.txt").encode()
     files = {".github/workflows/imugrade.yml": workflow, f".github/imugrade/{wheel.name()}": _wheel(lab, rubric)}
     _beside_others(out, files)
@@ -100,7 +100,7 @@ def github(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def gitlab(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """A pipeline and the wheel, for the root of the repository that students start from."""
+    """Return the kit for GitLab: a pipeline and the wheel, for the root of the repository that students start from."""
     pipeline = _text("platforms/gitlab.yml.txt").encode()
     _beside_others(out, {".gitlab-ci.yml": pipeline, f".gitlab/imugrade/{wheel.name()}": _wheel(lab, rubric)})
     return Kit(out, "GitLab CI", _READABLE)
@@ -153,7 +153,7 @@ def _filled(file: Path) -> str:
 
 
 def _bundle(hidden: Traces) -> dict[str, bytes]:
-    """The recorded bundle, not the seed: who has the one cannot make the other."""
+    """Return the recorded bundle instead of the seed, because the seed cannot be derived from it."""
     return {f"hidden{suffix}": content for suffix, content in truth.files(hidden).items()}
 
 
@@ -180,6 +180,7 @@ def _beside_others(out: Path, files: Mapping[str, bytes]) -> None:
 
 
 def _write(out: Path, files: Mapping[str, bytes]) -> None:
+    """Write files below a folder; refuse the request if one cannot be written."""
     for path, content in files.items():
         place = out / path
         try:

@@ -40,7 +40,7 @@ def name() -> str:
 
 
 def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
-    """The wheel's bytes, with this rubric.
+    """Return the bytes of the students' wheel with this rubric.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
 
 
 def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
-    """A zip archive of these files; `programs` are executable."""
+    """Return a zip archive of these files; those in `programs` are executable."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
@@ -76,7 +76,7 @@ def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
 
 
 def _package() -> Iterator[tuple[str, bytes]]:
-    """The files of the package but for the rubric."""
+    """Return the files of the package without the rubric."""
     package = beside("grader", "")
     for path in sorted(package.rglob("*")):
         inside = path.relative_to(package)
@@ -114,6 +114,7 @@ def _belongs(inside: Path) -> bool:
 
 
 def _information() -> dict[str, str]:
+    """Return the metadata files of the wheel, from the installed package."""
     try:
         installed = importlib.metadata.distribution("imugrade")
     except importlib.metadata.PackageNotFoundError:
@@ -134,7 +135,7 @@ def _information() -> dict[str, str]:
 
 
 def _entry_points(installed: importlib.metadata.Distribution) -> str:
-    """The commands, and what pytest finds the package by."""
+    """Return the entry points: the commands, and the pytest plugin."""
     groups: dict[str, list[str]] = {}
     for entry in installed.entry_points:
         groups.setdefault(entry.group, []).append(f"{entry.name} = {entry.value}\n")

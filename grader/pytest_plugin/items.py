@@ -78,21 +78,21 @@ class PluginRun:
         return pytest.CollectReport(collector.nodeid, "passed", None, nodes)
 
     def _parts(self) -> Iterator[Part]:
-        """The parts that have checks; a bonus that was not tried has none."""
+        """Yield the parts that have checks; an extension that was not attempted has none."""
         for each in self._rubric.parts:
             part = LAB.part(each.id)
             if part and each.checks and (part in LAB.parts or part.attempted_in(self._submission.files)):
                 yield part
 
     def _file_of(self, name: str) -> Path:
-        """The file that defines it, or that the lab expects it in; an archive or a notebook is the place of all that is in it."""
+        """Return the file that defines a part, or in which the lab expects it; for an archive or a notebook, that file itself."""
         home, files = LAB.homes[name], self._submission.files
         notebook = next((file for file in files if file.endswith(".ipynb")), home)
         at = self.places.definitions.get(name, Place(self._submission.origin(home if home in files else notebook)))
         return self.path / at.file if self.path.is_dir() else self.path
 
     def checks(self, criterion: str, file: Path) -> Iterator[str]:
-        """The checks of a criterion that were asked for."""
+        """Return the selected checks of a criterion."""
         for weight in self._rubric.checks:
             part, _, name = weight.id.partition(".")
             if part == criterion and self._asked.wants(file, part, name):
@@ -207,13 +207,13 @@ class _Check(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def _where(self) -> tuple[str, int]:
-        """The line that raised, or the one where what is checked is defined."""
+        """Return the line that raised, else the line at which the checked name is defined."""
         place = self._plugin_run.places.of(self._found)
         if place is None:
             return self.nodeid.partition("::")[0], 1
         return os.path.relpath(self._plugin_run.path / place.file, self.config.rootpath), place.line or 1
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """The line where what is checked is defined, counted from 0."""
+        """Return the place of the definition that is checked; pytest counts lines from 0."""
         at = self._plugin_run.places.definitions.get(LAB.name_of(f"{self._criterion}.{self.name}"), Place(""))
         return self.path, (at.line or 1) - 1, f"{self._criterion}::{self.name}"

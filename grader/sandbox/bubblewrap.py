@@ -15,7 +15,7 @@ _SCRATCH_BYTES = 64 << 20
 
 
 def command(plan: Plan, control_fd: int) -> list[str]:
-    """The command line of a zygote in bubblewrap, with the same root as `rootfs` makes."""
+    """Return the command line of a zygote in bubblewrap, with the same root as `rootfs` makes."""
     arguments = ["--unshare-all", "--chdir", "/"]
     if plan.end_with_parent:
         arguments.append("--die-with-parent")

@@ -67,7 +67,7 @@ class Deadline:
         return min(max(soonest, _SHORTEST_NAP_S), _LONGEST_NAP_S)
 
     def _over(self, cpu_s: float, wall_s: float) -> str:
-        """The limit that it is over; empty if it is over none."""
+        """Return the description of the limit that is exceeded; empty if none is."""
         if cpu_s >= self._cpu_limit:
             return f"{self._cpu_limit:g} s of CPU time"
         if self._idle_s >= self._wall_limit:

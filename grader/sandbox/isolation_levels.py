@@ -8,22 +8,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class IsolationLevel:
-    """One isolation level of the choice of levels.
+    """One isolation level.
 
     Attributes
     ----------
     name
-        As `provenance.isolation`, `imugrade doctor` and `--isolation` have it.
+        Its name in `provenance.isolation`, `imugrade doctor` and `--isolation`.
     around, needs
-        Words: what is around a worker, and what a machine must allow for it.
+        Texts: what surrounds a worker, and what a machine must allow for it.
     isolates
-        Whether there are walls at all.
+        Whether it isolates student code at all.
     own_root
-        Whether the sandbox has a root of its own, in which the host's paths are not there at all.
+        Whether the sandbox has its own root file system, without the paths of the host.
     own_namespaces
-        Whether each worker has namespaces and a disk of its own, which the zygote makes for it.
+        Whether each worker has namespaces and a disk of its own, which the zygote creates for it.
     program
-        The program that raises the zygote's walls in its place; "" is none.
+        The program that isolates the zygote in its place; "" if there is none.
     """
 
     name: str
@@ -97,5 +97,5 @@ PROMISES = (
 
 
 def named(name: str) -> IsolationLevel | None:
-    """The isolation level of that name; None if there is none."""
+    """Return the isolation level of this name; None if there is none."""
     return next((isolation_level for isolation_level in LEVELS if isolation_level.name == name), None)

@@ -30,7 +30,7 @@ _GIVE_VERSION = 1
 
 
 def abi() -> int:
-    """The version of Landlock that this kernel speaks; 0 if none."""
+    """Return the Landlock ABI version of this kernel; 0 without Landlock."""
     try:
         return linux.syscall("landlock_create_ruleset", None, 0, _GIVE_VERSION)
     except (OSError, KeyError):

@@ -201,7 +201,7 @@ class Zygote:
     # Talking
 
     def _next(self, within_s: float) -> tuple[dict[str, Any] | None, list[int]]:
-        """The zygote's next message and descriptors; None when there is no zygote (any more)."""
+        """Return the zygote's next message and descriptors; None if the zygote has ended."""
         self._control.settimeout(within_s)
         try:
             data, fds, _, _ = socket.recv_fds(self._control, _MAX_MESSAGE, 1)
@@ -354,7 +354,7 @@ def _await_hello(line: socket.socket) -> int:
 
 
 def _cpu_clock(pid: int) -> int:
-    """The clock of all CPU time of another process, threads included: see clock_getcpuclockid(3)."""
+    """Return the id of the CPU-time clock of another process, all threads included; see clock_getcpuclockid(3)."""
     return (~pid << 3) | 2
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LevelResult:
-    """An isolation level, whether it holds here, and if not (or not quite), why."""
+    """An isolation level, whether it works here, and the reason if it does not, or not completely."""
 
     isolation_level: IsolationLevel
     usable: bool
@@ -27,7 +27,7 @@ class LevelResult:
 
 
 def probe() -> list[LevelResult]:
-    """Try every isolation level in a child process, best first, with its walls tested from inside; about 50 ms each."""
+    """Test every isolation level in a child process, best first, from inside; each takes about 50 ms."""
     return [_try_level(isolation_level) for isolation_level in LEVELS]
 
 
@@ -48,7 +48,7 @@ def caveat(zygote: Zygote) -> str:
 
 
 def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
-    """Start a zygote on this very isolation level, or raise WallsRefusedError."""
+    """Start a zygote on exactly this isolation level, or raise IsolationRefusedError."""
     if sys.platform != "linux":
         raise IsolationRefusedError("needs Linux")
     from . import launch  # noqa: PLC0415 - of Linux only
@@ -64,7 +64,7 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 
 
 def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
-    """Start a zygote on the best isolation level that holds (None: there is none), and say why it is not a better one."""
+    """Start a zygote on the best level that works, None if none does; also return why no better level works."""
     refused: list[str] = []
     for isolation_level in filter(lambda each: each.isolates, LEVELS):
         try:

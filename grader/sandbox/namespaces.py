@@ -75,7 +75,7 @@ def write_maps(proc: int, uid: int, gid: int) -> None:
 
 
 def enter_as_worker(proc: int) -> None:
-    """A user namespace of its own, so that one worker's threads do not count against the next one's limit."""
+    """Enter a new user namespace, so that the threads of one worker do not count against the limit of the next."""
     uid, gid = os.geteuid(), os.getegid()
     linux.unshare(_WORKER)
     write_maps(proc, uid, gid)

@@ -67,7 +67,7 @@ def _longest(text: str) -> str:
 
 
 def _first_sentence(text: str) -> str:
-    """The first line of a module's docstring, which a compiled module holds, too."""
+    """Return the first line of a module's docstring, which its compiled file holds, too."""
     with contextlib.suppress(SyntaxError):
         return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
     return ""

@@ -70,7 +70,10 @@ def folders() -> tuple[str, ...]:
 
 
 def for_students(distributions: Sequence[Distribution]) -> list[Distribution]:
-    """The lab's libraries, and what the grader does not need itself or was asked for by name; with what these need."""
+    """Return the lab's libraries and the packages installed for students, with what these need.
+
+    Packages that the grader itself needs are left out, unless a person installed them by name.
+    """
     known = _by_name(distributions)
     own = _closure([(OWN, frozenset({"*"}), "")], known)
     roots = [name for name, of in known.items() if name not in own or any(one.asked_for for one in of)]

@@ -78,7 +78,7 @@ def _kind_over(path: str, done: Mapping[str, str]) -> str:
 
 
 def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
-    """The places that are shown whole, and the folders of which some children are: for walls that can only add."""
+    """Return the places that are shown whole, and the folders that may only be listed, for rules that cannot subtract."""
     steps = list(steps)
     hidden = [step.place for step in steps if step.kind == "hide"]
     whole: list[str] = []

@@ -1,4 +1,4 @@
-"""The lowest isolation level: a fresh process for every worker, with time limits and no walls; for systems that have none.
+"""The lowest isolation level: a new process for every worker, with time limits and no isolation, for any system.
 
 It is for one's own code on one's own machine. Written so that it needs nothing of POSIX that Windows lacks.
 """

@@ -1,4 +1,4 @@
-"""The worker's side of the lowest isolation level: one process, no walls, the same loop."""
+"""The worker's side of the lowest isolation level: one process without isolation, and the same loop."""
 
 from __future__ import annotations
 

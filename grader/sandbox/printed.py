@@ -44,7 +44,7 @@ class Printed:
 
 
 def _sealed_memory() -> Any:
-    """A memory file of one size: writes beyond its end fail."""
+    """Return a memory file of fixed size; writing beyond its end fails."""
     import fcntl  # noqa: PLC0415 - not on every system
 
     fd = os.memfd_create("printed", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)

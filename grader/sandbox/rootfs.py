@@ -36,7 +36,7 @@ def enter_new_root() -> None:
 
 
 def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], folders: Mapping[str, str]) -> None:
-    """Bind what a sandbox may see and leave the host behind.
+    """Mount what a sandbox may see, and leave the host behind.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str]
     code
         Modules of the sandbox, copied to `SANDBOX`.
     folders
-        What is copied to a place of its own, `WORKER_CODE` and `QUESTIONS`: root's own copy of it may be readable by root alone.
+        Folders that are copied to a place of their own, `WORKER_CODE` and `QUESTIONS`: the original may be readable by root alone.
     """
     _show_all(visible, hidden)
     for device in DEVICES:
@@ -63,12 +63,12 @@ def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str]
 
 
 def copies(plan: Plan) -> Mapping[str, str]:
-    """The folders that are shown at a place of their own, by that place."""
+    """Return the folders that are copied to a place of their own, by that place."""
     return {WORKER_CODE: plan.worker_code, **({QUESTIONS: plan.questions} if plan.questions else {})}
 
 
 def close_root() -> None:
-    """Let go of the host and freeze the root."""
+    """Unmount the host and make the root read-only."""
     linux.umount(OLD)
     os.rmdir(OLD)
     linux.mount_setattr("/", _READ_ONLY, recursive=False)
@@ -86,7 +86,7 @@ def freeze_cache() -> None:
 
 
 def mount_scratch() -> None:
-    """An empty folder of the worker's own, gone with its mount namespace."""
+    """Mount an empty folder of the worker's own, which ends with its mount namespace."""
     flags = linux.MS_NOSUID | linux.MS_NODEV | linux.MS_NOEXEC
     linux.mount("tmpfs", SCRATCH, "tmpfs", flags, _SCRATCH_OPTIONS)
 

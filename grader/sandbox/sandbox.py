@@ -38,7 +38,7 @@ _GRACE_S = 1.0  # for a process that hung up to end by itself, so that we learn 
 
 
 class Sandbox:
-    """One zygote with its walls; workers are forked from it in milliseconds.
+    """One isolated zygote; workers are forked from it in milliseconds.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Sandbox:
         self.close()
 
     def worker(self) -> Worker:
-        """A fresh worker, which knows nothing of the ones before it. At most four at a time live on the middle isolation levels.
+        """Return a new worker without any state of the earlier ones. The middle isolation levels allow four at a time.
 
         Raises
         ------
@@ -236,7 +236,7 @@ class Worker:
         raise failure
 
     def printed(self) -> str:
-        """The worker's stdout and stderr so far, at most 256 KB."""
+        """Return the worker's stdout and stderr so far, at most 256 KB."""
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:

@@ -1,6 +1,6 @@
-"""A zygote: raises its walls, imports everything once, then forks a worker whenever the grader asks for one.
+"""A zygote: isolates itself, imports everything once, then forks a worker whenever the grader asks for one.
 
-The control socket keeps message boundaries; its other end is the grader's, and when that closes everything here ends.
+The control socket keeps message boundaries. Its other end is the grader's; when that closes, the zygote and its workers end.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ _GC_THRESHOLDS = (20_000, 5, 10)
 
 
 class _GraderGoneError(Exception):
-    """The other end of the control socket is closed: whatever the grader started has to end."""
+    """The other end of the control socket is closed: everything that the grader started has to end."""
 
 
 def main(control_fd: int) -> Callable[[], None] | None:
-    """Serve until the grader hangs up; in a forked worker, return what it has to do."""
+    """Serve until the grader closes the socket; in a forked worker, return its work."""
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.unpacked(control.recv(_MAX_MESSAGE))
     try:
@@ -93,7 +93,7 @@ def _reason(error: BaseException) -> str:
 
 
 def _enter(plan: Plan, control: socket.socket) -> confine.Confinement:
-    """Raise the zygote's own walls. Where workers get namespaces the process forks, and the child goes on as pid 1."""
+    """Isolate the zygote itself. If workers get namespaces, the process forks and the child continues as pid 1."""
     if plan.isolation_level.own_namespaces:
         return _enter_full(plan, control)
     version = landlock.abi()
@@ -111,7 +111,7 @@ def _landlock_paths(plan: Plan) -> tuple[list[str], list[str]]:
 
 
 def _open_proc() -> int:
-    """A descriptor of /proc that outlives the mount; -1 where there is none."""
+    """Return a descriptor of /proc that stays valid without the mount; -1 without /proc."""
     try:
         return _move_up(os.open("/proc", os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC))
     except OSError:
@@ -166,7 +166,7 @@ def _become_first(control: socket.socket) -> None:
 
 
 def _test_confinement(walls: confine.Confinement, plan: Plan) -> None:
-    """Raise a worker's walls in a child and try them from inside; OSError with what did not hold."""
+    """Confine a child process as a worker and test the isolation from inside; raise OSError with the part that failed."""
     reader, writer = os.pipe()
     own = _own_pid_namespace(walls)
     pid = namespaces.fork_as_first(own) if own >= 0 else os.fork()
@@ -223,7 +223,10 @@ def _warm_up(plan: Plan) -> Any:
 
 @contextlib.contextmanager
 def _imports_frozen() -> Iterator[None]:
-    """Nearly all of what imports make stays: to look for the rest takes a tenth of their time."""
+    """Disable garbage collection during imports and keep what they created out of later collections.
+
+    Nearly all of it is permanent; searching for the rest takes a tenth of the imports' time.
+    """
     gc.disable()
     yield
     gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
@@ -285,7 +288,7 @@ class _Zygote:
         return message, list(fds)
 
     def _import(self, modules: list[str]) -> None:
-        """Before the first worker that is to find them: from then on all do."""
+        """Import modules before the first worker that needs them; all later workers have them, too."""
         from .imports import import_where_they_are  # noqa: PLC0415 - see _warm_up
 
         if new := [name for name in modules if name not in self._warm]:
@@ -294,7 +297,7 @@ class _Zygote:
             self._warm.update(new)
 
     def _spawn(self, number: int, fds: list[int]) -> Callable[[], None] | None:
-        """Fork a worker; return its work in the child, None here."""
+        """Fork a worker. Return its work in the child, None in the zygote."""
         scratch = self._free_scratch()
         try:
             if scratch is None:
@@ -319,11 +322,13 @@ class _Zygote:
         return next((folder for folder in self._plan.scratch if folder not in taken), None)
 
     def _track(self, child: _Child) -> None:
+        """Watch a worker's process, and tell the grader that it has started."""
         self._children[child.pidfd] = child
         self._poll.register(child.pidfd, select.POLLIN)
         _tell(self._control, child.pidfd, spawned=child.number)
 
     def _reap(self, child: _Child) -> None:
+        """Collect a worker that has ended, empty its folder, and tell the grader its exit code and CPU time."""
         self._poll.unregister(child.pidfd)
         os.close(child.pidfd)
         _, status, used = os.wait4(child.pid, 0)

@@ -48,7 +48,7 @@ _HERE = Path(__file__).resolve().parent
 
 
 def visible(extra: Sequence[Path] = ()) -> tuple[str, ...]:
-    """Paths that a sandbox shows read-only: what is known to be needed, entry by entry, and never a prefix or /usr/lib."""
+    """Return the paths that a sandbox shows read-only: single known entries, never a whole prefix or /usr/lib."""
     return _shown(tuple(os.path.abspath(path) for path in extra), packages.folders())
 
 
@@ -61,7 +61,7 @@ def _shown(asked: tuple[str, ...], folders: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _standard() -> tuple[str, ...]:
-    """The standard library: its folder, or two where modules in C have their own, or an archive."""
+    """Return the standard library: its folder, two if C modules have their own, or an archive."""
     folders = {os.path.dirname(path) for path in sys.path if os.path.basename(path) == "lib-dynload"}
     archives = {path for path in sys.path if path.endswith(".zip") and os.path.basename(path).startswith("python")}
     return tuple(sorted({sysconfig.get_path("stdlib"), os.path.dirname(os.__file__), *folders, *archives}))
@@ -119,7 +119,7 @@ def hidden() -> tuple[str, ...]:
 
 
 def _third_party_entries(folder: str) -> list[str]:
-    """Entries of a folder of the standard library that are no part of it."""
+    """Return the entries in a folder of the standard library that are no part of it."""
     with contextlib.suppress(OSError):
         return sorted(entry.path for entry in os.scandir(folder) if not _is_standard(entry.name))
     return []
@@ -131,12 +131,12 @@ def _is_standard(name: str) -> bool:
 
 
 def decoy() -> str:
-    """A file of the grader that no sandbox may read."""
+    """Return a file of the grader that no sandbox may read; the isolation is tested with it."""
     return str(_HERE.parent / "errors.py")
 
 
 def code() -> tuple[str, ...]:
-    """The sandbox's modules that run in a sandbox."""
+    """Return the modules of this package that run in a sandbox."""
     return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_SANDBOX)
 
 
@@ -155,7 +155,7 @@ def compile_once(folders: Sequence[str]) -> None:
 
 
 def zygote() -> str:
-    """The script that a zygote is."""
+    """Return the script that a zygote runs."""
     return str(_HERE / "zygote.py")
 
 
@@ -169,7 +169,7 @@ def font_lists() -> tuple[str, ...]:
 
 
 def environment(scratch: str, cache: str) -> dict[str, str]:
-    """Everything that a sandboxed process finds in its environment; nothing of the grader's own."""
+    """Return the complete environment of a sandboxed process, without any variable of the grader's."""
     literal = {
         "PATH": "/usr/bin:/bin",
         "HOME": scratch,

@@ -1,4 +1,4 @@
-"""System call numbers of the machines that the walls know.
+"""System call numbers of the machine types that the isolation supports.
 
 x86_64 has its own table (arch/x86/entry/syscalls/syscall_64.tbl), aarch64 uses the generic one
 (include/uapi/asm-generic/unistd.h), which leaves out what a newer call replaces ("-").

@@ -142,7 +142,7 @@ class Incoming:
             self._total += text_bytes + body_bytes
 
     def finish(self) -> tuple[bytes, Frame]:
-        """The nonce and the frame, once nothing is wanted any more."""
+        """Return the nonce and the frame when all bytes have arrived."""
         if self._sizes is None or self.wanted:
             raise WireError("the frame is incomplete")
         start, stop = HEADER.size, HEADER.size + self._sizes[0]

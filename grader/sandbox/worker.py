@@ -1,4 +1,4 @@
-"""The loop of a worker: a question comes over the line, the worker code answers it, until the line is closed.
+"""The loop of a worker: read a question from the socket, let the worker code answer it, until the socket is closed.
 
 The same on every isolation level and every system. It runs in one process with the student's code: nothing here is a secret, and
 what it sends is believed by nobody.
@@ -37,7 +37,7 @@ run.__code__ = run.__code__.replace(co_stacksize=_ROOM)
 
 
 def refuse_questions(line: socket.socket, reason: str) -> None:
-    """Say in place of `run` why there will be no answers: the walls could not be raised."""
+    """Tell the grader instead of `run` that the worker could not be isolated, and why."""
     line.sendall(wire.pack(NO_NONCE, {"ready": False, "reason": reason}, {}))
 
 
@@ -61,7 +61,7 @@ def _reply(nonce: bytes, frame: wire.Frame, answer: Answer) -> bytes:
 
 
 def _described(error: BaseException) -> str:
-    """The error in words, whatever its own __repr__ does."""
+    """Return the error as text, also if its `__repr__` fails."""
     try:
         text = str(repr(error))
     except BaseException:

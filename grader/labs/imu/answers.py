@@ -26,7 +26,7 @@ Arrays = Mapping[str, Array]
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """The numeric content of a node as one array; None where it has none or is ragged."""
+    """Return the numbers of a node as one array; None if it has none or its rows differ in length."""
     if node is None:
         return None
     if "key" in node:
@@ -109,6 +109,7 @@ def as_reading(node: Node | None, arrays: Arrays) -> Reading:
 
 
 def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None] | None:
+    """Return acceleration and angular velocity in a returned value of any form; None if it holds neither."""
     if node is None:
         return None
     if node["kind"] in ("dict", "object"):
@@ -131,7 +132,7 @@ def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None
 
 
 def three(vector: Array | None) -> Array:
-    """The first three components, NaN where there are fewer: a vector that can be compared."""
+    """Return the first three components, with NaN for missing ones, as a vector to compare."""
     out = np.full(3, np.nan)
     if vector is not None:
         out[: min(3, vector.size)] = vector[:3]
@@ -235,7 +236,7 @@ class Collection:
         return replace(self, acceleration=accel, angular_velocity=gyro, last_alone=True)
 
     def rows(self, first: int, end: int | None = None) -> Collection:
-        """A part of the same run."""
+        """Return a part of the recording."""
         time, acceleration, angular_velocity = (
             None if array is None else array[first:end]
             for array in (self.time, self.acceleration, self.angular_velocity)
@@ -293,7 +294,7 @@ def _members(node: Node, arrays: Arrays) -> dict[str, Array | None]:
 
 
 def _side_by_side(node: Node, arrays: Arrays) -> dict[str, Array | None]:
-    """The series of one array (n, 7) of time and both sensors, or (n, 6) of these alone; of anything else none."""
+    """Return the series in an array (n, 7) of time and both sensors or (n, 6) of both sensors; empty for any other array."""
     whole = numbers(node, arrays)
     if whole is None or whole.ndim != 2 or whole.shape[1] not in (6, 7):
         return {}
@@ -323,7 +324,7 @@ def column_named(name: str) -> str | None:
 
 
 def _columns(key: str, extras: Mapping[str, Array]) -> Array | None:
-    """A sensor (n, 3) whose axes were recorded one by one, such as `ax`, `ay`, `az`; None where there are no such three."""
+    """Return a sensor (n, 3) whose axes were recorded separately, such as `ax`, `ay`, `az`; None if there are no three of them."""
     named = [name for name in extras if column_named(name) == key]
     columns = [np.ravel(extras[name]) for name in named]
     alike = len({len(column) for column in columns}) == 1
@@ -331,6 +332,7 @@ def _columns(key: str, extras: Mapping[str, Array]) -> Array | None:
 
 
 def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:
+    """Return the submission's own name for each of the sheet's three keys, guessed by name and shape."""
     keys = {key: key for key in KEYS if key in series}
     free = [name for name in series if name not in keys]
     alike = {
@@ -359,6 +361,7 @@ def _length(found: Mapping[str, Array]) -> int:
 
 
 def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[str, Array]:
+    """Return the series with time as (n,) and sensors as (n, 3); add what had another form to `oddities`."""
     out: dict[str, Array] = {}
     for key, value in found.items():
         if key == "time":

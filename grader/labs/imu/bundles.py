@@ -21,7 +21,7 @@ _UNFIT = 4  # the reference's exit code where a model cannot be graded
 
 @cache
 def shipped() -> Traces:
-    """The public bundle that comes with the package."""
+    """Return the public bundle in the package."""
     return load(beside(__package__, "public.npz"))
 
 
@@ -57,7 +57,7 @@ def obtain(seed: str | None, cache_dir: Path | None = None, model: Model = LAB_M
 
 
 def _public(cache_dir: Path) -> Traces:
-    """The shipped bundle where the simulator is the one that recorded it, else one recorded here, if that can be."""
+    """Return the shipped bundle if it was recorded with this simulator, else one recorded here if possible."""
     ours = shipped()
     if _is_as_good_as_any(ours):
         return ours
@@ -68,7 +68,7 @@ def _public(cache_dir: Path) -> Traces:
 
 
 def _public_of(model: Model, cache_dir: Path) -> Traces:
-    """The shipped bundle where a kit brought that of this robot, else one that is recorded here."""
+    """Return the shipped bundle if a kit brought one of this robot, else one recorded here."""
     ours = shipped()
     carried = is_of(model, ours) and robot_of(ours).xml == _content(model)
     if carried and _is_as_good_as_any(ours):
@@ -93,7 +93,7 @@ def _content(model: Model) -> str:
 
 
 def _one_text(model: Model, reference: Path) -> Robot:
-    """The model with all that it includes.
+    """Return the model as one text, with all included files.
 
     Raises
     ------

@@ -14,7 +14,7 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(model: Model) -> LabFile | None:
-    """The instructor's own robot, with its public traces: whoever has no reference cannot record them."""
+    """Return the instructor's own robot with its public traces, which students without the reference cannot record."""
     if model.is_lab:
         return None
     traces = obtain(None, model=model)
@@ -23,7 +23,7 @@ def brought(model: Model) -> LabFile | None:
 
 
 def handout(own: LabFile | None) -> Handout:
-    """The files that students get, and their robot's names in the place of the sheet's."""
+    """Return the files that students get, and the names of their robot that replace the sheet's."""
     traces = own.traces if own else shipped()
     robot = robot_of(traces)
     place = (PurePosixPath(LAB.model).parent / robot.file).as_posix()

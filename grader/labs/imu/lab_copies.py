@@ -20,12 +20,12 @@ def learnt_ids(truth: Traces) -> tuple[int, int]:
 
 
 def learnt_timestep(truth: Traces) -> float:
-    """The time step (s) of the model that students have."""
+    """Return the time step in s of the model that students have."""
     return float(truth.manifest.get("robot", {}).get("timestep", STUDENTS_TIMESTEP))
 
 
 def with_graded_robot(files: Mapping[str, bytes], robot: str, copy: str | None = None) -> dict[str, bytes]:
-    """The files of a submission with `robot` (MJCF) in the place of every copy of the model that students have.
+    """Return the files of a submission with every copy of the students' model replaced by `robot` (MJCF).
 
     That is the lab model, or the text of the instructor's own (`copy`).
 

@@ -51,7 +51,7 @@ def plot(traces: Traces, out: Path, mine: Mapping[str, Series] | None = None) ->
 
 
 def tables(traces: Traces, names: Collection[str]) -> dict[str, bytes]:
-    """The motions of these names as files: a table of time and the two sensors, and a picture of it."""
+    """Return the named motions as files: for each a table of time and the two sensors, and a picture."""
     chosen = [scenario for scenario in _moving(traces) if scenario.name in names]
     tables = {f"{scenario.name}.csv": _table(scenario) for scenario in chosen}
     return tables | {f"{scenario.name}.png": _picture(scenario) for scenario in chosen}

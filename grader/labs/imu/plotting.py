@@ -230,5 +230,5 @@ class Plotting(SubmissionSession):
 
 
 def _imported(content: bytes) -> set[str]:
-    """Names that a file or a notebook imports modules by, as far as a glance at its lines tells."""
+    """Return the names under which a file or notebook imports modules, found by a quick search of its lines."""
     return {word.decode() for modules in _IMPORTS.findall(content) for word in re.findall(rb"\w+", modules)}

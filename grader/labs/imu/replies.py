@@ -31,7 +31,7 @@ _PARAMETERS = frozenset({
 
 
 def _parameter(value: Any) -> None:
-    """A name that a function may depart in: nothing that a student's process could have made up."""
+    """Check a name of a departure: only names that the grader itself uses are accepted."""
     if value not in _PARAMETERS:
         raise Wrong("no parameter's name")
 
@@ -106,7 +106,7 @@ def _filter(answer: Answer) -> None:
 
 
 def _series(answer: Answer, case: Mapping[str, Any], rows: int, row: tuple[int, ...]) -> None:
-    """Rows for every measurement; fewer, or none at all, only where the student's code raised."""
+    """Check rows for every measurement. Fewer rows are accepted only if the student's code raised."""
     broke_off = case["error"] is not None
     if case.get("output") is None and broke_off:
         return

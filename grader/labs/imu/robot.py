@@ -48,7 +48,7 @@ class Model:
         return self.path.name if self.path else LAB_FILE
 
     def line(self, key: str) -> int:
-        """The line of a key; where it is left out, that of the model."""
+        """Return the line of a key in the rubric; if the key is left out, that of the model."""
         return self.lines.get(key, self.lines.get("path", self.lines.get("model", 1)))
 
 

@@ -91,7 +91,10 @@ def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float
 
 
 def allan_deviation(samples: Array, m: int) -> float:
-    """Overlapping Allan deviation of samples (n, …) at clusters of m, over all further axes together; NaN with too few samples."""
+    """Return the overlapping Allan deviation of samples (n, …) at clusters of m, over all further axes together.
+
+    It is NaN if there are too few samples.
+    """
     integral = np.concatenate([np.zeros_like(samples[:1]), np.cumsum(samples, axis=0)])
     sums = integral[m:] - integral[:-m]
     steps = sums[m:] - sums[:-m]

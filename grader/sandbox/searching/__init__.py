@@ -49,7 +49,7 @@ def _files(roots: Sequence[str], own: Collection[str]) -> Iterator[str]:
 
 
 def _content(path: str) -> bytes | None:
-    """The beginning of a file, nothing of a shared library; None if it is no file, or cannot be opened."""
+    """Return the beginning of a file; None if it is no file, cannot be opened, or is a shared library."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             return None

@@ -145,6 +145,7 @@ def _by_order(y: Array, channels: Array) -> bool:
 
 
 def _in_order(y: Array, column: Array) -> bool:
+    """Return whether the points of a curve are samples of a column in order, with a constant stride."""
     ends = np.flatnonzero(np.abs(column - y[-1]) <= _EXACT)[:, None]
     strides = np.arange(1, _LONGEST_STRIDE + 1)
     fits = ends - (_FEWEST - 1) * strides >= 0

@@ -37,6 +37,7 @@ def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Cha
 
 
 def _chart(figure: Figure, panels: tuple[Panel, ...], *, by_function: bool) -> Chart:
+    """Return the chart of one figure of the student's."""
     width, height = figure.size_px
     saved = f"Saved, {width} × {height} pixels" if figure.is_saved else "Drawn, not saved"
     who = "What plot_imu_data draws" if by_function else "What your files draw"
@@ -52,6 +53,7 @@ def _panels(figure: Figure) -> tuple[Panel, ...]:
 
 
 def _panel(axes: Axes, figure: Figure) -> Panel:
+    """Return one set of axes of the student's figure as a panel."""
     entries, across = axes.legend or figure.legend, _reach(axes)
     curves = [
         piece

@@ -37,6 +37,7 @@ def chart(runs: Sequence[FilterRun] | None, truth: Scenario) -> Chart | None:
 
 
 def _in_time(signal: Array, output: Array, wanted: Array) -> Panel:
+    """Return the panel of a noisy signal, the filter's output and the sheet's."""
     at = np.arange(min(_SHOWN, len(signal)), dtype=np.float64)
     return Panel(
         "A noisy signal",
@@ -51,6 +52,7 @@ def _in_time(signal: Array, output: Array, wanted: Array) -> Panel:
 
 
 def _in_frequency(signal: Array, output: Array, alpha: float) -> Panel:
+    """Return the panel of the gain over frequency, measured and by the sheet's recursion."""
     share, own = _gain(signal, output)
     sheet = np.abs(alpha / (1 - (1 - alpha) * np.exp(-2j * np.pi * share)))
     return Panel(

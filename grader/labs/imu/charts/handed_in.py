@@ -23,6 +23,7 @@ def chart(name: str, picture: Picture | None) -> Chart | None:
 
 
 def _png(picture: Picture) -> str:
+    """Return a picture's reduced pixels as base64 PNG."""
     from PIL import Image  # noqa: PLC0415 - few submissions need it
 
     image = Image.fromarray(picture.preview)

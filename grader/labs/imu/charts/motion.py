@@ -39,6 +39,7 @@ def chart(series: Collection | None, truth: Scenario) -> Chart | None:
 def _sensor(
     name: str, unit: str, got: Array | None, true: Array, time: Array, tolerance: float
 ) -> tuple[list[Panel], str] | None:
+    """Return the panels of one sensor, recording over truth and error, and a sentence on the largest error; None without data."""
     n = min(len(true), 0 if got is None else len(got))
     if got is None or n < 2:
         return None

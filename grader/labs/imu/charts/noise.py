@@ -42,6 +42,7 @@ def charts(run: NoiseRun | None, truth: Traces) -> list[Chart]:
 
 
 def _histogram(sensors: tuple[_Sensor, ...]) -> Chart:
+    """Return the chart of the distribution of the noise."""
     found = " and ".join(
         f"{np.sqrt(np.mean((s.noise - s.noise.mean(axis=1, keepdims=True)) ** 2)):.3g} {s.unit} (asked for: {s.asked:g})"
         for s in sensors
@@ -56,6 +57,7 @@ def _histogram(sensors: tuple[_Sensor, ...]) -> Chart:
 
 
 def _distribution(sensor: _Sensor) -> Panel:
+    """Return the histogram of one sensor's noise, with the normal density."""
     values = np.clip(sensor.noise.ravel() / sensor.asked, -1e6, 1e6)
     reach = max(4.0, float(np.ceil(np.quantile(np.abs(values), 0.999))))
     counts, edges = np.histogram(np.clip(values, -reach, reach), _BINS, (-reach, reach))
@@ -73,6 +75,7 @@ def _distribution(sensor: _Sensor) -> Panel:
 
 
 def _allan(sensors: tuple[_Sensor, ...], dt: float) -> Chart:
+    """Return the chart of the Allan deviation of the noise."""
     return Chart(
         "noise_model",
         "Allan deviation of your noise",
@@ -83,6 +86,7 @@ def _allan(sensors: tuple[_Sensor, ...], dt: float) -> Chart:
 
 
 def _deviation(sensor: _Sensor, dt: float) -> Panel:
+    """Return the Allan deviation of one sensor's noise, with that of white noise of the requested size."""
     reads = sensor.noise.shape[1]
     sizes = np.unique(np.geomspace(1, max(reads // 10, 1), _TIMES).round().astype(int))
     in_turn = np.moveaxis(sensor.noise, 1, 0)

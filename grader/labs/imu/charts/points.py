@@ -12,7 +12,7 @@ _LARGEST = 1e12
 
 
 def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
-    """A curve without the points that cannot be drawn."""
+    """Return a curve without points that cannot be drawn."""
     fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
     return Curve(name, role, _single(x[fine]), _single(y[fine]), colour)
 

@@ -36,7 +36,7 @@ _FEWEST = 6
 
 
 def recursion(alpha: float, x: Array, start: Array) -> Array:
-    """The sheet's recursion over x (n, 3), whose first output is `start` (3,)."""
+    """Return the output of the sheet's recursion for x (n, 3), with the first output `start` (3,)."""
     steps = itertools.accumulate(x[1:], lambda y, sample: alpha * sample + (1 - alpha) * y, initial=start)
     return np.array(list(steps))
 
@@ -61,7 +61,7 @@ def _rounded(run: Run) -> bool:
 
 
 def _grains(y: Array) -> list[float]:
-    """The steps that all of these numbers are multiples of: decimals, and those of half precision."""
+    """Return the step sizes of which all these numbers are multiples: powers of ten, and the step of half precision."""
     steps = [10.0**-d for d in _DECIMALS if np.abs(y - y.round(d)).max() < _WHOLE]
     if np.abs(y).max() < 1e4 and np.abs(y - y.astype(np.float16)).max() < _WHOLE:
         steps.append(float(np.spacing(np.float16(np.abs(y).max()))))

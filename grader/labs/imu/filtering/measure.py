@@ -241,7 +241,7 @@ def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumble
 
 
 def _from_first_vector(case: FilterCase, run: FilterRun) -> tuple[FilterCase, FilterRun]:
-    """A case without its first sample if update() returned nothing for that alone, which is one fault and judged as that."""
+    """Return a case without its first sample if update() returned nothing for it; this is one fault, judged as such."""
     missing = [] if run.output is None else np.flatnonzero(~np.isfinite(run.output).all(axis=1)).tolist()
     if run.fault or missing != [0] or not run.odd:
         return case, run
@@ -250,7 +250,7 @@ def _from_first_vector(case: FilterCase, run: FilterRun) -> tuple[FilterCase, Fi
 
 
 def _rows(case: FilterCase, run: FilterRun) -> Array:
-    """An output for each measurement, NaN where none came."""
+    """Return an output for each measurement, with NaN for missing ones."""
     rows = np.full(case.signal.shape, np.nan)
     if run.output is not None:
         rows[: len(run.output)] = run.output[: len(rows)]

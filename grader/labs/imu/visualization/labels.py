@@ -27,7 +27,7 @@ _KINDS = {
 
 @cache
 def languages() -> Mapping[str, Mapping[str, Any]]:
-    """The words of every language, by its code."""
+    """Return the words of every language, by its code."""
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
     blocks: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=loader)
@@ -39,7 +39,7 @@ def languages() -> Mapping[str, Mapping[str, Any]]:
 
 
 def _any_of(stems: Iterable[str]) -> str:
-    """A pattern for one of these stems; none matches nothing."""
+    """Return a pattern that matches one of these stems; without stems it matches nothing."""
     listed = sorted({re.escape(_spelt(stem)) for stem in stems})
     return f"(?:{'|'.join(listed)})" if listed else r"(?!)"
 
@@ -58,7 +58,7 @@ def _hints(key: str) -> str:
 
 @_once
 def plain(text: str) -> str:
-    """A label as a reader takes it: no TeX, superscripts as digits, lower case, no spaces."""
+    """Return a label without TeX and spaces, in lower case, with superscripts as digits."""
     text = unicodedata.normalize("NFKC", text.translate(_LOOKALIKES)).lower()
     text = re.sub(r"\b(?:in|en|em|per|pro|por|par)\s+|_(?=m?s(?:ec)?$)", "/", text)  # “in s”, “rad per s”, “time_s”
     text = re.sub(r"\\(?:mathrm|mathit|text|textrm|rm)\{([^{}]*)\}", r"\1", text)
@@ -155,7 +155,7 @@ _AXIS_LETTERS = ("x", "y", "z")
 
 @_once
 def axis_of(text: str) -> int | None:
-    """The axis (0, 1, 2) that a curve's name speaks of; None where it is not certain."""
+    """Return the axis (0, 1, 2) that a curve's name means; None if it is uncertain."""
     words = plain(text)
     named = {axis for axis, pattern in enumerate(_AXES) if pattern.search(words)}
     spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower())
