@@ -352,10 +352,10 @@ def test_shared_lines_stand_side_by_side_and_the_sheet_is_never_among_them(tmp_p
     assert min(lines_with(text, shared)) >= first_own - 3
 
 
-# ---- appeals ----
+# ---- regrade requests ----
 
 
-def test_an_appeal_stands_beside_its_check_and_its_answer_reaches_the_student(desk: Desk, out: Path) -> None:
+def test_a_request_is_shown_at_its_check_and_its_answer_reaches_the_student(desk: Desk, out: Path) -> None:
     text = '{"student": "bob@x.edu", "check": "%s", "text": "My <script>ids</script> are right."}' % ADDRESS  # noqa: UP031
     assert "message=1" in desk.post("/regrade-requests", {"text": text}).headers["location"]
     assert "message=0" in desk.post("/regrade-requests", {"text": text}).headers["location"]  # dropped in twice is one
@@ -574,7 +574,7 @@ def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:
         assert "what was entered" not in page
 
 
-def test_a_table_of_appeals_is_read_whole_or_not_at_all(desk: Desk) -> None:
+def test_a_table_of_requests_is_read_whole_or_not_at_all(desk: Desk) -> None:
     table = "name;check;appeal\nBob Bird;;Please look\nnobody;;x\nada;no.such;x\n"
     answer = desk.post("/regrade-requests", {"text": table})
     assert answer.status == 400

@@ -106,7 +106,7 @@ def _hand_in(place: Path) -> None:
     (place / "adjustments.csv").write_text(table, encoding="utf-8")
     shutil.copy(shipped(LAB), place / "rubric.yaml")
     shutil.copytree(ROOT / "submissions_example" / EXAMPLE, place / "submissions_example" / EXAMPLE)
-    (place / "requests.csv").write_text("id,appeal\nalice,My filter is right\n", encoding="utf-8")
+    (place / "requests.csv").write_text("id,request\nalice,My filter is right\n", encoding="utf-8")
     write(tidy(), place / "my_lab")
     write(tidy(), place / "lab")
     write(tidy(), place / "student")

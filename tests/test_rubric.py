@@ -193,14 +193,17 @@ def test_a_date_that_cannot_be_read_extends_nothing() -> None:
         ),
         (
             "mistakes: {no-bias: much}",
-            "what no-bias costs must be a number from 0 to 1000, not 'much'; correct it",
+            "the deduction for no-bias must be a number from 0 to 1000, not 'much'; correct it",
         ),
-        ("mistakes: {no-bias: 1.125}", "what no-bias costs must have at most two decimals, not '1.125'; round it"),
+        (
+            "mistakes: {no-bias: 1.125}",
+            "the deduction for no-bias must have at most two decimals, not '1.125'; round it",
+        ),
         ("mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),
         ("mistakes: {no-bias: 1, no-bias: 2}", "'no-bias' appears twice in mistakes (first on line LINE); remove one"),
     ],
 )
-def test_a_slip_in_the_price_of_a_mistake_is_told_with_its_line(line: str, told: str) -> None:
+def test_a_wrong_deduction_of_a_fault_is_reported_with_its_line(line: str, told: str) -> None:
     text = SHIPPED.decode() + line + "\n"
     at = str(line_of(text, line))
     assert problems(text) == [f"rubric.yaml:{at}: {told.replace('LINE', at)}"]

@@ -24,6 +24,7 @@ def review(
     read_in: Annotated[
         list[Path] | None,
         typer.Option(
+            "--requests",
             "--appeals",
             metavar="PATH",
             help="Regrade requests to add: a .json, .csv or .txt file, or a folder of them.",

@@ -127,6 +127,7 @@ class Publisher:
             self._take()
 
     def _finish(self) -> None:
+        """Wait for the writer processes, write the rest here, and empty the queue."""
         while self._given:
             self._take()
         self._write_here()

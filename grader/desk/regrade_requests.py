@@ -106,7 +106,7 @@ def read_in(book: Classbook, path: Path) -> str:
     """
     files = sorted(each for each in path.iterdir() if each.suffix.lower() in _FILES) if path.is_dir() else [path]
     if not files:
-        raise RequestError(f"--appeals {printable(str(path), 500)}: contains no {', '.join(_FILES)} file")
+        raise RequestError(f"--requests {printable(str(path), 500)}: contains no {', '.join(_FILES)} file")
     received = [each for file in files for each in _read_file(file)]
     new = book.on_thread(lambda: book.store.keep_regrade_requests(placed(received, book.final_grades())))
     return added(new, len(received))
@@ -120,10 +120,10 @@ def _read_file(path: Path) -> list[ReceivedRequest]:
         text = data.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise RequestError(
-            f"--appeals {printable(str(path), 500)}: cannot be read; give a text, .json or .csv in UTF-8"
+            f"--requests {printable(str(path), 500)}: cannot be read; give a text, .json or .csv in UTF-8"
         ) from error
     if len(data) > MOST_BYTES:
-        raise RequestError(f"--appeals {printable(str(path), 500)}: is larger than {MOST_BYTES // 1_000_000} MB")
+        raise RequestError(f"--requests {printable(str(path), 500)}: is larger than {MOST_BYTES // 1_000_000} MB")
     name = printable(path.name, 120)
     return [replace(each, place=f"{name}, {each.place}") for each in read(text, path.stem, "")]
 

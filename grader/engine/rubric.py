@@ -477,14 +477,14 @@ def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, flo
         reader.say(node, "mistakes must be `name: points` lines; `imugrade explain` lists the names")
         return {}
     known = catalogue(lab)
-    prices: dict[str, float] = {}
+    deductions: dict[str, float] = {}
     for name, (key, value) in reader.pairs(node, "mistakes").items():
         if now := next((id_ for id_, row in rows(lab).items() if name in row.formerly), None):
             reader.say(key, f"the fault {quote(key)} is no longer told apart: {now} deducts for it")
         elif name not in known:
             reader.say(key, f"there is no fault {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
-        prices[name] = reader.points(value, f"what {printable(name, 60)} costs") or 0.0
-    return prices
+        deductions[name] = reader.points(value, f"the deduction for {printable(name, 60)}") or 0.0
+    return deductions
 
 
 _APPLY = {"suggested": True, "none": False}

@@ -118,7 +118,7 @@ class FileBudget:
         return archives[0] if len(archives) == 1 and not any(map(is_code, self.files)) else None
 
     def unopened(self) -> list[str]:
-        """Archives that lie among other files, and those that are not read at all."""
+        """Return the archives that were not opened: those beside other files, and those of a foreign format."""
         return sorted(name for name in self.files if has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)))
 
     def notes(self) -> Iterator[str]:

@@ -141,9 +141,9 @@ def code() -> tuple[str, ...]:
 
 
 def compile_once(folders: Sequence[str]) -> None:
-    """Compile the modules of these folders and the sandbox's own, as Python does where it imports them and may write.
+    """Compile the modules of these folders and of the sandbox, and store the bytecode in ``__pycache__``.
 
-    A sandbox may not write, and nothing else imports these modules, so each sandbox would compile them again.
+    A sandbox may not write, and nothing else imports these modules, so otherwise each sandbox would compile them again.
     """
     for folder in (*map(Path, folders), _HERE):
         if sys.dont_write_bytecode or not os.access(folder, os.W_OK):

@@ -189,6 +189,7 @@ def _refuse_constant(name: str) -> float:
 
 
 def _finite(digits: str) -> float:
+    """Parse a number; refuse one that would become infinity."""
     number = float(digits)
     if not math.isfinite(number):
         raise WireError("a number is too large")  # 1e400 would silently become infinity

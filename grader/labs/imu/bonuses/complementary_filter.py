@@ -272,6 +272,7 @@ def _is_pair(facts: Tilt) -> bool:
 
 
 def _responds(holds: Callable[[Response], bool]) -> Callable[[Tilt], bool]:
+    """Return a test of the facts: whether the measured response of the filter fits a fault."""
     return lambda facts: facts.response is not None and facts.has_angles and holds(facts.response)
 
 

@@ -66,7 +66,7 @@ def _panel(axes: Axes, figure: Figure) -> Panel:
 
 
 def _reach(axes: Axes) -> Array:
-    """First and last x of the curves that are more than a straight line."""
+    """Return the first and the last x of all visible curves with more than two points; 0 and 1 without one."""
     ends = [each.x[[0, -1]] for each in axes.curves if each.visible and len(each.x) > 2]
     return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
 

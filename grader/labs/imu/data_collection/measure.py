@@ -62,6 +62,7 @@ class Claim:
 
     @classmethod
     def of(cls, course: Mapping[str, Array]) -> Claim:
+        """Make a claim from the run that the student's process reports."""
         names = ("qpos", "qvel", "gravity", "force", "set_at", "set_qvel")
         return cls(timestep=float(course["timestep"][0]), **{name: course[name] for name in names})
 

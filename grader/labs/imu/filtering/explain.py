@@ -116,7 +116,7 @@ def _from_one_value(run: Run) -> bool:
 
 
 def _restarts(facts: Facts) -> bool:
-    """Return whether the recursion holds, but that now and then the output is the measurement again, as at the start."""
+    """Return whether the filter starts again at times: its output is the measurement, and the recursion holds after it."""
     again = [np.abs(run.y[1:] - run.x[1:]).max(axis=1) <= ATOL for run in facts.runs]
     seldom = all(o.mean() < _NOW_AND_THEN and a[o].all() for o, a in zip(facts.off, again, strict=True))
     return seldom and any((o[1:] & ~o[:-1]).any() for o in facts.off)  # after it had begun
