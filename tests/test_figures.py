@@ -15,11 +15,9 @@ from grader.engine.figures import (
     Entry,
     Figure,
     Placed,
-    UnidentifiedPicture,
     VisibleParts,
     figures_of,
     picture_of,
-    strays_of,
 )
 from grader.sandbox.wire import Frame
 from tests.random_figures import figure_of, frame_of
@@ -84,12 +82,6 @@ def test_a_text_on_a_panel_keeps_its_place_and_its_colour(frame: Frame) -> None:
     facts_of(frame)["axes"][0]["texts"] = [{"text": "x", "place": [1.0, 2.0], "colour": "#ff0000"}]
     (figure,) = figures_of(frame)
     assert figure.axes[0].texts == (Placed("x", (1.0, 2.0), "#ff0000"),)
-
-
-def test_pictures_beside_the_figures_keep_their_reason() -> None:
-    assert strays_of(Frame({"strange": [{"path": "a.png", "reason": "OSError"}]}, {})) == (
-        UnidentifiedPicture("a.png", "OSError"),
-    )
 
 
 def test_a_picture_that_cannot_be_read_is_none() -> None:

@@ -187,14 +187,6 @@ class Figure:
         return [axes for axes in self.axes if axes.visible]
 
 
-@dataclass(frozen=True)
-class UnidentifiedPicture:
-    """A picture file that shows none of the figures; `reason` says why it cannot be read, and is empty if it can."""
-
-    path: str
-    reason: str
-
-
 @dataclass(frozen=True, eq=False)
 class Picture:
     """A picture that was handed in.
@@ -219,11 +211,6 @@ class Picture:
 def figures_of(frame: Frame) -> list[Figure]:
     """Return the figures of a reply that describes drawings."""
     return [_figure(facts, frame.arrays) for facts in frame.fields["figures"]]
-
-
-def strays_of(frame: Frame) -> tuple[UnidentifiedPicture, ...]:
-    """Return the picture files of a reply that show none of its figures."""
-    return tuple(_record(UnidentifiedPicture, facts) for facts in frame.fields["strange"])
 
 
 def picture_of(frame: Frame) -> Picture | None:

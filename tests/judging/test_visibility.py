@@ -88,7 +88,6 @@ IN_THE_OPEN: dict[str, Figure] = {
     "on a panel of its own colour": Canvas(DARK).fill(WHITE).draw().figure(curve()),
     "grey": Canvas().draw(colour=GREY).figure(curve(colour=GREY)),
     "in light grey": Canvas().draw(colour=(225, 225, 225)).figure(curve(colour=(225, 225, 225))),
-    "more than opaque": Canvas().draw(opacity=0.45).figure(curve(alpha=5.0)),
     "faint": Canvas().draw(colour=(244, 244, 244)).figure(curve(colour=(244, 244, 244))),
     "on a half that is tinted": Canvas().fill((255, 140, 140), 0.55).draw().figure(curve()),
     "as points": Canvas().draw().figure(curve(kind="points", style="None", marker="o", width=4.0)),

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine.figures import Figure, UnidentifiedPicture, figures_of, strays_of
+from grader.engine.figures import Figure, figures_of
 from grader.engine.findings import Fault, GraderText
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
@@ -435,20 +435,16 @@ class Drawing:
     Attributes
     ----------
     figures : each with what is seen of its curves
-    strange : the picture files that show none of them
     departs : as of `Readings`
     """
 
     figures: tuple[Figure, ...]
     fault: Fault | None = None
-    strange: tuple[UnidentifiedPicture, ...] = ()
     departs: tuple[str, ...] = ()
 
 
 def drawing_of(frame: Frame) -> Drawing:
-    """Return the figures and pictures that an answer reports."""
+    """Return the figures that an answer reports."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
-    return Drawing(
-        figures, Fault.of(frame.fields.get("error")), strays_of(frame), tuple(frame.fields.get("departs", ()))
-    )
+    return Drawing(figures, Fault.of(frame.fields.get("error")), tuple(frame.fields.get("departs", ())))

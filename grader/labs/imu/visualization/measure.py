@@ -218,7 +218,7 @@ def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
 def best_of(plots: Sequence[Plot]) -> Plot | None:
     """Return the plot that shows most, the first of equal ones; None if none has curves."""
     drawn = (plot for plot in plots if plot.panels)
-    return max(drawn, key=lambda plot: (len(plot.drawn), len(plot.hidden), plot.figure.is_saved), default=None)
+    return max(drawn, key=lambda plot: (len(plot.drawn), plot.figure.is_saved), default=None)
 
 
 def _file(student: Student, drawing: Drawing, plots: Sequence[Plot]) -> File:
@@ -228,7 +228,6 @@ def _file(student: Student, drawing: Drawing, plots: Sequence[Plot]) -> File:
         found = (figure for d in student.scripts() for figure in _saved_curves(d) if _look(figure) in looks)
         saved = list(itertools.islice(found, 1))
     events = {figure.event for figure in drawing.figures if curves.has_curves(figure)}
-    damaged = "forgotten" in events and any(picture.reason for picture in drawing.strange)
     shown, gone = (
         {channel for plot in plots if plot.figure.event == event for channel in plot.drawn}
         for event in ("saved", "overwritten")
@@ -236,7 +235,7 @@ def _file(student: Student, drawing: Drawing, plots: Sequence[Plot]) -> File:
     return File(
         size_px=max((figure.size_px for figure in saved), key=lambda size: size[0] * size[1], default=(0, 0)),
         formats=frozenset(figure.format for figure in saved),
-        replaced=not saved and ("overwritten" in events or damaged),
+        replaced=not saved and "overwritten" in events,
         blank=not saved and any(figure.is_saved for figure in drawing.figures),
         handed_in=not saved and _handed_in(student, PICTURE),
         lost=frozenset(gone - shown) if saved else frozenset(),
@@ -282,15 +281,14 @@ def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, float
     """Return the channels that the limits of the axes cut off of the recording of the lab.
 
     Limits that are written into the code are chosen for the data that the code records. So that is drawn, too, where they leave
-    anything outside of the data that the plot was given here; of a channel that it does not show, this data tells.
+    anything outside of the data that the plot was given here.
     """
     if not plot.is_cropped:
         return {}
     series = series_of(truth, "push")
     figures = drawing_of_data(student, truth, "push").figures
-    of_lab = best_of([Plot(figure, curves.panels(figure, series)) for figure in figures]) or Plot(plot.figure, [])
-    here = {channel: share for channel, share in plot.cut_off().items() if channel not in of_lab.drawn}
-    return here | {channel: share for channel, share in of_lab.cut_off().items() if channel in plot.drawn}
+    of_lab = best_of([Plot(figure, curves.panels(figure, series)) for figure in figures]) or plot
+    return {channel: share for channel, share in of_lab.cut_off().items() if channel in plot.drawn}
 
 
 def _unseen(student: Student, truth: Traces, plot: Plot, outside: Mapping[Channel, float]) -> dict[str, Exception]:

@@ -12,8 +12,6 @@ from grader.labs.imu.visualization.curves import SENSOR_WORDS, Panel, Plot, Show
 
 Problem = tuple[str, str]
 """A fault, and what is wrong in words."""
-_LONGEST_MARK = 2
-"""Characters of a text on a figure that is no title, such as "a)"."""
 
 
 def quoted(text: str) -> str:
@@ -179,7 +177,7 @@ def share_untitled(plot: Plot) -> float:
     figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
     titled = [panel.axes.position in places for panel in panels]
-    if figure.title.strip() or any(len(text.strip()) > _LONGEST_MARK for text in figure.texts) or all(titled):
+    if figure.title.strip() or any(text.strip() for text in figure.texts) or all(titled):
         return 0.0
     over = [panel for panel, has in zip(panels, titled, strict=True) if has]
     columns = {panel.axes.position[0] for panel in over} >= {panel.axes.position[0] for panel in panels}

@@ -148,17 +148,13 @@ class _Window:
     dots: float
 
     def standing_out(self, strength: Pixels, least: float) -> Mask:
-        """Return which pixels exceed by so much the mean strength around them where no curve is said to stand.
-
-        Where curves leave no room around a pixel, the mean of the panel is taken.
-        """
+        """Return which pixels exceed by so much the mean strength around them where no curve is said to stand."""
         free = self.free.ravel()[self.marked]
         quiet = np.zeros(self.free.size)
         quiet[self.marked[free]] = strength[free]
-        whole = quiet.sum() / max(1, np.count_nonzero(self.free))
         around = _around(quiet.reshape(self.free.shape), self.marked) / np.maximum(self.room, 1)
         found = np.zeros(self.free.shape, bool)
-        found.ravel()[self.marked[strength - np.where(self.room >= 4, around, whole) >= least]] = True
+        found.ravel()[self.marked[strength - around >= least]] = True
         return found
 
 
@@ -236,7 +232,7 @@ def _strength(window: _Window, ink: Array | None, curve: Curve, others: Sequence
     """Return how much of the curve's colour is in each marked pixel, 0 to 1, and how much of it the curve has to leave."""
     if ink is None:
         return np.abs(window.off).max(axis=0), 2 * _FAINTEST
-    opacity = ink[3] if ink[3] < 1 else min(max(curve.alpha, 0.0), 1.0)
+    opacity = ink[3] if ink[3] < 1 else curve.alpha
     way = ink[:3] - window.ground
     contrast = float(np.abs(way).max())
     if contrast * opacity < _FAINTEST:
