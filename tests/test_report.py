@@ -17,7 +17,7 @@ from rich.console import Console
 from grader.engine.chart_data import Chart
 from grader.engine.faults import catalogue
 from grader.engine.figures import Axes, Curve, Entry, Figure, VisibleParts
-from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.charts import drawn
 from grader.labs.imu.lab import LAB
@@ -396,6 +396,32 @@ def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_fi
     row = Tags(index_page({"x": final_grade})).text
     assert re.search(r"Bob\s*Tue\s*5\s*0\s*1 d 1 h\s*3\.5\s*graded, adjusted", row)
     assert "Overrides whose automatic points have changed since: Bob." in row
+
+
+def test_sound_work_that_came_late_shows_its_deduction() -> None:
+    late = HandIn((Person("Bob"),), late=Lateness("2026-11-20T20:00:00+00:00", 3600, 1, 1.5))
+    page = report_page(FinalGrade("x", result(), late))
+    assert re.search(r"Deductions\s*−1\.5\s*Late\s*1 h; due 2026-11-20 20:00 UTC", losses(page))
+    assert "All checks passed." not in page
+
+
+def test_a_lost_check_is_explained_once_and_its_criterion_links_there() -> None:
+    page = report(result(check(), lost(title="Lost", id="sensor_access.a")))
+    its_criterion = page[page.index('<section id="sensor_access"') :]
+    assert page.count("accel ≈ ") == 1
+    assert "accel ≈ " not in its_criterion
+    assert re.search(r'<h3><a href="#[^"]+">Lost</a></h3>', its_criterion)
+
+
+def test_a_lost_check_of_an_extension_is_explained_where_it_stands() -> None:
+    tried = ExtensionResult("allan_variance", True, 0.0, (lost(title="Lost", id="allan_variance.a"),))
+    page = report(replace(result(), extensions=(tried,)))
+    assert "accel ≈ " in page[page.index('<section id="allan_variance"') :]
+
+
+def test_a_page_without_charts_says_why() -> None:
+    assert "This page has no charts" in Tags(report(result())).text
+    assert "This page has no charts" not in Tags(report(result(), *hostile_charts())).text
 
 
 def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
