@@ -234,7 +234,7 @@ for thing in gc.get_objects():
 import sys
 frame = sys._getframe().f_back
 while frame is not None:
-    for name in ("_changes", "_state", "move_on", "same", "disturbance"):
+    for name in ("changes_of", "state_of", "step_and_shift"):
         if callable(frame.f_globals.get(name)):
             frame.f_globals[name] = lambda *args: [0.0] * 4
     frame = frame.f_back
@@ -243,7 +243,7 @@ while frame is not None:
 import sys
 for name, module in list(sys.modules.items()):
     if "worker" in name or "questions" in name:
-        for key in ("move_on", "_changes", "_state", "put_in_state"):
+        for key in ("step_and_shift", "changes_of", "state_of", "put_in_state"):
             if hasattr(module, key):
                 setattr(module, key, lambda *args: None)
 """),
@@ -251,14 +251,14 @@ for name, module in list(sys.modules.items()):
 import gc
 gc.unfreeze()
 for thing in gc.get_objects():
-    if isinstance(thing, dict) and "move_on" in thing and "put_in_state" in thing:
-        thing["move_on"] = lambda *args: None
+    if isinstance(thing, dict) and "step_and_shift" in thing and "put_in_state" in thing:
+        thing["step_and_shift"] = lambda *args: None
 """),
     reader("changes-the-code-of-the-worker", VIEWS, """
 import gc, types
 gc.unfreeze()
 for thing in gc.get_objects():
-    if isinstance(thing, types.FunctionType) and thing.__name__ == "move_on":
+    if isinstance(thing, types.FunctionType) and thing.__name__ == "step_and_shift":
         thing.__code__ = (lambda model, data: None).__code__
 """),
     forged("replaces-the-recorder-of-figures", BLANK, READER, """
