@@ -130,7 +130,7 @@ def mark_all(
 
 
 class Pool:
-    """Pool of desks, each a worker process with one marker, kept from one run to the next; a context manager.
+    """Pool of worker processes, each with one marker, kept from one run to the next; a context manager.
 
     Parameters
     ----------
@@ -147,8 +147,10 @@ class Pool:
         self._backlog = Backlog(iter(()))
         self._open_marker = open_marker
         self._cpu_s: float | None = None
-        self._idle: deque[_MarkerProcess | None] = deque([None] * max(1, jobs))  # None: a desk that is not started yet
-        self._given: dict[Future[Result], tuple[_MarkerProcess, Task]] = {}  # the first of each desk is being marked
+        self._idle: deque[_MarkerProcess | None] = deque(
+            [None] * max(1, jobs)
+        )  # None: a process that is not started yet
+        self._given: dict[Future[Result], tuple[_MarkerProcess, Task]] = {}  # the first of each process is being marked
 
     def __enter__(self) -> Pool:
         return self
@@ -166,76 +168,78 @@ class Pool:
         self._backlog = Backlog(submissions, self._attempts)
         while self._hand_out():
             done, waiting = wait(self._given, timeout=_POLL_S, return_when=FIRST_COMPLETED)
-            for desk in {self._given[future][0] for future in waiting}:
-                desk.stop_beyond(self._bounds)
+            for process in {self._given[future][0] for future in waiting}:
+                process.stop_beyond(self._bounds)
             for future in [
                 each for each in self._given if each in done
-            ]:  # the futures of each desk in the order of submission
-                if future not in self._given:  # it waited at a desk that has failed
+            ]:  # the futures of each process in the order of submission
+                if future not in self._given:  # it waited for a process that has failed
                     continue
                 submission, outcome = self._finished(future)
                 if outcome is not None:
                     yield submission, outcome
 
     def _close(self) -> None:
-        for desk in self._idle:
-            if desk is not None:
-                desk.close()
+        for process in self._idle:
+            if process is not None:
+                process.close()
 
     def _kill_all(self) -> None:
         """Kill every worker process, because their tasks may take minutes."""
         for worker in set(multiprocessing.active_children()) - self._other_children:
             worker.kill()
-        for desk in self._processes:
-            desk.dismiss(wait=True)
+        for process in self._processes:
+            process.dismiss(wait=True)
 
     def _hand_out(self) -> bool:
-        """Give every desk a task to mark and one to wait; return False when no task is left to wait for.
+        """Give every process a task to mark and one to wait; return False when no task is left to wait for.
 
-        Between two results this process records one and writes its pages. A waiting task keeps the desk busy meanwhile.
+        Between two results the parent records one and writes its pages. A waiting task keeps the worker busy meanwhile.
         """
         while self._idle and (task := self._backlog.next()) is not None:
             self._give(self._idle.popleft() or self._start_process(), task)
-        for desk in {desk for desk, _ in self._given.values()}:
-            if len(self._futures_of(desk)) == 1 and (task := self._backlog.next()) is not None:
-                self._give(desk, task)
+        for process in {process for process, _ in self._given.values()}:
+            if len(self._futures_of(process)) == 1 and (task := self._backlog.next()) is not None:
+                self._give(process, task)
         return bool(self._given)
 
-    def _give(self, desk: _MarkerProcess, task: Task) -> None:
-        self._given[desk.mark(task.submission, self._cpu_s)] = (desk, task)
+    def _give(self, process: _MarkerProcess, task: Task) -> None:
+        self._given[process.mark(task.submission, self._cpu_s)] = (process, task)
 
     def _start_process(self) -> _MarkerProcess:
-        self._processes = [desk for desk in self._processes if not desk.dismissed] + [_MarkerProcess(self._open_marker)]
+        self._processes = [process for process in self._processes if not process.dismissed] + [
+            _MarkerProcess(self._open_marker)
+        ]
         return self._processes[-1]
 
     def _finished(self, future: Future[Result]) -> tuple[Submission, Outcome | None]:
         """Return a finished submission and its outcome; None in place of the outcome if it will be retried."""
-        desk = self._given[future][0]
+        process = self._given[future][0]
         problem = future.exception()
         if problem is not None:
-            return self._failed(desk, problem)
+            return self._failed(process, problem)
         _, task = self._given.pop(future)
-        desk.began = None
-        if not self._futures_of(desk):
-            self._idle.appendleft(desk)
+        process.began = None
+        if not self._futures_of(process):
+            self._idle.appendleft(process)
         return task.submission, future.result()
 
-    def _failed(self, desk: _MarkerProcess, problem: BaseException) -> tuple[Submission, Outcome | None]:
-        """Dismiss a desk that failed on its first task, and put its other tasks, which it has not begun, back into the queue."""
-        desk.check_opened()
-        desk.dismiss()
+    def _failed(self, process: _MarkerProcess, problem: BaseException) -> tuple[Submission, Outcome | None]:
+        """Dismiss a process that failed on its first task, and put its other tasks, which it has not begun, back into the queue."""
+        process.check_opened()
+        process.dismiss()
         self._idle.append(None)
-        task, *others = [self._given.pop(future)[1] for future in self._futures_of(desk)]
+        task, *others = [self._given.pop(future)[1] for future in self._futures_of(process)]
         for other in others:
             self._backlog.put_back(other)
-        killed = desk.stopped or KILLED
-        task.stopped = desk.stopped or task.stopped
+        killed = process.stopped or KILLED
+        task.stopped = process.stopped or task.stopped
         reason = killed if isinstance(problem, BrokenProcessPool) else exception_text(problem)
         return task.submission, self._backlog.failed(task, reason)
 
-    def _futures_of(self, desk: _MarkerProcess) -> list[Future[Result]]:
-        """Return the futures of a desk in the order of submission."""
-        return [future for future, (whose, _) in self._given.items() if whose is desk]
+    def _futures_of(self, process: _MarkerProcess) -> list[Future[Result]]:
+        """Return the futures of a process in the order of submission."""
+        return [future for future, (whose, _) in self._given.items() if whose is process]
 
 
 def exception_text(problem: BaseException) -> str:
