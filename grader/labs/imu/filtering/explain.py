@@ -1,4 +1,4 @@
-"""Hypotheses on why a filter's outputs differ from the sheet's: its recursion, its start and its state."""
+"""Diagnosis of a filter: hypotheses on why its outputs differ from the sheet's, by recursion, start and state."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ CONSTANT_ATOL = 1e-3
 _NOTHING_LEFT = 1e-3
 """Largest share of a constant input that a high-pass filter leaves in its output."""
 _WHOLE = 1e-9
+"""Largest distance of a number from its rounded value for numbers that are rounded."""
 _DECIMALS = range(5)
-"""Decimals of a rounding that are looked for; a finer one stays below `ATOL`."""
+"""Numbers of decimals to which a filter may round; a finer rounding stays below `ATOL`."""
 _LONGEST = 100
-"""Samples that a window is looked for."""
+"""Longest window of a moving average, in samples."""
 _NOW_AND_THEN = 0.2
 """Largest share of outputs equal to the measurement for a recursion that starts again now and then."""
 _FEWEST = 6
-"""Outputs that have to be the sheet's where the others stay."""
+"""Smallest number of outputs that obey the recursion for a filter that keeps its last value at times."""
 
 
 def recursion(alpha: float, x: Array, start: Array) -> Array:
@@ -42,6 +43,7 @@ def recursion(alpha: float, x: Array, start: Array) -> Array:
 
 
 def _every(holds: Callable[[Run], bool]) -> Callable[[Facts], bool]:
+    """Return a test of the facts: whether a property holds for every run."""
     return lambda facts: all(map(holds, facts.runs))
 
 
@@ -49,10 +51,10 @@ def _every(holds: Callable[[Run], bool]) -> Callable[[Facts], bool]:
 
 
 def _rounded(run: Run) -> bool:
-    """Return whether an output is the sheet's, rounded, cut off to digits, or of half precision; or its state is.
+    """Return whether the output is the sheet's with rounded, truncated or half-precision numbers, or whether its state is.
 
-    A rounded output differs from the recursion by one grain at most, and the start that it is judged from by one more; a
-    rounded state obeys the recursion from each output to the next within one.
+    A rounded output differs from the recursion by one step at most, and its start by one more. A rounded state obeys the recursion
+    from each output to the next within one step.
     """
     return bool(np.ptp(run.y, axis=0).any()) and any(
         same(run.y, recursion(run.alpha, run.x, run.y[0]), 2 * grain) or bool(np.all(run.off <= grain + ATOL))
@@ -69,7 +71,7 @@ def _grains(y: Array) -> list[float]:
 
 
 def _limited(run: Run) -> bool:
-    """Return whether outputs are the sheet's within two limits, and most of them lie within."""
+    """Return whether the output is the sheet's, clipped to two limits, with most outputs between them."""
     whole = recursion(run.alpha, run.x, run.x[0])
     cut = np.clip(whole, run.y.min(), run.y.max())
     return same(run.y, cut, ATOL) and 0.5 < float(np.mean(np.abs(whole - cut) <= ATOL)) < 1
@@ -88,19 +90,22 @@ WEIGHTS: tuple[tuple[int, str, Callable[[float], tuple[float, float, float]]], .
     (11, "updates-twice", lambda alpha: (1 - (1 - alpha) ** 2, 0, (1 - alpha) ** 2)),
     (13, "one-behind", lambda alpha: (0, alpha, 1 - alpha)),
 )
-"""Weights of the measurement, the one before and the output before. The second output is left out: a delay changes it."""
+"""Weights of the measurement, the last measurement and the last output. The second output is not tested: a delay changes it."""
 
 
 def _made_of(weights: Callable[[float], tuple[float, float, float]]) -> Callable[[Facts], bool]:
+    """Return a test of the facts: whether every output is this weighted sum of two measurements and the last output."""
     return lambda facts: all(same(run.y[2:], run.made_of(*weights(run.alpha))[1:], ATOL) for run in facts.runs)
 
 
 def _ignores_alpha(facts: Facts) -> bool:
+    """Return whether runs with different alpha have the same weights."""
     weights = [a for a, _ in facts.weights]
     return bool(weights) and max(weights) - min(weights) < 1e-6 and len({run.alpha for run in facts.runs}) > 1
 
 
 def _takes_constants_away(facts: Facts) -> bool:
+    """Return whether a constant input disappears in the output, and the signal is lost."""
     left = np.abs(facts.constant.y[-1]).max() < _NOTHING_LEFT * np.abs(facts.constant.x[0]).max()
     return bool(left) and not facts.signal_error < LARGEST_SIGNAL_ERROR
 
@@ -123,26 +128,26 @@ def _restarts(facts: Facts) -> bool:
 
 
 def _stays_at_times(facts: Facts) -> bool:
-    """Return whether the recursion holds, but that at times the output stays where it was, whatever the measurement is."""
+    """Return whether the output at times keeps its last value whatever the measurement is, and obeys the recursion otherwise."""
     stays = [np.abs(np.diff(run.y, axis=0)).max(axis=1) <= ATOL for run in facts.runs]
     return all(np.sum(~o) >= _FEWEST and s[o].all() for o, s in zip(facts.off, stays, strict=True))
 
 
 def _begins_late(facts: Facts) -> bool:
-    """Return whether the recursion holds after the first outputs, a third of all at most."""
+    """Return whether the recursion holds except for the first outputs, at most a third of them."""
     first = [int(np.argmin(o)) for o in facts.off]
     return any(first) and all(end <= len(o) // 3 and not o[end:].any() for end, o in zip(first, facts.off, strict=True))
 
 
 def _averages(run: Run) -> bool:
-    """Return whether each output is the mean of so many samples, once there are so many."""
+    """Return whether each output is the mean of a fixed number of samples."""
     sums = np.concatenate([np.zeros((1, 3)), np.cumsum(run.x, axis=0)])
     sizes = range(1, min(_LONGEST, len(run.x) // 2) + 1)
     return any(same(run.y[size:], (sums[size + 1 :] - sums[1:-size]) / size, ATOL) for size in sizes)
 
 
 def _leaves_axes_out(run: Run) -> bool:
-    """Return whether some axes obey the recursion, and the others come out as they are or never move."""
+    """Return whether some axes obey the recursion, and the others are returned unfiltered or never change."""
     y = run.y[1:]
     right, as_they_are = ((np.abs(y - other) <= ATOL).all(axis=0) for other in (run.wanted, run.x[1:]))
     left = as_they_are | (np.ptp(y, axis=0) <= ATOL)
@@ -150,7 +155,7 @@ def _leaves_axes_out(run: Run) -> bool:
 
 
 def _mixes_axes(run: Run) -> bool:
-    """Return whether the outputs follow from all axes together, but not from each by itself."""
+    """Return whether the outputs depend on all axes together, not on each axis by itself."""
     columns = np.concatenate([run.x[1:], run.y[:-1]], axis=1)
     weights, *_ = np.linalg.lstsq(columns, run.y[1:], rcond=None)
     apart = ~np.tile(np.eye(3, dtype=bool), (2, 1))
@@ -158,6 +163,7 @@ def _mixes_axes(run: Run) -> bool:
 
 
 def _low_pass(facts: Facts) -> bool:
+    """Return whether the filter reduces noise, keeps the signal and passes a constant."""
     return (
         facts.noise_gain < LARGEST_NOISE_GAIN
         and facts.signal_error < LARGEST_SIGNAL_ERROR
@@ -166,6 +172,7 @@ def _low_pass(facts: Facts) -> bool:
 
 
 def _default_alone(facts: Facts) -> bool:
+    """Return whether only the run with the default of alpha is wrong."""
     *given, default = facts.runs
     return not facts.needs_alpha and all(run.obeys for run in given) and not default.obeys
 
@@ -174,7 +181,7 @@ def _default_alone(facts: Facts) -> bool:
 
 
 def _from_zero(facts: Facts) -> bool:
-    """Return whether the first output is what comes of zero before it; a high-pass filter lets that through at first, too."""
+    """Return whether the first output follows from a state of zero. A high-pass filter gives the same output and is excluded."""
     run = facts.runs[0]
     weights = (run.alpha, 1 - run.alpha, 0.0, *(run.weights or ())[:1])
     high_pass = any(_made_of(weights)(facts) for _, fault, weights in WEIGHTS if fault == "high-pass")
@@ -182,7 +189,7 @@ def _from_zero(facts: Facts) -> bool:
 
 
 def ignores_initial(run: Run) -> bool:
-    """Return whether the first output is what comes of the first measurement alone, or of zero in the initial value's place."""
+    """Return whether the first output follows from the first measurement alone, or from zero in place of the initial value."""
     if run.weights is None or run.initial is None or abs(run.weights[1]) <= ATOL:
         return False
     places = (run.x[0], run.weights[0] * run.x[0]) if run.initial.any() else (run.x[0],)
@@ -190,6 +197,7 @@ def ignores_initial(run: Run) -> bool:
 
 
 def _initial_ignored(facts: Facts) -> bool:
+    """Return whether a given initial value is ignored while the start without one is right."""
     off = [run for run in facts.from_initial if not run.starts]
     return facts.runs[0].starts and any(map(ignores_initial, off)) and not facts.own.shared
 

@@ -1,6 +1,6 @@
-"""Hypotheses on why a reader's numbers differ from the sensors': the place that it looks at, and what it does to the values.
+"""Diagnosis of a reader: hypotheses on the address that it reads, and on what it does to the values.
 
-Each sensor is explained by itself: a hypothesis predicts every number that the reader returned for it, for every IMU.
+Each sensor is explained by itself. A hypothesis predicts every number that the reader returned for the sensor, for every IMU.
 """
 
 from __future__ import annotations
@@ -27,11 +27,12 @@ from grader.labs.imu.student import Student
 VALUES, PLACE, FORM, COPY, ALONE = facts_of.CHECKS[1], facts_of.CHECKS[2], facts_of.CHECKS[0], *facts_of.CHECKS[3:]
 _G = 9.81
 _DECIMALS = range(5)
-"""Decimals of a rounding that are looked for; a finer one stays below `ATOL`."""
+"""Numbers of decimals to which a reader may round; a finer rounding stays below `ATOL`."""
 _MOST = 0.5
+"""Smallest share of right numbers of the other IMUs for a reader that alters only some of them."""
 _ALIKE = 0.5
-"""Correlation of two visits to the same states. A reader of the sensors has 1, one that smooths over calls nearly that; 78 random
-numbers reach 0.5 once in 250,000."""
+"""Smallest correlation of two visits to the same states for a reading that depends on the state. A reader of the sensors has 1, one
+that smooths over calls nearly 1; 78 random numbers reach 0.5 once in 250,000."""
 
 Place = Callable[[Scene, int], int]
 Change = Callable[[Scene, Array], Array]
@@ -39,7 +40,15 @@ Change = Callable[[Scene, Array], Array]
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A fault of place, a fault of the values, both or none, for one sensor."""
+    """A hypothesis on one sensor: a fault of the address, faults of the values, both or none.
+
+    Attributes
+    ----------
+    cost : how implausible it is
+    place, values : ids of the faults; "" and () if there are none
+    start : returns the address that is read
+    change : what is done to the values at that address
+    """
 
     cost: int
     place: str
@@ -52,10 +61,11 @@ class Hypothesis:
         return self.place, *self.values
 
     def predict(self, scene: Scene, sensor: int) -> Array:
+        """Return the readings (states, 3) that this hypothesis predicts for a sensor."""
         return self.change(scene, scene.at(self.start(scene, sensor)))
 
     def fits(self, seen: Seen) -> bool:
-        """Return whether it predicts every number; zeros may come of many alterations, and tell of none."""
+        """Return whether it predicts every number. A prediction of zeros does not count: many faults of the values give zeros."""
         sensor, visits = seen
         wanted = [self.predict(visit.scene, sensor) for visit in visits]
         tells = np.isfinite(wanted[0]).any() and (not self.values or wanted[0].any())
@@ -63,12 +73,12 @@ class Hypothesis:
 
 
 def _agree(got: Array, wanted: Array) -> bool:
-    """Return whether all numbers that came are the wanted ones; none come from beyond the end of sensordata."""
+    """Return whether all returned numbers are the predicted ones; no number must be returned from beyond the end of sensordata."""
     return same_where_known(got, wanted, ATOL) or not (np.isfinite(got).any() or np.isfinite(wanted).all())
 
 
 Seen = tuple[int, Sequence[Visit]]
-"""A sensor, and the visits that are to be explained."""
+"""A sensor, and the visits that a hypothesis has to explain."""
 
 
 # ---- places
@@ -94,7 +104,7 @@ _PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def _fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield the places of sensordata that hold the reader's numbers in every state."""
+    """Yield a hypothesis for each address whose values are the reader's numbers in every state."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
@@ -113,7 +123,7 @@ def _of_numbers(change: Callable[[Array], Array]) -> Change:
 
 
 def _changes() -> Iterator[tuple[str, Change]]:
-    """Yield (fault, change) for everything that is known to be done to the numbers of a sensor."""
+    """Yield (fault, change) for all known faults of the values."""
     for signs in itertools.product((1.0, -1.0), repeat=3):
         yield "sign-flipped", _of_numbers(lambda x, s=signs: x * np.array(s))  # type: ignore[misc]
     for order in itertools.permutations(range(3)):
@@ -160,7 +170,7 @@ def _then_rounded(change: Change, decimals: int) -> Change:
 
 @dataclass(frozen=True)
 class Explained:
-    """The facts, and the hypothesis that explains each sensor; None where none does, or several do."""
+    """The facts, and the hypothesis that explains each sensor; None if none does, or if several disagree."""
 
     facts: Facts
     sensors: tuple[Hypothesis | None, ...] = (None, None)
@@ -175,7 +185,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """The faults of place: also that the ids are ignored, as other IMUs or an exception in another model show."""
+        """The faults of the address. Ignored ids also show in other IMUs, or as an exception in another model."""
         known = _named_places([each for each in self.sensors if each])
         ignored = any(_is_ignored(self.facts.torso, v, i) for v in self.facts.visits[1:] for i in BOTH)
         raised = any(v.fault.type in _NOT_FOUND for v in self.facts.others if v.fault)
@@ -186,18 +196,21 @@ class Explained:
         return [value for each in self.sensors if each for value in each.values]
 
     def meant(self, visit: Visit, sensor: int) -> Array:
-        """Return what stands where a sensor is read."""
+        """Return the true values at the address that the reader reads for a sensor."""
         known = self.sensors[sensor]
         return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return a sensor with other numbers than where it is read: of the robot's IMU, or else some numbers of another IMU."""
+        """Return a visit and a sensor whose numbers differ from those at the address that is read; None if all agree.
+
+        The robot's own IMU comes first, then other IMUs of which most numbers are right.
+        """
         wrong = [i for i in BOTH if (known := self.sensors[i]) is None or known.values or self.lacks_numbers(i)]
         others = ((v, i) for v in self.facts.visits[1:] for i in BOTH if self._partly_right(i) and not self._fits(v, i))
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return a sensor that is not read where its id says."""
+        """Return a visit and a sensor that is not read at the address of its id; None if all are."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
@@ -212,16 +225,16 @@ class Explained:
         return known is not None and _agree(visit.got[sensor], known.predict(visit.scene, sensor))
 
     def _partly_right(self, sensor: int) -> bool:
-        """Return whether most numbers of the other IMUs are right, so that some are altered."""
+        """Return whether most numbers of the other IMUs are right, so that only some are altered."""
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether numbers are missing that no wrong place accounts for."""
+        """Return whether numbers are missing, and no wrong address explains it."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
     def near(self, visit: Visit) -> bool:
-        """Return whether both sensors are off by less than a real one's noise."""
+        """Return whether both sensors are wrong by less than the noise of a real one."""
         pairs = zip(visit.got, (self.meant(visit, i) for i in BOTH), SHEETS_NOISE, strict=True)
         return all(bool(np.abs(got - there).max() <= little) for got, there, little in pairs)
 
@@ -230,7 +243,7 @@ _NOT_FOUND = ("KeyError", "ValueError", "IndexError")
 
 
 def _explain(facts: Facts, sensor: int) -> Hypothesis | None:
-    """Return the cheapest hypothesis for a sensor that predicts all IMUs; where none does, the robot's own."""
+    """Return the cheapest hypothesis for a sensor that predicts all IMUs, else the cheapest that predicts the robot's own."""
     everywhere = (*_hypotheses(), *_fixed_places(facts.torso, sensor))
     return explained(everywhere, sensor, facts.visits) or explained(_hypotheses(), sensor, [facts.torso])
 
@@ -251,18 +264,18 @@ def _rightness(visits: Sequence[Visit], sensor: int) -> float:
 
 
 def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
-    """Return whether the ids of another IMU, which shows other numbers in the same states, give the same readings."""
+    """Return whether the ids are ignored: with those of another IMU, whose true values differ, the readings are the same."""
     if torso.scene.sensordata is not other.scene.sensordata or not np.ptp(torso.got[sensor], axis=0).any():
         return False
     differ = np.abs(torso.scene.true(sensor) - other.scene.true(sensor)).max() > ATOL
     return bool(differ) and same_where_known(other.got[sensor], torso.got[sensor], ATOL)
 
 
-# ---- readings that follow nothing
+# ---- readings that do not depend on the state
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Measure, and explain; a reader that returns the same in every state, or by chance, has no place and disturbs nothing."""
+    """Measure and explain. If the readings do not depend on the state, the checks of address, copy and disturbance are skipped."""
     facts = facts_of.measure(student, truth)
     if facts.stopped:
         return Explained(facts)
