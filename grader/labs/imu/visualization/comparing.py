@@ -13,8 +13,6 @@ from grader.labs.imu.visualization.curves import FEWEST_POINTS, is_reference, na
 from grader.labs.imu.visualization.labels import says_raw, says_smooth, unit_of
 
 Drawn = tuple[Axes, Curve]
-_SEEN = 0.05
-"""Least share of a curve that is seen; a comparison may be a detail."""
 _SMOOTHER = 0.8  # of the raw series' differences from value to value
 _MOST_POINTS = 5000
 """Points of a curve that are compared, its last: twice what the lab records."""
@@ -100,11 +98,8 @@ def _name_on(axes: Axes, curve: Curve) -> str:
 
 
 def _seen_curves(figure: Figure) -> list[Drawn]:
-    return [(axes, curve) for axes in figure.visible_axes for curve in _long_curves(axes) if _is_seen(curve)]
-
-
-def _is_seen(curve: Curve) -> bool:
-    return curve.visible and float(curve.visible_parts.seen.mean()) >= _SEEN
+    drawn = ((axes, curve) for axes in figure.visible_axes for curve in _long_curves(axes))
+    return [(axes, curve) for axes, curve in drawn if curve.visible and curve.visible_parts.seen.any()]
 
 
 def _curves(axes: Axes) -> list[Curve]:

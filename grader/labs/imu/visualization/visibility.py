@@ -31,8 +31,6 @@ _SPARSE = 31
 """Every so many pixels tell the background's colour; all of them take thirty times as long."""
 _SMALLEST = 0.03
 """Smallest width and height of a panel, as a share of the figure's."""
-_SOME = 3
-"""Pixels of a curve's colour that show it in a panel whose scales are not linear."""
 _FEW = 6
 """Most colours of other curves that a curve is looked for under."""
 _NO_STROKE = ("None", "none", "", " ")
@@ -218,7 +216,7 @@ def _shown_points(curve: Curve, place: _Place, window: _Window, others: Sequence
             fits, at = place.fits(stands_out.shape, window.at)
             shown[fits] |= _widened(stands_out, _reach(curve, window.dots))[at]
         else:  # whatever stands out in the panel is the curve
-            shown |= np.count_nonzero(stands_out) >= _SOME
+            shown |= stands_out.any()
     return shown
 
 
