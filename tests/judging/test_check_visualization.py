@@ -411,6 +411,8 @@ KINDS: list[Kind] = [
     scripts("an unreadable picture of a comparison", _NO_COMPARISON, **handed_in("filtered_imu.png", None)),
     scripts("a tiny picture of a comparison", _NO_COMPARISON, **handed_in("filtered_imu.png", replace(_PICTURE, size_px=(800, 149)))),
     scripts("the same twice in a comparison", _NOTHING_COMPARED, compared(other=np.array)),
+    scripts("the same twice in a comparison, under names that say nothing", _NOTHING_COMPARED, compared("one", "two", other=np.array)),
+    scripts("the same twice in a picture of another name", _NOTHING_COMPARED, compared(other=np.array, path="a.png")),
     scripts("another series in a comparison", _NOTHING_COMPARED, compared(other=lambda x: slow(np.cos(x)), noise=0.1)),
     scripts("another series by a filter that is charged", None, compared(other=np.cos), broken=("LowPassFilter",)),
     scripts("curves that are not meant to compare", _NO_COMPARISON, compared("one", "two", other=np.array, path="a.png")),
