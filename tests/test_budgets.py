@@ -138,7 +138,7 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
     }
     figure |= {"title": "", "xlabel": "", "ylabel": "", "texts": [], "legends": []}
     arrays = {"a0": np.zeros(40_000), "s": np.zeros((9, 9, 3), np.uint8)}
-    frame = Frame({"error": None, "pictures": [], "strange": [], "figures": [figure]}, arrays)
+    frame = Frame({"error": None, "figures": [figure]}, arrays)
     with pytest.raises(Malformed, match="array 'a0' in two places"):
         LAB.checked("plot", frame, {}, {})
 

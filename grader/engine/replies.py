@@ -315,8 +315,6 @@ _FIGURE: dict[str, Callable[[Any], Any]] = {
 
 def drawings(answer: Answer) -> None:
     """Check the figures of a reply: their facts, small pictures and curves."""
-    answer.part("pictures", listed(long, 300))
-    answer.part("strange", listed(record(path=long, reason=short), 64))
     answer.part("figures", listed(_figure, 16))
     for figure in answer.frame.fields["figures"]:
         if "unreadable" not in figure:

@@ -22,11 +22,6 @@ def own_name(path: str) -> str:
     return _OWN_PREFIX + path
 
 
-def path_of(own: str) -> str:
-    """Return the path in the submission from a file name that `own_name` made."""
-    return own.removeprefix(_OWN_PREFIX)
-
-
 def is_own(name: str) -> bool:
     """Return whether a file name is that of a student's code."""
     return name.startswith(_OWN_PREFIX)

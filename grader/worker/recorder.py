@@ -30,12 +30,7 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return the recorded facts, including those of figures that are still open and were never saved, and start anew.
-
-        Returns
-        -------
-        ``figures``, ``pictures`` (names of all picture files) and ``strange`` (those that hold no figure, with the reason).
-        """
+        """Return the recorded ``figures``, including those that are still open and were never saved, and start anew."""
         import matplotlib.pyplot as plt
 
         if with_open:
@@ -44,12 +39,12 @@ class Recorder:
         self._paused = True
         plt.close("all")
         self._paused = False
-        strange = saved.match_files_to_figures(self._drawn, folder, self._files)
+        saved.match_files_to_figures(self._drawn, folder, self._files)
         arrays = self._packer.arrays
         arrays |= {one.facts["seen"]: one.seen.pixels for one in self._drawn if one.seen is not None}
         facts = [one.facts for one in self._drawn]
         self._drawn, self._noted, self._packer = [], {}, Packer()
-        return {"figures": facts, "pictures": saved.written_pictures(folder), "strange": strange}, arrays
+        return {"figures": facts}, arrays
 
     def note(
         self,

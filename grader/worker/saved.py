@@ -57,10 +57,8 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
         return None, None
 
 
-def match_files_to_figures(
-    drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]
-) -> list[dict[str, Any]]:
-    """Set each figure's event by whether a file still holds it; return the other new pictures that hold no figure.
+def match_files_to_figures(drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]) -> None:
+    """Set each figure's event by whether a file still holds it, or another new picture shows it.
 
     Parameters
     ----------
@@ -69,18 +67,18 @@ def match_files_to_figures(
     files = {name: _read(os.path.join(folder, name)) for name in written_pictures(folder)[:_MOST_READ]}
     held = {content for content in files.values() if content is not None}
     written = {one.written for one in drawn if one.written is not None}
-    strange = {
-        name: content for name, content in files.items() if content not in written and known.get(name) != content
-    }
+    others = [
+        (name, content) for name, content in files.items() if content not in written and known.get(name) != content
+    ]
     for number, one in enumerate(drawn):
         if one.facts["event"] == "saved" and one.written is not None:
             again = one.place is not None and any(later.place == one.place for later in drawn[number + 1 :])
             if again or (one.written not in held and (one.place is None or _read(one.place) != one.written)):
                 one.facts["event"] = "overwritten" if one.place else "forgotten"
-    found = [_match_picture(name, content, drawn) for name, content in strange.items()]
+    for name, content in others:
+        _match_picture(name, content, drawn)
     known.clear()
     known.update(files)
-    return [fact for fact in found if fact is not None]
 
 
 def _read(path: str) -> bytes | None:
@@ -90,24 +88,22 @@ def _read(path: str) -> bytes | None:
         return None
 
 
-def _match_picture(name: str, content: bytes | None, drawn: list[RecordedFigure]) -> dict[str, Any] | None:
-    """Find the figure that a picture shows and record that it was saved; return the picture's facts if there is no such figure."""
+def _match_picture(name: str, content: bytes | None, drawn: list[RecordedFigure]) -> None:
+    """Find the figure that a picture shows, if there is one, and record that it was saved."""
     from PIL import Image
 
     if name.lower().endswith((".svg", ".pdf")) or content is None:
-        return None
+        return
     try:
         with Image.open(io.BytesIO(content)) as picture:
             size = [int(n) for n in picture.size]
             cells = _cells(picture)
-    except Exception as error:  # any broken file, any codec
-        return {"path": name, "reason": type(error).__name__}
+    except Exception:  # any broken file, any codec
+        return
     likeness = [(_correlation(cells, one.seen), number) for number, one in enumerate(drawn) if one.seen is not None]
     best, number = max(likeness, default=(0.0, -1))
-    if best < _MIN_CORRELATION:
-        return {"path": name, "reason": ""}
-    drawn[number].facts.update(event="saved", path=name, size_px=size, format=name.rpartition(".")[2].lower()[:10])
-    return None
+    if best >= _MIN_CORRELATION:
+        drawn[number].facts.update(event="saved", path=name, size_px=size, format=name.rpartition(".")[2].lower()[:10])
 
 
 def _cells(picture: Any) -> np.ndarray:

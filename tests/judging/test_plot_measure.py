@@ -84,7 +84,7 @@ class Imported(FakeStudent):
         )
 
     def load(self, path: str) -> Loaded:
-        return replace(super().load(path), stepped_over=self._ends, frame=Frame({"figures": [], "strange": []}))
+        return replace(super().load(path), stepped_over=self._ends, frame=Frame({"figures": []}))
 
 
 @pytest.mark.parametrize(
