@@ -12,11 +12,13 @@ import pytest
 
 from grader import cli
 from grader.course import classroom
+from grader.course.adjusting import OverrideRequest, undone, undone_decision
 from grader.course.database import FILE_NAME
 from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Store
 from grader.engine.results import Result
 from grader.intake import Submission
+from grader.people.final_grade import Adjustment
 from grader.sandbox.isolation_levels import LEVELS
 from tests.fake_results import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
@@ -107,10 +109,13 @@ def test_the_same_again_changes_nothing_and_withdrawing_brings_the_automatic_poi
     words = ("--criterion", "sensor_access", "--comment", "x", "--points", 18)
     run("adjust", out, "alice", *words)
     assert run("adjust", out, "alice", *words)[1] == "alice sensor_access 18 (as before), final 18\n"
+    otherwise = ("--criterion", "sensor_access", "--points", 18, "--comment", "another reason")
+    assert run("adjust", out, "alice", *otherwise)[1] == "alice sensor_access 18, final 18\n"
+    run("adjust", out, "alice", *words)
     assert run("adjust", out, "alice", *words[:4], "--withdraw")[1] == "alice sensor_access withdrawn, final 14\n"
     again = "alice sensor_access withdrawn (as before), final 14\n"
     assert run("adjust", out, "alice", *words[:4], "--withdraw") == (0, again, "")
-    assert [line.split()[2] for line in run("adjust", out)[1].splitlines()] == ["18", "withdrawn"]
+    assert [line.split()[2] for line in run("adjust", out)[1].splitlines()] == ["18", "18", "18", "withdrawn"]
     assert "adjusted" not in (out / "gradebook.csv").read_text()
 
 
@@ -269,7 +274,7 @@ def test_people_are_called_by_any_name_of_theirs(word: str, run: Run, tmp_path: 
 def test_adjustments_are_read_as_a_spreadsheet_saves_them(
     encoding: str, sign: str, run: Run, out: Path, tmp_path: Path
 ) -> None:
-    rows = (("ID", "Criterion", "Points", "Comment"), ("bob", "sensor_access", "12.5", "für später"))
+    rows = (("ID", "Criterion", "Points", "Comment"), ("bob", "sensor_access", "12.5", "für später"), ("", "", "", ""))
     (tmp_path / "a.csv").write_bytes("".join(f"{sign.join(row)}\r\n" for row in rows).encode(encoding))
     assert run("adjust", out, "--csv", tmp_path / "a.csv")[1] == "bob sensor_access 12.5, final 12.5\n"
     assert "für später" in run("adjust", out)[1]
@@ -309,12 +314,40 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     assert lines[-2:] == ["  changed: the submission, the rubric", "1 of 1 moved; mean of graded 0.0 → 20.0"]
 
 
+# ---- undo ----
+
+
+def given(points: float | None, comment: str = "x", decision: int = 0) -> Adjustment:
+    """An override of Sensor access; a comment alone if there are no points."""
+    return Adjustment("sensor_access", points, comment, "me", "now", {}, alone=points is None, decision=decision)
+
+
+def test_undoing_restores_the_override_before_the_last(out: Path) -> None:
+    with Store(out) as store:
+        store.adjust([("alice", given(points, f"{points:g} points")) for points in (1.0, 2.0, 3.0)])
+        assert undone(store, "alice", "sensor_access") == OverrideRequest("alice", "sensor_access", "2.0", "2 points")
+
+
+def test_undoing_takes_the_later_of_an_override_and_a_comment(out: Path) -> None:
+    with Store(out) as store:
+        store.adjust([("alice", given(None, "see page 2")), ("alice", given(3.0))])
+        assert undone(store, "alice", "sensor_access") == OverrideRequest("alice", "sensor_access", "", "undone")
+        comment = OverrideRequest("alice", "sensor_access", "", "", alone=True)
+        assert undone(store, "alice", "sensor_access", alone=True) == comment
+
+
+def test_a_decision_is_undone_except_where_somebody_has_changed_it_since(out: Path) -> None:
+    with Store(out) as store:
+        store.adjust([(id_, given(3.0)) for id_ in ("alice", "bob")], what="a fault of the sheet")
+        (number,) = store.decisions()
+        store.adjust([("alice", given(5.0))])
+        assert [each.id for each in undone_decision(store, number)] == ["bob"]
+
+
 # ---- the record ----
 
 
 def test_nothing_that_was_ever_said_by_hand_is_lost(out: Path) -> None:
-    from grader.people.final_grade import Adjustment
-
     said = [("alice", Adjustment("sensor_access", float(p), f"{p}", "me", "now", {})) for p in (1, 2, 3)]
     with Store(out) as store:
         store.adjust(said)

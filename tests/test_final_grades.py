@@ -19,6 +19,7 @@ from grader.people.final_grade import (
     HandIn,
     Lateness,
     Person,
+    graded,
     hand_in_from_dict,
     hand_in_to_dict,
     points_by_check,
@@ -112,6 +113,20 @@ def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the
     assert list(outdated({"a": second})) == [
         "a: sensor_access was overridden with 11 when it had 6; the automatic points are now 6 / 12. Adjust it again or withdraw it"
     ]
+
+
+def test_an_empty_submission_has_no_grade_until_a_person_has_given_points() -> None:
+    empty = result(lost(), status="empty")
+    override = Adjustment("sensor_access", 5.0, "by e-mail", "me", "now")
+    comment = Adjustment("sensor_access", None, "nothing here", "me", "now", alone=True)
+    assert FinalGrade("a", empty, adjustments=(comment,)).final is None
+    assert FinalGrade("a", empty, adjustments=(comment, override)).final == 5.0
+
+
+def test_figures_of_a_class_are_of_those_that_were_graded() -> None:
+    reviewed = FinalGrade("a", result(lost(), status="empty"), reviewed=True)
+    assert reviewed.final == 0.0
+    assert graded([reviewed, FinalGrade("b", result()), FinalGrade("c", result(status="incomplete"))]) == [20.0]
 
 
 # ---- the gradebook ----
