@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sqlite3
 import sys
 from collections.abc import Iterator
@@ -65,6 +66,25 @@ def give(desk: Desk, id_: str, target: str, points: object, comment: str = "seen
     answer = desk.post(f"/submission/{id_}/override", fields, who)
     desk.book.settled()
     return answer
+
+
+# ---- a submission's page ----
+
+
+def test_a_submissions_page_leads_to_its_neighbours(still: Desk) -> None:
+    page = still.get("/submission/bob").text
+    links = {way: address for address, way in re.findall(r'<a href="([^"]+)"[^>]* rel="(prev|next)"', page)}
+    assert {way: address.partition("?")[0] for way, address in links.items()} == {
+        "prev": "/submission/ada",
+        "next": "/submission/cyd",
+    }
+
+
+def test_the_automatic_points_stand_beside_a_grade_that_differs(desk: Desk) -> None:
+    heading = re.compile(r"ada · \S+ automatic")
+    assert not heading.search(words(desk.get("/submission/ada").text))
+    give(desk, "ada", "filtering", 19)
+    assert heading.search(words(desk.get("/submission/ada").text))
 
 
 # ---- who may come in ----

@@ -176,6 +176,16 @@ def test_canvas_names_give_who_late_and_where_feedback_goes(tmp_path: Path) -> N
     assert (li.id, li.hand_in.marked_late, li.hand_in.people[0].key) == ("li2_102", False, "102")
 
 
+def test_canvas_work_is_late_if_one_of_its_files_is(tmp_path: Path) -> None:
+    found = canvas(tmp_path, "li_102_9001_filters.py", "li_LATE_102_9002_imu_reader.py")
+    assert [entry.hand_in.marked_late for entry in found.entries] == [True]
+
+
+def test_an_anonymous_canvas_name_is_no_number_of_a_person(tmp_path: Path) -> None:
+    found = canvas(tmp_path, "anon_b4Xk_9001_filters.py", "anon_c5Yl_9002_filters.py")
+    assert [entry.hand_in.people[0].key for entry in found.entries] == ["", ""]
+
+
 def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp_path: Path) -> None:
     found = canvas(tmp_path, "a_1_10_filters.py", "a_1_12_filters-1.py", "a_1_11_lab-04-01.ipynb", "a_1_13_data-2.csv")
     assert dict(found.entries[0].read().files) == {

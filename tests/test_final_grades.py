@@ -247,6 +247,24 @@ def test_who_did_not_hand_in_has_the_hand_in_of_their_group(tmp_path: Path) -> N
     assert (names(found), found.unknown) == (("Ada Moe",), ("lab4-user1",))
 
 
+@pytest.mark.parametrize("dates", [("24", "26"), ("26", "24")])
+def test_a_group_has_the_latest_due_date_and_time_of_its_members(dates: tuple[str, str], tmp_path: Path) -> None:
+    rows = "".join(
+        f"{name},2026-11-{day}T12:00Z,2026-11-{day}T10:00Z,T\n" for name, day in zip("JR", dates, strict=True)
+    )
+    group = HandIn((Person("J"), Person("R")))
+    found = roster.place(read(tmp_path, f"name,due,submitted,group\n{rows}"), {"team": group})
+    assert found.due == {"team": read_stamp("2026-11-26T12:00Z")}
+    assert found.submitted == {"team": "2026-11-26T10:00:00+00:00"}
+
+
+def test_a_clone_is_of_the_longest_user_name_that_it_ends_in(tmp_path: Path) -> None:
+    clone = HandIn((Person("lab4-jane-user1", "lab4-jane-user1", "git"),))
+    people = read(tmp_path, "username,name\nuser1,Short\njane-user1,Long\n")
+    found = roster.place(people, {"lab4-jane-user1": clone})
+    assert (found.hand_ins["lab4-jane-user1"].people[0].name, names(found)) == ("Long", ("Short",))
+
+
 def test_a_clone_is_the_user_whose_whole_name_it_ends_in(tmp_path: Path) -> None:
     found = placed(tmp_path, "username,name\n1,Short\nuser1,Long\n")
     assert found.hand_ins["lab4-user1"].people[0].name == "Long"

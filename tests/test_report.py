@@ -424,6 +424,11 @@ def test_a_page_without_charts_says_why() -> None:
     assert "This page has no charts" not in Tags(report(result(), *hostile_charts())).text
 
 
+def test_a_long_class_page_offers_to_show_all_rows() -> None:
+    assert 'id="rest"' in index({f"s{n}": result(name=f"s{n}") for n in range(201)})
+    assert 'id="rest"' not in index({"a": result()})
+
+
 def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
     other = replace(result(), provenance={**result().provenance, "rubric_sha256": "f" * 64})
     assert (
