@@ -23,7 +23,7 @@ from tests.fake_results import without_durations
 LONG = ("s12-endless-loop",)  # ten seconds, twice, and no picture
 
 PICTURES_IN_FULL = {
-    "drawing.py": "\n\ndef reads_pictures_back(sources):\n    return True\n\n\ndef _ordinary(axes):\n    return ()\n",
+    "drawing.py": "\n\ndef reads_pictures_back(sources):\n    return True\n\n\ndef _undrawn_artists(axes):\n    return ()\n",
 }
 """Every picture is drawn as the student's code asks, and looked at."""
 
