@@ -103,6 +103,24 @@ def facts_of(answer: Filter) -> Facts:
     return facts(CASES, runs)
 
 
+def facts_with(change: Callable[[Array], Array], *names: str) -> Facts:
+    """Facts of the sheet's filter, with something done to what comes out in the named cases."""
+    runs = {name: sheet(case.alpha or 0.1, case.signal, case.initial) for name, case in CASES.items()}
+    changed = {name: change(y) if name in names else y for name, y in runs.items()}
+    return facts(CASES, [FilterRun(y, None, None) for y in changed.values()])
+
+
+def test_an_output_that_grows_beyond_all_numbers_is_measured_as_one() -> None:
+    grown = facts_with(lambda y: np.where(np.arange(len(y))[:, None] > 300, np.inf, y), "slow")
+    assert SIGNAL not in grown.stopped
+    assert NOISE in facts_with(lambda y: np.full_like(y, np.inf), "noise").stopped
+
+
+def test_outputs_that_are_no_numbers_do_not_show_that_a_filter_has_no_memory() -> None:
+    assert facts_with(lambda y: np.full_like(y, np.nan), "another_past").own.remembers
+    assert not facts_of(memoryless(lambda x: x)).own.remembers
+
+
 NO_FILTER = dict.fromkeys((START, CONSTANT, NOISE, SIGNAL), (0.0, "not reached"))
 FILTERS: list[tuple[str, Filter, Mapping[str, tuple[float, str]]]] = [
     ("sound", sheet, {}),
