@@ -191,6 +191,8 @@ def test_what_an_answer_is_charged(changed: Mapping[str, FilterRun], marked: Map
 
 def test_a_filter_that_stumbles_over_an_earlier_one_is_charged_for_its_shared_state() -> None:
     assert judged(facts(CASES, list(RAN.values()), stumbles=FAULT)) == {OWN: (0.0, "shared-state")}
+    beside = RAN | {"beside": FilterRun(None, None, FAULT)}
+    assert judged(facts(CASES, list(beside.values()), stumbles=FAULT)) == {OWN: (0.0, "shared-state")}
 
 
 def test_numbers_of_chance_are_no_memory() -> None:
