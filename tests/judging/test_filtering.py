@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from grader.labs.imu.filtering import checks
 from grader.labs.imu.filtering.explain import PART, recursion
 from grader.labs.imu.filtering.measure import Facts, asked, facts, measure
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.student import FilterCase
 from tests.judging.fake_students import FakeStudent, truth
 
 pytestmark = pytest.mark.quick
@@ -193,6 +194,20 @@ def test_a_filter_that_stumbles_over_an_earlier_one_is_charged_for_its_shared_st
     assert judged(facts(CASES, list(RAN.values()), stumbles=FAULT)) == {OWN: (0.0, "shared-state")}
     beside = RAN | {"beside": FilterRun(None, None, FAULT)}
     assert judged(facts(CASES, list(beside.values()), stumbles=FAULT)) == {OWN: (0.0, "shared-state")}
+
+
+class Stumbling:
+    """A submission whose second filter raises in the process of the first one."""
+
+    def filter(self, cases: Sequence[FilterCase], called: str) -> list[FilterRun]:
+        return [next(iter(RAN.values())), *(FilterRun(None, None, FAULT) for _ in cases[1:])]
+
+    def filter_alone(self, case: FilterCase) -> FilterRun:
+        return FilterRun(sheet(case.alpha or 0.1, case.signal, case.initial), None, None)
+
+
+def test_filters_that_stumble_are_asked_again_each_in_its_own_process() -> None:
+    assert judged(measure(Stumbling(), truth())) == {OWN: (0.0, "shared-state")}  # type: ignore[arg-type] # asked for filters alone
 
 
 def test_numbers_of_chance_are_no_memory() -> None:
