@@ -50,7 +50,7 @@ class Compared:
 
 
 def comparisons(figure: Figure) -> list[Compared]:
-    """The raw series with smoother versions of them in a figure, on the same axes or on axes that may be in the same unit."""
+    """Return the raw series with smoother versions of them in a figure, on the same axes or on axes of one unit."""
     drawn = _seen_curves(figure)
     pairs = (
         (one, other) for one in drawn for other in drawn if one is not other and _may_be_in_one_unit(one[0], other[0])
@@ -63,7 +63,7 @@ def _compared(raw: Drawn, smooth: Drawn) -> Compared:
 
 
 def _may_be_in_one_unit(one: Axes, other: Axes) -> bool:
-    """Axes without a unit on their label may be in any."""
+    """Return whether two axes may be in one unit; those without a unit on their label may be in any."""
     units = {unit for axes in (one, other) if (unit := unit_of(axes.ylabel)) is not None}
     return one is other or len(units) < 2
 
@@ -74,7 +74,7 @@ def _last_points(curve: Curve) -> tuple[Array, Array]:
 
 
 def named_comparisons(figure: Figure) -> list[Compared]:
-    """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
+    """Return the curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
     drawn = _seen_curves(figure)
     raw, smooth = ([each for each in drawn if says(_name_on(*each))] for says in (says_raw, says_smooth))
     return [_compared(one, other) for one in raw for other in smooth]
@@ -111,7 +111,7 @@ def _long_curves(axes: Axes) -> list[Curve]:
 
 
 def _at_the_same_points(one: Curve, other: Curve) -> tuple[Array, Array, int]:
-    """The values of two curves where both are drawn, and how many of these rows there are to a point of the shorter one."""
+    """Return the values of two curves where both are drawn, and how many of these rows there are to a point of the shorter one."""
     (x, y), (its_x, its_y) = _last_points(one), _last_points(other)
     if len(x) == len(its_x):
         return y, its_y, 1

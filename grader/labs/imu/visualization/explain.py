@@ -104,7 +104,10 @@ def missing_in_words(facts: Facts) -> str:
 
 
 def _outside(facts: Facts) -> str:
-    return f"{round(100 * (1 - min(facts.cut_off.values())))} % of {_named(facts.cut_off)}"
+    """Return how much of each named channel is outside the limits: the least, if they differ."""
+    shares = {round(100 * (1 - inside)) for inside in facts.cut_off.values()}
+    least = "" if len(shares) == 1 else "at least "
+    return f"{'all' if shares == {100} else f'{least}{min(shares)} %'} of {_named(facts.cut_off)}"
 
 
 def _named(channels: Iterable[Channel]) -> str:

@@ -61,7 +61,7 @@ def looked_at(figure: Figure, patience: Patience) -> Figure:
         for curve, place in zip(panel.curves, its, strict=True):
             beneath = (ink[:3] for other in panel.curves if other is not curve for ink in _inks(other))
             others = list(itertools.islice(beneath, _FEW))
-            seen.append(replace(curve, visible_parts=_sight(curve, place, window, others, patience)))
+            seen.append(replace(curve, visible_parts=_visible_parts(curve, place, window, others, patience)))
         axes.append(replace(panel, curves=tuple(seen)))
     return replace(figure, axes=tuple(axes))
 
@@ -177,7 +177,7 @@ def _window(panel: Axes, figure: Figure, free: Mask) -> _Window | None:
     )
 
 
-def _sight(
+def _visible_parts(
     curve: Curve, place: _Place, window: _Window | None, others: Sequence[Array], patience: Patience
 ) -> VisibleParts:
     known = np.isfinite(curve.x) & np.isfinite(curve.y)
