@@ -21,6 +21,8 @@ from tests.recordings import store
 from tests.recordings.answers import RecordedSandbox, UnrecordedError
 from tests.scoreboard import Case, Verdict, as_written, graded_by
 
+_CALL_CPU_S = 4
+"""Limit of one call: an endless loop uses it up, and what ends by itself needs half a second at most."""
 COMPARED = 40
 """Every so many submissions are also judged in a real sandbox; with `-m recorded` every one, with `-m quick` none."""
 _NOT_FROM_RECORDINGS = ("module level", "nothing")
@@ -89,16 +91,21 @@ def _without_chance(result: Result) -> Any:
 
 @cache
 def generous() -> Rubric:
-    """The shipped rubric, with points for the extensions, so that their partial credit shows, and without charts."""
-    return rubric.parse(
-        replace(LAB, charts=lambda student, truth: ()),
-        rubric.shipped(LAB).read_bytes() + b"\nextra_credit:\n  each: 10\n",
-    )
+    """The rubric of the recordings, with points for the extensions, so that their partial credit shows."""
+    return _of_recordings(b"\nextra_credit:\n  each: 10\n")
 
 
 @cache
 def without_charts() -> Rubric:
-    return rubric.parse(replace(LAB, charts=lambda student, truth: ()), rubric.shipped(LAB).read_bytes())
+    return _of_recordings(b"")
+
+
+def _of_recordings(more: bytes) -> Rubric:
+    """Return the shipped rubric without charts, and with a lower limit of a call."""
+    shipped = rubric.shipped(LAB).read_bytes()
+    assert shipped.count(b"call_cpu_s: 10") == 1
+    limited = shipped.replace(b"call_cpu_s: 10", b"call_cpu_s: %d" % _CALL_CPU_S)
+    return rubric.parse(replace(LAB, charts=lambda student, truth: ()), limited + more)
 
 
 @cache
