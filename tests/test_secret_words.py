@@ -23,7 +23,7 @@ from grader.people.final_grade import FinalGrade
 from grader.platforms import registry
 from grader.platforms.platform import ResultContext
 from grader.report.pages import report_page
-from tests.corpus.pieces import MODEL_PATH, verbatim
+from tests.corpus.pieces import MODEL_PATH, tidy, verbatim
 from tests.sandboxes import Opened
 from tests.scoreboard import Case, handed_in
 
@@ -47,13 +47,13 @@ RAISES = "raise ValueError(token)\n"
 
 
 def added(file: str, *code: str) -> dict[str, str]:
-    files = verbatim()
+    files = tidy()
     return {**files, file: "\n".join([files.get(file, ""), SPIES, *code])}
 
 
 def before_class(file: str, name: str, code: str, **replaced: str) -> dict[str, str]:
     """Code above a class, and the class with another first line or a first statement."""
-    files = verbatim()
+    files = tidy()
     assert f"class {name}:\n" in files[file]
     head = replaced.get("head", f"class {name}:\n")
     return {**files, file: files[file].replace(f"class {name}:\n", f"{SPIES}\n{code}\n{head}", 1)}
@@ -73,45 +73,56 @@ def drawn(part: str, other: str) -> dict[str, str]:
     return {**files, "imu_reader.py": SPIES + files["imu_reader.py"].replace(part, other)}
 
 
-LEAKS: Mapping[str, dict[str, str]] = {
-    "message at module level": added("noisy_imu.py", RAISES),
-    "an exception's own __str__": added("noisy_imu.py", SUBCLASS, "raise Told()\n"),
-    "type name of an exception": added("noisy_imu.py", "raise type('E' + token.replace(' ', '_').replace('.', '_'), (ValueError,), {})()\n"),
-    "type name taken from builtins": added("noisy_imu.py", "raise [KeyError, ValueError, TypeError, OSError, EOFError, LookupError, "
-                                           "RuntimeError, IndexError, NameError, MemoryError][digit]()\n"),
-    "compressed model": added("noisy_imu.py", PACKED, RAISES),
-    "notebook's cell": {"lab.ipynb": notebook(*verbatim().values(), SPIES + RAISES)},
-    "extension's file": {**verbatim(), "allan_variance.py": f"{SPIES}\n{RAISES}def allan_deviation(samples, rate):\n    return [], []\n"},
-    "extension that is not defined": {**verbatim(), "allan_variance.py": f"{SPIES}\ndef tells(f):\n    {RAISES}\n@tells\ndef allan_deviation(s, r):\n    pass\n"},
-    "decorator": before_class("noisy_imu.py", "NoisyIMU", f"def tells(made):\n    {RAISES}", head="@tells\nclass NoisyIMU:\n"),
-    "base class": before_class("noisy_imu.py", "NoisyIMU", f"def base():\n    {RAISES}", head="class NoisyIMU(base()):\n"),
-    "class body": before_class("filters.py", "LowPassFilter", "", head=f"class LowPassFilter:\n    {RAISES}"),
-    "class body, type name": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    raise type(token, (Exception,), {})\n"),
-    "name of a missing module": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    __import__('m' + token)\n"),
-    "below the main guard": added("filters.py", f"if __name__ == '__main__':\n    {RAISES}"),
-    "type name below the main guard": added("filters.py", "if __name__ == '__main__':\n    raise type(token, (Exception,), {})\n"),
-    "fields of a SyntaxError": added("noisy_imu.py", "raise SyntaxError(token, ('<submission>/noisy_imu.py', digit, digit, token))\n"),
-    "line and file of compiled code": added("noisy_imu.py", "exec(compile('\\n' * digit + 'raise OSError', '<submission>/' + token, 'exec'))\n"),
-    "how many statements raise": added("noisy_imu.py", *(f"if digit > {n}:\n    raise ValueError" for n in range(9))),
-    "which file defines a name": {
-        **{path: text for path, text in verbatim().items() if path != "filters.py"},
-        **{f"part{n}.py": "x = 1\n" for n in range(10)},
-        "noisy_imu.py": verbatim()["noisy_imu.py"] + SPIES
-        + f"open(f'part{{digit}}.py', 'w').write({verbatim()['filters.py'].split('# Test filtering')[0]!r})\n",
+LEAKS: Mapping[str | None, Mapping[str, dict[str, str]]] = {
+    "noise_model": {
+        "message at module level": added("noisy_imu.py", RAISES),
+        "an exception's own __str__": added("noisy_imu.py", SUBCLASS, "raise Told()\n"),
+        "type name of an exception": added("noisy_imu.py", "raise type('E' + token.replace(' ', '_').replace('.', '_'), (ValueError,), {})()\n"),
+        "type name taken from builtins": added("noisy_imu.py", "raise [KeyError, ValueError, TypeError, OSError, EOFError, LookupError, "
+                                               "RuntimeError, IndexError, NameError, MemoryError][digit]()\n"),
+        "compressed model": added("noisy_imu.py", PACKED, RAISES),
+        "decorator": before_class("noisy_imu.py", "NoisyIMU", f"def tells(made):\n    {RAISES}", head="@tells\nclass NoisyIMU:\n"),
+        "base class": before_class("noisy_imu.py", "NoisyIMU", f"def base():\n    {RAISES}", head="class NoisyIMU(base()):\n"),
+        "fields of a SyntaxError": added("noisy_imu.py", "raise SyntaxError(token, ('<submission>/noisy_imu.py', digit, digit, token))\n"),
+        "line and file of compiled code": added("noisy_imu.py", "exec(compile('\\n' * digit + 'raise OSError', '<submission>/' + token, 'exec'))\n"),
+        "how many statements raise": added("noisy_imu.py", *(f"if digit > {n}:\n    raise ValueError" for n in range(9))),
     },
-    "which name a file defines": added("filters.py", "globals()['LowPassFilte' + 'rstuvwxyz_'[digit]] = LowPassFilter\ndel LowPassFilter\n"),
-    "title of a figure": drawn("'Accelerometer Readings'", "token"),
-    "label of an axis": drawn("'Acceleration (m/s²)'", "token"),
-    "number in the label of an axis": drawn("'Acceleration (m/s²)'", "f'Acceleration (m/s{digit})'"),
-    "names of curves": drawn("label='X'", "label=token"),
-    "text in a figure": drawn("plt.tight_layout()", "fig.text(0.1, 0.5, token)"),
-    "name of a picture": drawn("'imu_data.png'", "'imu' + token.replace(' ', '_') + '.png'"),
-    "size of a figure": drawn("figsize=(12, 8)", "figsize=(12, 8 + digit / 10)"),
-    "keys of a recording": drawn("'acceleration': accelerations", "token: accelerations"),
-    "text in place of a recording": drawn("'acceleration': accelerations", "'acceleration': token"),
-    "how it ends": added("filters.py", "import os\nos._exit(digit + 50)\n"),
-    "whether a name is there": added("filters.py", "if digit % 2:\n    del LowPassFilter\n"),
+    "filtering": {
+        "class body": before_class("filters.py", "LowPassFilter", "", head=f"class LowPassFilter:\n    {RAISES}"),
+        "class body, type name": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    raise type(token, (Exception,), {})\n"),
+        "name of a missing module": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    __import__('m' + token)\n"),
+        "below the main guard": added("filters.py", f"if __name__ == '__main__':\n    {RAISES}"),
+        "type name below the main guard": added("filters.py", "if __name__ == '__main__':\n    raise type(token, (Exception,), {})\n"),
+        "which name a file defines": added("filters.py", "globals()['LowPassFilte' + 'rstuvwxyz_'[digit]] = LowPassFilter\ndel LowPassFilter\n"),
+        "how it ends": added("filters.py", "import os\nos._exit(digit + 50)\n"),
+        "whether a name is there": added("filters.py", "if digit % 2:\n    del LowPassFilter\n"),
+    },
+    "visualization": {
+        "title of a figure": drawn("'Accelerometer Readings'", "token"),
+        "label of an axis": drawn("'Acceleration (m/s²)'", "token"),
+        "number in the label of an axis": drawn("'Acceleration (m/s²)'", "f'Acceleration (m/s{digit})'"),
+        "names of curves": drawn("label='X'", "label=token"),
+        "text in a figure": drawn("plt.tight_layout()", "fig.text(0.1, 0.5, token)"),
+        "name of a picture": drawn("'imu_data.png'", "'imu' + token.replace(' ', '_') + '.png'"),
+        "size of a figure": drawn("figsize=(12, 8)", "figsize=(12, 8 + digit / 10)"),
+    },
+    "allan_variance": {
+        "extension's file": {**tidy(), "allan_variance.py": f"{SPIES}\n{RAISES}def allan_deviation(samples, rate):\n    return [], []\n"},
+        "extension that is not defined": {**tidy(), "allan_variance.py": f"{SPIES}\ndef tells(f):\n    {RAISES}\n@tells\ndef allan_deviation(s, r):\n    pass\n"},
+    },
+    None: {
+        "notebook's cell": {"lab.ipynb": notebook(*verbatim().values(), SPIES + RAISES)},
+        "which file defines a name": {
+            **{path: text for path, text in tidy().items() if path != "filters.py"},
+            **{f"part{n}.py": "x = 1\n" for n in range(10)},
+            "noisy_imu.py": tidy()["noisy_imu.py"] + SPIES
+            + f"open(f'part{{digit}}.py', 'w').write({tidy()['filters.py']!r})\n",
+        },
+        "keys of a recording": drawn("'acceleration': accelerations", "token: accelerations"),
+        "text in place of a recording": drawn("'acceleration': accelerations", "'acceleration': token"),
+    },
 }  # fmt: skip
+"""By the criterion that is graded, which is the one that reads the leak; None where several do."""
 _DIGEST = re.compile(r"<dt>Traces</dt><dd[^>]*>\w+</dd>|\d+(\.\d+)? s\b")
 DIFFER_IN_A_BIT = {"whether a name is there"}
 """The outcome of a check is told, so code can choose it. These may differ between secrets, in outcomes and our own words."""
@@ -146,15 +157,17 @@ def outputs(result: Result, files: dict[str, str]) -> dict[str, str]:
     return found
 
 
-@pytest.mark.parametrize("name", LEAKS)
-def test_two_secrets_lead_to_the_same_outputs(name: str, secrets: tuple[Traces, Traces], opened: Opened) -> None:
-    told = []
+@pytest.mark.parametrize(("only", "name"), [(only, name) for only, leaks in LEAKS.items() for name in leaks])
+def test_two_secrets_lead_to_the_same_outputs(
+    only: str | None, name: str, secrets: tuple[Traces, Traces], opened: Opened
+) -> None:
+    told, files = [], LEAKS[only][name]
     for truth in secrets:
         with opened(truth) as marker:
-            result = marker.mark(handed_in(Case("sound", "spy", LEAKS[name])))  # type: ignore[arg-type]
-        for text in outputs(result, LEAKS[name]).values():
+            result = marker.mark(handed_in(Case("sound", "spy", files)), only=only)  # type: ignore[arg-type]
+        told.append(outputs(result, files))
+        for text in told[-1].values():
             assert [mass for mass in _masses(truth)[1:9] if f"{mass:.9f}" in text or f"{mass:.6f}"[:-1] in text] == []
-        told.append(outputs(result, LEAKS[name]))
     if name not in DIFFER_IN_A_BIT:
         assert told[0] == told[1]
 
@@ -174,15 +187,14 @@ def test_a_name_that_only_the_hidden_robot_lacks_is_told_in_our_words(
     secrets: tuple[Traces, Traces], opened: Opened, marker: Marker
 ) -> None:
     public = _masses(bundles.shipped())[2]
-    own = verbatim()["filters.py"].split("# Test filtering")[0]
-    head, made = own.split("class LowPassFilter", 1)
+    head, made = tidy()["filters.py"].split("def compare")[0].split("class LowPassFilter", 1)
     there = f"if abs(_spied.body_mass[2] - {public!r}) < 1e-9:\n" + indent(f"class LowPassFilter{made}", "    ")
-    files = {**verbatim(), "filters.py": f"{head}\n{SPIES}\n{there}"}
+    files = {**tidy(), "filters.py": f"{head}\n{SPIES}\n{there}"}
     submission = handed_in(Case("sound", "hides", files))  # type: ignore[arg-type]
-    assert {c.id: c.points for c in marker.mark(submission).criteria}["filtering"] == 20
+    assert marker.mark(submission, only="filtering").score == 20
     with opened(secrets[0]) as hidden_marker:
-        result = hidden_marker.mark(submission)
-    check = next(check for check in result.criteria[4].checks if check.outcome == "failed")
+        result = hidden_marker.mark(submission, only="filtering")
+    check = next(check for check in result.criteria[0].checks if check.outcome == "failed")
     assert check.message == (
         "Expected  LowPassFilter\n"
         "Got       no definition of LowPassFilter beside hidden data; `imugrade check` loads the file with public data "
