@@ -29,6 +29,7 @@ from grader.labs.imu.worker import HANDLERS
 from grader.sandbox.wire import Frame
 from grader.worker import environment, submission
 from tests.generated import differs
+from tests.recordings.answers import history_after
 
 WORDS = Path(__file__).parent / "words.yaml"
 Check = Callable[[Any, Any], None]
@@ -80,7 +81,16 @@ class FakeStudent(Student):
         return self._lab.checked(op, frame, fields, arrays) if op != "replay" else frame
 
     def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        return self.ask(op, fields, arrays)
+        """Ask without a submission: a run that was simulated before has the same answer."""
+        if op != "replay":
+            return self.ask(op, fields, arrays)
+        run = history_after("", op, fields, arrays)
+        if run not in _REPLAYS:
+            _REPLAYS[run] = self.ask(op, fields, arrays)
+        return _REPLAYS[run]
+
+
+_REPLAYS: dict[str, Frame] = {}
 
 
 @contextmanager

@@ -654,8 +654,5 @@ def test_stamps_and_rows_of_any_length_are_judged(
     stamps: Callable[[np.ndarray], np.ndarray], rows: slice, scale: float, kept: list[Any]
 ) -> None:
     kind = telling(lambda t, a, g, _m: (stamps(t), scale * a[rows], g[rows]))
-    cases = [
-        Case("of any length", check, lambda: FakeStudent(simulate_and_collect=_function(kind())))
-        for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
-    ]
-    assert [marked(finding(case)) for case in cases] == kept
+    row = Row("of any length", lambda: FakeStudent(simulate_and_collect=_function(kind())), {})
+    assert [marked(finding(case)) for case in row.cases(CHECKS)] == kept
