@@ -17,12 +17,17 @@ _MANY = 48
 BATCHES = [recorded_corpus()[first::_MANY] for first in range(_MANY)]
 """Every case once, spread so that each batch takes about as long as another."""
 _EVERYDAY = 12
-"""Each twelfth batch runs without `-m full`."""
+"""Each twelfth batch runs without `-m full`, and every other one of them with `-m quick`."""
+
+
+def _marks(batch: int) -> list[pytest.MarkDecorator]:
+    """Return the markers that leave a batch out of shorter runs."""
+    return [pytest.mark.slow] if batch % _EVERYDAY else [pytest.mark.longer] if batch % (2 * _EVERYDAY) else []
 
 
 @pytest.mark.parametrize(
     "cases",
-    [pytest.param(cases, marks=[pytest.mark.slow] if n % _EVERYDAY else []) for n, cases in enumerate(BATCHES)],
+    [pytest.param(cases, marks=_marks(n)) for n, cases in enumerate(BATCHES)],
     ids=range(len(BATCHES)),
 )
 def test_every_case_is_judged_as_the_corpus_says(cases: Sequence[Case]) -> None:
