@@ -66,9 +66,11 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Do not import files without a quick test for `-m quick`."""
-    of_tests = config.option.markexpr == QUICK and collection_path.suffix == ".py"
-    return True if of_tests and "mark.quick" not in collection_path.read_text(encoding="utf-8") else None
+    """Do not import files without such a test for `-m quick` and `-m delivered`."""
+    mark = {QUICK: "mark.quick", "delivered": "mark.delivered"}.get(config.option.markexpr)
+    if mark is None or collection_path.suffix != ".py":
+        return None
+    return None if mark in collection_path.read_text(encoding="utf-8") else True
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
