@@ -94,6 +94,18 @@ def test_a_wrong_answer_is_noticed_where_the_case_is_compared(
         marker.mark(submission, only="filtering")
 
 
+def test_a_case_that_was_just_recorded_is_not_judged_in_the_sandbox_again(
+    submission: Submission, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Counts, "every", 1)
+    marker = RecordedMarker(without_charts())
+    compared = []
+    for _ in range(2):
+        marker.mark(submission, only="filtering")
+        compared.append(Counts.compared)
+    assert compared == [0, 1]
+
+
 def _wrong(answer: Answer) -> Answer:
     assert answer.frame is not None
     arrays = {name: 2 * array if array.dtype.kind == "f" else array for name, array in answer.frame.arrays.items()}
