@@ -67,9 +67,9 @@ class Hypothesis:
     def fits(self, seen: Seen) -> bool:
         """Return whether it predicts every number. A prediction of zeros does not count: many faults of the values give zeros."""
         sensor, visits = seen
-        wanted = [self.predict(visit.scene, sensor) for visit in visits]
-        tells = np.isfinite(wanted[0]).any() and (not self.values or wanted[0].any())
-        return bool(tells) and all(_agree(v.got[sensor], w) for v, w in zip(visits, wanted, strict=True))
+        first = self.predict(visits[0].scene, sensor)
+        tells = np.isfinite(first).any() and (not self.values or first.any())
+        return bool(tells) and all(_agree(visit.got[sensor], self.predict(visit.scene, sensor)) for visit in visits)
 
 
 def _agree(got: Array, wanted: Array) -> bool:
