@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import datetime, timezone
 from html.parser import HTMLParser
@@ -32,6 +32,7 @@ from grader.platforms.junit import junit
 from grader.platforms.places import Place, Places, find_places
 from grader.platforms.prairielearn import prairielearn
 from grader.report import words
+from tests.corpus.writing import write
 from tests.examples import expected
 from tests.fake_results import HOSTILE, check, lost, result
 
@@ -70,6 +71,27 @@ def mixed() -> Result:
 
 def incomplete() -> Result:
     return result(check(), check("not_judged", None, message="Not judged"), status="incomplete")
+
+
+def record(required: str, **properties: object) -> dict[str, object]:
+    """A schema: an object that has these properties, the required ones at least, and no others."""
+    return {
+        "type": "object", "additionalProperties": False, "required": required.split(),
+        "properties": properties,
+    }  # fmt: skip
+
+
+def listed(items: dict[str, object]) -> dict[str, object]:
+    return {"type": "array", "items": items}
+
+
+NUMBER, TEXT, FLAG, SOME = ({"type": kind} for kind in ("number", "string", "boolean", "object"))
+
+
+def read(text: str, schema: Mapping[str, object]) -> dict[str, Any]:
+    told: dict[str, Any] = json.loads(text)
+    jsonschema.validate(told, schema)
+    return told
 
 
 # --- GitHub -----------------------------------------------------------------------------------------------------------
@@ -127,31 +149,19 @@ def test_an_annotation_stays_below_the_size_that_github_takes() -> None:
     assert len(github.commands(huge, Places(LAB))) < 8000
 
 
-def test_an_annotation_points_to_the_line_that_raised() -> None:
+def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submission() -> None:
     places = Places(LAB, {"filters.py": "lab/filters.py"}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
-    row = check(
-        "error",
-        0.0,
-        expected="no exception",
-        got="ValueError: no at evil.py, line 3",
-        where=Where("filters.py", 12),
-    )
-    assert as_the_runner_reads(github.commands(result(row), places))[0][1]["file"] == "lab/filters.py"
-    assert as_the_runner_reads(github.commands(result(row), places))[0][1]["line"] == "12"
-
-
-def test_a_file_that_is_not_in_the_submission_is_not_pointed_to() -> None:
-    places = Places(LAB, {"imu_reader.py": "imu_reader.py"})
-    assert places.of(check("error", 0.0, where=Where("/etc/passwd", 1))) is None
+    said = {"expected": "no exception", "got": "ValueError: no at evil.py, line 3"}
+    row = check("error", 0.0, where=Where("filters.py", 12), **said)
+    told = as_the_runner_reads(github.commands(result(row), places))[0][1]
+    assert (told["file"], told["line"]) == ("lab/filters.py", "12")
+    assert places.of(check("error", 0.0, where=Where("/etc/passwd", 1))) == Place("lab/imu_reader.py", 7)
 
 
 def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -> None:
-    folder = tmp_path / "week4" / "lab"
-    folder.mkdir(parents=True)
-    files = {"lab.py": b"import numpy\n\n\nclass LowPassFilter:\n    pass\n", "imu_reader.py": b"x = 1\n"}
-    for name, content in files.items():
-        (folder / name).write_bytes(content)
-    (tmp_path / "week4" / "draw.py").write_bytes(b"class NoisyIMU:\n    pass\n")
+    lab = "import numpy\n\n\nclass LowPassFilter:\n    pass\n"
+    draw = "class NoisyIMU:\n    pass\n"
+    write({"week4/lab/lab.py": lab, "week4/lab/imu_reader.py": "x = 1\n", "week4/draw.py": draw}, tmp_path)
     places = find_places(LAB, read_submission(tmp_path, LAB.files), tmp_path, tmp_path)
     assert places.definitions["LowPassFilter"] == Place("week4/lab/lab.py", 4)
     assert places.definitions["get_imu_readings"] == Place("week4/lab/imu_reader.py")
@@ -294,55 +304,29 @@ def test_any_text_makes_well_formed_xml(text: str) -> None:
 
 VISIBILITY = {"enum": ["hidden", "after_due_date", "after_published", "visible"]}
 FORMAT = {"enum": ["text", "html", "simple_format", "md", "ansi"]}
-GRADESCOPE = {
-    "type": "object",
-    "additionalProperties": False,
-    "required": ["score", "tests"],
-    "properties": {
-        "score": {"type": "number"},
-        "execution_time": {"type": "number"},
-        "output": {"type": "string"},
-        "output_format": FORMAT,
-        "visibility": VISIBILITY,
-        "stdout_visibility": VISIBILITY,
-        "extra_data": {"type": "object"},
-        "tests": {
-            "type": "array",
-            "items": {
-                "type": "object",
-                "additionalProperties": False,
-                "required": ["name", "status"],
-                "dependentRequired": {"score": ["max_score"]},
-                "properties": {
-                    "score": {"type": "number"},
-                    "max_score": {"type": "number"},
-                    "status": {"enum": ["passed", "failed"]},
-                    "name": {"type": "string"},
-                    "name_format": FORMAT,
-                    "number": {"type": "string"},
-                    "output": {"type": "string"},
-                    "output_format": FORMAT,
-                    "tags": {"type": "array", "items": {"type": "string"}},
-                    "visibility": VISIBILITY,
-                },
-            },
-        },
-    },
-}
+GRADESCOPE = record(
+    "score tests", score=NUMBER, execution_time=NUMBER, output=TEXT, output_format=FORMAT, visibility=VISIBILITY,
+    stdout_visibility=VISIBILITY, extra_data=SOME,
+    tests=listed(
+        record(
+            "name status", score=NUMBER, max_score=NUMBER, status={"enum": ["passed", "failed"]}, name=TEXT, name_format=FORMAT,
+            number=TEXT, output=TEXT, output_format=FORMAT, tags=listed(TEXT), visibility=VISIBILITY,
+        )
+        | {"dependentRequired": {"score": ["max_score"]}}
+    ),
+)  # fmt: skip
 
 
 def read_gradescope(text: str) -> dict[str, Any]:
-    record: dict[str, Any] = json.loads(text)
-    jsonschema.validate(record, GRADESCOPE)
-    return record
+    return read(text, GRADESCOPE)
 
 
 def test_gradescope_gets_a_test_a_check_whose_points_sum_to_the_total() -> None:
-    record = read_gradescope(gradescope(mixed()))
-    assert record["score"] == round(sum(test.get("score", 0.0) for test in record["tests"]), 2) == 9.33
-    assert sum(test.get("max_score", 0.0) for test in record["tests"]) == 30
-    assert [test["number"] for test in record["tests"]] == ["1.1", "1.2", "1.3", "1.4", "1.5", "2.1"]
-    assert record["tests"][2]["output"].startswith("<pre>Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²</pre>")
+    told = read_gradescope(gradescope(mixed()))
+    assert told["score"] == round(sum(test.get("score", 0.0) for test in told["tests"]), 2) == 9.33
+    assert sum(test.get("max_score", 0.0) for test in told["tests"]) == 30
+    assert [test["number"] for test in told["tests"]] == ["1.1", "1.2", "1.3", "1.4", "1.5", "2.1"]
+    assert told["tests"][2]["output"].startswith("<pre>Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²</pre>")
 
 
 def test_hidden_scenarios_leave_no_number_and_no_printed_text_on_gradescope() -> None:
@@ -350,76 +334,50 @@ def test_hidden_scenarios_leave_no_number_and_no_printed_text_on_gradescope() ->
         lost(message="Expected  [0.412]\nGot       secret 0.412"),
         check("error", 0.0, message="Got       0.412 at x"),
     )
-    record = read_gradescope(gradescope(result(*rows), hidden=True))
-    text = json.dumps(record)
+    told = read_gradescope(gradescope(result(*rows), hidden=True))
+    text = json.dumps(told)
     assert "0.412" not in text
     assert "secret" not in text
-    assert "It does not do this in a hidden scenario." in record["tests"][0]["output"]
-    assert "data.sensordata is flat" in record["tests"][0]["output"]  # the hint stays: it says what to change
-
-
-def test_gradescope_is_never_given_a_zero_for_what_was_not_judged() -> None:
-    with pytest.raises(GraderError, match="the grader failed on a part of the submission"):
-        gradescope(incomplete())
+    assert "It does not do this in a hidden scenario." in told["tests"][0]["output"]
+    assert "data.sensordata is flat" in told["tests"][0]["output"]  # the hint stays: it says what to change
 
 
 def test_no_text_of_a_submission_becomes_html_on_gradescope() -> None:
-    record = read_gradescope(gradescope(evil()))
-    for text in [record["output"], *(test["output"] for test in record["tests"])]:
+    told = read_gradescope(gradescope(evil()))
+    for text in [told["output"], *(test["output"] for test in told["tests"])]:
         assert set(Page(text).tags) <= {"p", "b", "pre"}
 
 
 # --- PrairieLearn -----------------------------------------------------------------------------------------------------
 
-PRAIRIELEARN = {
-    "type": "object",
-    "additionalProperties": False,
-    "required": ["score", "gradable"],
-    "properties": {
-        "score": {"type": "number", "minimum": 0, "maximum": 1},
-        "gradable": {"type": "boolean"},
-        "message": {"type": "string"},
-        "output": {"type": "string"},
-        "format_errors": {"type": "array", "items": {"type": "string"}},
-        "tests": {
-            "type": "array",
-            "items": {
-                "type": "object",
-                "additionalProperties": False,
-                "required": ["name", "points", "max_points"],
-                "properties": {
-                    "name": {"type": "string"},
-                    "description": {"type": "string"},
-                    "points": {"type": "number"},
-                    "max_points": {"type": "number"},
-                    "message": {"type": "string"},
-                    "output": {"type": "string"},
-                },
-            },
-        },
-    },
-}
+PRAIRIELEARN = record(
+    "score gradable", score=NUMBER | {"minimum": 0, "maximum": 1}, gradable=FLAG, message=TEXT, output=TEXT,
+    format_errors=listed(TEXT),
+    tests=listed(
+        record(
+            "name points max_points", name=TEXT, description=TEXT, points=NUMBER, max_points=NUMBER, message=TEXT, output=TEXT
+        )
+    ),
+)  # fmt: skip
 
 
 def read_prairielearn(text: str) -> dict[str, Any]:
     assert len(text.encode()) <= 1_000_000
-    record: dict[str, Any] = json.loads(text)
-    jsonschema.validate(record, PRAIRIELEARN)
-    return record
+    return read(text, PRAIRIELEARN)
 
 
 @pytest.mark.parametrize("status", ["empty", "unreadable"])
 def test_what_cannot_be_graded_costs_no_attempt_on_prairielearn(status: Any) -> None:
-    record = read_prairielearn(prairielearn(result(check("skipped", 0.0), status=status)))
-    assert record["gradable"] is False
-    assert record["format_errors"]
+    told = read_prairielearn(prairielearn(result(check("skipped", 0.0), status=status)))
+    assert told["gradable"] is False
+    assert told["format_errors"]
 
 
 def test_prairielearn_is_given_no_more_than_it_takes() -> None:
     rows = [lost(id=f"sensor_access.c{i}", message="ü" * 2000, hint="ü" * 2000) for i in range(200)]
-    record = read_prairielearn(prairielearn(result(*rows)))
-    assert record["score"] == 0
-    assert record["tests"] == []
+    told = read_prairielearn(prairielearn(result(*rows)))
+    assert told["score"] == 0
+    assert told["tests"] == []
 
 
 def test_hidden_scenarios_leave_no_number_on_prairielearn() -> None:
@@ -429,43 +387,29 @@ def test_hidden_scenarios_leave_no_number_on_prairielearn() -> None:
 # --- Classroom 50 -----------------------------------------------------------------------------------------------------
 
 WHOLE = {"type": "integer", "minimum": 0}
-CLASSROOM50 = {
-    "type": "object",
-    "additionalProperties": False,
-    "required": ["schema", "classroom", "assignment", "owner", "submission", "commit", "release", "review", "datetime",
-                 "score", "max-score", "tests"],
-    "properties": {
-        "schema": {"const": "classroom50/result/v1"},
-        **{key: {"type": "string", "minLength": 1} for key in ("classroom", "assignment", "owner", "submission", "commit", "release", "review")},
-        "assignment_type": {"enum": ["individual", "group"]},
-        "datetime": {"type": "string", "pattern": r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$"},
-        "score": WHOLE,
-        "max-score": WHOLE,
-        "tests": {
-            "type": "array",
-            "items": {
-                "type": "object",
-                "required": ["test-name", "passed", "score", "max-score"],
-                "properties": {"test-name": {"type": "string"}, "passed": {"type": "boolean"}, "score": WHOLE, "max-score": WHOLE},
-            },
-        },
-    },
-}  # fmt: skip
+NAME = TEXT | {"minLength": 1}
+CLASSROOM50 = record(
+    "schema classroom assignment owner submission commit release review datetime score max-score tests",
+    schema={"const": "classroom50/result/v1"}, classroom=NAME, assignment=NAME, owner=NAME, submission=NAME, commit=NAME,
+    release=NAME, review=NAME, assignment_type={"enum": ["individual", "group"]}, score=WHOLE, tests=listed(
+        record("test-name passed score max-score", passed=FLAG, score=WHOLE, **{"max-score": WHOLE, "test-name": TEXT})
+        | {"additionalProperties": True}
+    ),
+    datetime=TEXT | {"pattern": r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$"}, **{"max-score": WHOLE},
+)  # fmt: skip
 
 
 def read_classroom50(graded: Result) -> dict[str, Any]:
-    record: dict[str, Any] = json.loads(classroom50(graded, Identity.of(ID), WHEN))
-    jsonschema.validate(record, CLASSROOM50)
-    return record
+    return read(classroom50(graded, Identity.of(ID), WHEN), CLASSROOM50)
 
 
 def test_classroom50_gets_whole_points_that_sum_to_the_total_and_the_exact_ones_beside_them() -> None:
-    record = read_classroom50(mixed())
-    assert (record["score"], record["max-score"]) == (9, 30)
-    assert [test["score"] for test in record["tests"]] == [6, 3, 0, 0, 0]
-    assert record["tests"][1]["exact-score"] == 3.33
-    assert [test["passed"] for test in record["tests"]] == [True, False, False, False, False]
-    assert record["datetime"] == WHEN
+    told = read_classroom50(mixed())
+    assert (told["score"], told["max-score"]) == (9, 30)
+    assert [test["score"] for test in told["tests"]] == [6, 3, 0, 0, 0]
+    assert told["tests"][1]["exact-score"] == 3.33
+    assert [test["passed"] for test in told["tests"]] == [True, False, False, False, False]
+    assert told["datetime"] == WHEN
 
 
 def test_classroom50_names_what_its_runner_did_not_set() -> None:
@@ -473,9 +417,10 @@ def test_classroom50_names_what_its_runner_did_not_set() -> None:
         Identity.of({key: value for key, value in ID.items() if key not in ("COMMIT_URL", "OWNER")})
 
 
-def test_classroom50_is_never_given_a_zero_for_what_was_not_judged() -> None:
+@pytest.mark.parametrize("answer", [gradescope, lambda graded: classroom50(graded, Identity.of(ID), WHEN)])
+def test_no_platform_is_given_a_zero_for_what_was_not_judged(answer: Callable[[Result], str]) -> None:
     with pytest.raises(GraderError, match="the grader failed on a part of the submission"):
-        classroom50(incomplete(), Identity.of(ID), WHEN)
+        answer(incomplete())
 
 
 hundredths = st.integers(0, 2000).map(lambda n: n / 100)
