@@ -13,7 +13,7 @@ import pytest
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
-from tests.corpus.pieces import verbatim
+from tests.corpus.pieces import tidy, verbatim
 
 NOISY = """
 import os, random, secrets, threading, time, uuid, datetime
@@ -58,7 +58,7 @@ ODD = {
 
 
 def noisy(draw: str) -> Submission:
-    files = {**verbatim(), "noisy_imu.py": NOISY + draw}
+    files = {**tidy(), "noisy_imu.py": NOISY + draw}
     return Submission("s", "s", {path: text.encode() for path, text in files.items()}, (), "ready", "")
 
 
