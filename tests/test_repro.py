@@ -22,7 +22,10 @@ from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.repeating import WRITTEN, program
 from grader.report.terminal import screen
+from tests import sandboxes
+from tests.classes import filters_alone
 from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
+from tests.corpus.writing import write
 from tests.examples import FOLDER
 from tests.fake_results import lost, result
 
@@ -69,7 +72,7 @@ def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None
     [
         (
             "filtering.follows_recursion",
-            {},
+            filters_alone(0.5),
             "output: row 1 is the first that differs, of 60: yours",
         ),
         (
@@ -81,12 +84,10 @@ def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None
     ],
 )  # fmt: skip
 def test_the_first_row_that_differs_stands_beside_the_expected_one(
-    check_id: str, files: dict[str, str], said: str, lab: Path, tmp_path: Path
+    check_id: str, files: dict[str, str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    own = tmp_path / "own"
-    own.mkdir()
-    for name, text in {**FAULTY, **files}.items():
-        (own / name).write_text(text)
+    monkeypatch.setattr(repeating, "open_sandbox_for", lambda *_: sandboxes.Lasting(sandboxes.shared()))
+    own = write(files, tmp_path / "own")
     shown = ran(repeating.write(load(LAB), check_id, own, own / ".imugrade"), tmp_path)
     assert said in shown
     assert "expected" in shown.split(said)[1] or "are expected" in said
