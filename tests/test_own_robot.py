@@ -30,6 +30,8 @@ from tests.other_robots import OTHERS, exchanged, fetched, rubric_for
 from tests.sandboxes import Opened
 
 SECRET = "a secret of the tests of other robots"
+SECRETLY = ("dog", "boxhead")
+"""Robots that are graded on under the secret; to record a quadruped's takes five seconds."""
 
 ROBOT = """\
 <mujoco model="rover">
@@ -99,8 +101,10 @@ def line_of(rubric_file: Path, start: str) -> int:
 @pytest.mark.parametrize(
     ("name", "seed"),
     [
-        pytest.param(name, [None, SECRET][n % 2], id=f"{name}-{['public', 'secret'][n % 2]}")
-        for n, name in enumerate(OTHERS)
+        pytest.param(
+            name, SECRET if name in SECRETLY else None, id=f"{name}-{'secret' if name in SECRETLY else 'public'}"
+        )
+        for name in OTHERS
     ],
 )
 def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
@@ -117,9 +121,8 @@ def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
     assert (result.score, result.status) == (100.0, "graded")
 
 
-@pytest.mark.parametrize("name", ["humanoid", "dog"])
-def test_under_a_secret_the_robot_moves_otherwise(name: str, wheel_of_robots: Path, cache: Path) -> None:
-    other = OTHERS[name]
+def test_under_a_secret_the_robot_moves_otherwise(wheel_of_robots: Path, cache: Path) -> None:
+    other = OTHERS["dog"]
     model = Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
     public, hidden = (bundles.obtain(seed, cache, model)["push"] for seed in (None, SECRET))
     n = min(len(public["time"]), len(hidden["time"]))

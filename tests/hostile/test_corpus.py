@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
 import pytest
 
+from grader.engine.grader import Marker
+from grader.engine.results import to_json
+from grader.intake import read_submission
+from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import FILTER_INCREMENT, tidy
 from tests.corpus.writing import Files, write
 from tests.durability import grade, results
+from tests.fake_results import without_durations
 from tests.hostile.corpus import PROGRAMS
 from tests.hostile.judging import AttackJudge
 from tests.hostile.program import FAMILIES, Program
@@ -55,19 +61,18 @@ def test_every_forgery_has_its_honest_twin() -> None:
 NEIGHBOURS = ("builtins-say-yes", "daemon", "error-says-ansi")
 
 
-def test_a_class_has_the_same_marks_with_and_without_hostile_neighbours(tmp_path: Path) -> None:
-    honest, mixed = tmp_path / "honest", tmp_path / "mixed"
+def test_a_class_has_the_same_marks_with_and_without_hostile_neighbours(tmp_path: Path, marker: Marker) -> None:
     wrong = "import numpy as np\n\n\n" + FILTER_INCREMENT.replace("self.alpha * (x", "0.5 * self.alpha * (x")
-    for folder in (honest, mixed):
-        write({"filters.py": str(tidy()["filters.py"])}, folder / "m-sound")
-        write({"filters.py": wrong}, folder / "p-wrong")
+    expected = {}
+    for name, code in (("m-sound", str(tidy()["filters.py"])), ("p-wrong", wrong)):
+        path = write({"filters.py": code}, tmp_path / "mixed" / name)
+        expected[name] = json.loads(to_json(marker.mark(read_submission(path, LAB.files))))
     for number, name in enumerate(NEIGHBOURS):
-        write(_alone(BY_NAME[name]), mixed / f"{'ago'[number % 3]}-hostile{number}")
-    assert grade(honest, tmp_path / "a").returncode == 0
-    assert grade(mixed, tmp_path / "b").returncode == 0
-    expected, found = results(tmp_path / "a"), results(tmp_path / "b")
+        write(_alone(BY_NAME[name]), tmp_path / "mixed" / f"{'ago'[number % 3]}-hostile{number}")
+    assert grade(tmp_path / "mixed", tmp_path / "out").returncode == 0
+    found = results(tmp_path / "out")
     assert len(found) == len(expected) + len(NEIGHBOURS)
-    assert {name: found[name] for name in expected} == expected
+    assert {name: found[name] for name in expected} == without_durations(expected)
 
 
 def _alone(program: Program) -> Files:
