@@ -19,7 +19,7 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.platforms.gradescope import gradescope
 from grader.report.pages import report_page
-from tests.corpus.pieces import verbatim
+from tests.corpus.pieces import tidy
 from tests.sandboxes import Opened
 from tests.scoreboard import Case, handed_in
 
@@ -61,9 +61,9 @@ class LowPassFilter:
         os._exit(int(abs(measurement[0]) * 1e6) % 200 + 50)
 """
 SPY = {
-    "imu_reader.py": verbatim()["imu_reader.py"] + READER + COLLECTOR,
-    "noisy_imu.py": verbatim()["noisy_imu.py"] + NOISY,
-    "filters.py": verbatim()["filters.py"] + ENDING,
+    "imu_reader.py": tidy()["imu_reader.py"] + READER + COLLECTOR,
+    "noisy_imu.py": tidy()["noisy_imu.py"] + NOISY,
+    "filters.py": tidy()["filters.py"] + ENDING,
 }
 
 

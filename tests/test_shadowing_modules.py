@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.corpus.sheet import VERBATIM
+from tests.corpus.pieces import tidy
 from tests.corpus.writing import write
 from tests.shadowing_modules import write_shadowing_modules
 
@@ -43,7 +43,7 @@ def called(command: list[str], cwd: Path) -> subprocess.CompletedProcess[str]:
     ids=lambda words: words[0],
 )  # fmt: skip
 def test_the_command_imports_nothing_from_the_folder_that_it_is_called_in(tmp_path: Path, words: list[str]) -> None:
-    write(VERBATIM, tmp_path / "lab")
+    write(tidy(), tmp_path / "lab")
     here = write_shadowing_modules(tmp_path / "here", tmp_path / "told")
     done = called([COMMAND, *words], here)
     assert (tmp_path / "told").read_text(encoding="utf-8") == ""
@@ -51,7 +51,7 @@ def test_the_command_imports_nothing_from_the_folder_that_it_is_called_in(tmp_pa
 
 
 def test_python_m_grader_imports_nothing_more_from_there_once_it_runs(tmp_path: Path) -> None:
-    write(VERBATIM, tmp_path / "lab")
+    write(tidy(), tmp_path / "lab")
     here = write_shadowing_modules(tmp_path / "here", tmp_path / "told", but=READ_BEFORE)
     done = called([sys.executable, "-m", "grader", "grade", "../lab", "-o", "../out"], here)
     assert (tmp_path / "told").read_text(encoding="utf-8") == ""
