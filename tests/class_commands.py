@@ -23,6 +23,7 @@ from grader.labs.imu.lab import LAB
 from tests.desk import Student, result_of
 
 Run = Callable[..., tuple[int, str, str]]
+Mark = Callable[[Submission, Rubric, Traces], Result]
 CHECK = "filtering.follows_recursion"
 STOPS = {
     "outcome": "error",
@@ -35,7 +36,10 @@ NO_SEED = "imugrade: no seed: graded on the public scenarios only, which student
 
 @contextmanager
 def commands(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str] | None = None
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    ran: list[str] | None = None,
+    mark: Mark | None = None,
 ) -> Iterator[Run]:
     """Run `imugrade` in this process. A submission keeps of `CHECK` what the comment in its filters.py says; its id is put into `ran`."""
 
@@ -43,7 +47,7 @@ def commands(
         rubric, traces = opener.args[:2]
         for each in submissions:
             (ran if ran is not None else []).append(each.id)
-            yield each, _result(each, rubric, traces)
+            yield each, (mark or _result)(each, rubric, traces)
 
     def command(*arguments: object) -> tuple[int, str, str]:
         code = cli.main([str(argument) for argument in arguments])

@@ -4,80 +4,44 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable
-from contextlib import contextmanager
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from grader import cli
-from grader.course import classroom
 from grader.course.adjusting import OverrideRequest, undone, undone_decision
 from grader.course.database import FILE_NAME
-from grader.course.pool import Bounds, OpenMarker
+from grader.course.differences import lines_of
 from grader.course.record import Store
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.people.final_grade import Adjustment
-from grader.sandbox.isolation_levels import LEVELS
-from tests.fake_results import FakeMarker, check, lost, result
+from grader.people.final_grade import Adjustment, FinalGrade
+from tests.class_commands import Run, commands, hand_in, rubric_with
+from tests.fake_results import check, lost, result
 from tests.test_downloads import zip_of
 
-NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)\n"
-Run = Callable[..., tuple[int, str, str]]
+PART = ("--criterion", "sensor_access")
+WISH = (*PART, "--comment", "x", "--points")
 
 
-class ByWords:
-    """Marks what the first line of filters.py asks for: ``# 14`` has 14 of 20, ``# open`` is not judged."""
-
-    isolation = LEVELS[0]
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def mark(self, submission: Submission, cpu_s: float | None = None, *, only: str | None = None) -> Result:
-        with open(self._folder / "marked", "a", encoding="utf-8") as log:
-            log.write(f"{submission.id} 0\n")
-        wanted = submission.files["filters.py"].decode().strip("# \n")
-        if wanted == "open":
-            return result(check("not_judged", None), status="incomplete", name=submission.id)
-        return result(check(points=float(wanted), max_points=20.0), name=submission.id)
-
-
-@contextmanager
-def by_words(folder: Path):  # type: ignore[no-untyped-def]
-    yield ByWords(folder)
+def by_words(submission: Submission, *_: object) -> Result:
+    """What the first line of filters.py asks for: ``# 14`` has 14 of 20, ``# open`` is not judged."""
+    wanted = submission.files["filters.py"].decode().strip("# \n")
+    if wanted == "open":
+        return result(check("not_judged", None), status="incomplete", name=submission.id)
+    return result(check(points=float(wanted), max_points=20.0), name=submission.id)
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """The command in this process; a class is marked here, by words."""
-    monkeypatch.delenv("IMUGRADE_SEED", raising=False)
-    (tmp_path / "marked").touch()
-
-    def mark_all(submissions, opener: OpenMarker, jobs: int, bounds: Bounds):  # type: ignore[no-untyped-def]
-        with by_words(tmp_path) as marker:
-            yield from ((each, marker.mark(each)) for each in submissions)
-
-    monkeypatch.setattr(classroom, "mark_all", mark_all)
-
-    def command(*arguments: object) -> tuple[int, str, str]:
-        code = cli.main([str(argument) for argument in arguments])
-        told = capsys.readouterr()
-        return code, told.out, told.err.removeprefix(NO_SEED)
-
-    return command
+def ran() -> list[str]:
+    return []
 
 
-def marked(tmp_path: Path) -> list[str]:
-    return sorted(FakeMarker(tmp_path).marked())
-
-
-def hand_in(root: Path, **points: object) -> Path:
-    for name, each in points.items():
-        (root / name).mkdir(parents=True, exist_ok=True)
-        (root / name / "filters.py").write_text(f"# {each}\n")
-    return root
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str]) -> Iterator[Run]:
+    with commands(monkeypatch, capsys, ran, by_words) as made:
+        yield made
 
 
 @pytest.fixture
@@ -91,7 +55,7 @@ def out(tmp_path: Path, run: Run) -> Path:
 
 def test_points_by_hand_are_told_listed_and_kept_apart_from_the_marks(run: Run, out: Path) -> None:
     before = (out / "submissions" / "alice" / "result.json").read_bytes()
-    words = ("--criterion", "sensor_access", "--points", 18, "--comment", "shown in the lab hour", "--author", "prof")
+    words = (*PART, "--points", 18, "--comment", "shown in the lab hour", "--author", "prof")
     assert run("adjust", out, "alice", *words) == (0, "alice sensor_access 18, final 18\n", "")
     assert (out / "submissions" / "alice" / "result.json").read_bytes() == before
     table = (out / "gradebook.csv").read_text()
@@ -106,15 +70,19 @@ def test_points_by_hand_are_told_listed_and_kept_apart_from_the_marks(run: Run, 
 
 
 def test_the_same_again_changes_nothing_and_withdrawing_brings_the_automatic_points_back(run: Run, out: Path) -> None:
-    words = ("--criterion", "sensor_access", "--comment", "x", "--points", 18)
-    run("adjust", out, "alice", *words)
-    assert run("adjust", out, "alice", *words)[1] == "alice sensor_access 18 (as before), final 18\n"
-    otherwise = ("--criterion", "sensor_access", "--points", 18, "--comment", "another reason")
-    assert run("adjust", out, "alice", *otherwise)[1] == "alice sensor_access 18, final 18\n"
-    run("adjust", out, "alice", *words)
-    assert run("adjust", out, "alice", *words[:4], "--withdraw")[1] == "alice sensor_access withdrawn, final 14\n"
-    again = "alice sensor_access withdrawn (as before), final 14\n"
-    assert run("adjust", out, "alice", *words[:4], "--withdraw") == (0, again, "")
+    for wish, told in (
+        ((*WISH, 18), "18"),
+        ((*WISH, 18), "18 (as before)"),
+        ((*PART, "--points", 18, "--comment", "another reason"), "18"),
+        ((*WISH, 18), "18"),
+    ):
+        assert run("adjust", out, "alice", *wish)[1] == f"alice sensor_access {told}, final 18\n"
+    for told in ("withdrawn", "withdrawn (as before)"):
+        assert run("adjust", out, "alice", *WISH[:-1], "--withdraw") == (
+            0,
+            f"alice sensor_access {told}, final 14\n",
+            "",
+        )
     assert [line.split()[2] for line in run("adjust", out)[1].splitlines()] == ["18", "18", "18", "withdrawn"]
     assert "adjusted" not in (out / "gradebook.csv").read_text()
 
@@ -149,43 +117,30 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["alice"], "adjust: give --points or --withdraw"),
-        (["alice", "--csv", "x"], "adjust: give exactly one of ID, --csv, --having and --take-back"),
-        (
-            ["alice", "--points", "1"],
-            "adjust: say for what with --criterion: sensor_access, one of their checks, total or bonus",
-        ),
+        ("alice", "give --points or --withdraw"),
+        ("alice --csv x", "give exactly one of ID, --csv, --having and --take-back"),
+        ("alice --points 1", "say for what with --criterion: sensor_access, one of their checks, total or bonus"),
     ],
 )
-def test_a_wish_that_is_not_whole_is_one_line(arguments: list[str], line: str, run: Run, out: Path) -> None:
-    assert run("adjust", out, *arguments) == (2, "", f"imugrade: {line}\n")
+def test_a_wish_that_is_not_whole_is_one_line(arguments: str, line: str, run: Run, out: Path) -> None:
+    assert run("adjust", out, *arguments.split()) == (2, "", f"imugrade: adjust: {line}\n")
 
 
 def test_an_adjustment_survives_a_regrade_which_flags_it_when_the_marks_beneath_changed(
     run: Run, out: Path, tmp_path: Path
 ) -> None:
-    run("adjust", out, "alice", "--criterion", "sensor_access", "--points", 18, "--comment", "x")
+    run("adjust", out, "alice", *WISH, 18)
     assert run("grade", tmp_path / "class", "-o", out, "--force")[2] == ""
     hand_in(tmp_path / "class", alice=16)
     flag = "imugrade: alice: sensor_access was overridden with 18 when it had 14 / 20; the automatic points are now 16 / 20. Adjust it again or withdraw it\n"
     assert run("grade", tmp_path / "class", "-o", out)[2] == flag
     assert "alice,alice,16,16,18,18,graded" in (out / "gradebook.csv").read_text()
     assert run("grade", tmp_path / "class", "-o", out)[2] == flag
-    run("adjust", out, "alice", "--criterion", "sensor_access", "--points", 18, "--comment", "x")
+    run("adjust", out, "alice", *WISH, 18)
     assert run("grade", tmp_path / "class", "-o", out)[2] == ""
 
 
 # ---- what is graded again ----
-
-
-def with_rubric(tmp_path: Path, old: str, new: str) -> Path:
-    from grader.engine.rubric import shipped
-    from grader.labs.imu.lab import LAB
-
-    text = shipped(LAB).read_text(encoding="utf-8")
-    assert old in text
-    (tmp_path / "rubric.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
-    return tmp_path / "rubric.yaml"
 
 
 LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
@@ -200,32 +155,56 @@ LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
     ],
 )
 def test_a_rubric_change_grades_again_only_if_marks_depend_on_it(
-    old: str, new: str, again: list[str], run: Run, out: Path, tmp_path: Path
+    old: str, new: str, again: list[str], run: Run, out: Path, tmp_path: Path, ran: list[str]
 ) -> None:
-    assert run("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, old, new), "--change")[0] == 0
-    assert marked(tmp_path) == sorted(["alice", "bob", *again])
+    assert (
+        run(
+            "grade",
+            tmp_path / "class",
+            "-o",
+            out,
+            "--rubric",
+            rubric_with(tmp_path / "rubric.yaml", (old, new)),
+            "--change",
+        )[0]
+        == 0
+    )
+    assert sorted(ran) == sorted(["alice", "bob", *again])
 
 
-def test_only_with_force_grades_one_again_and_a_change_back_is_on_record(run: Run, out: Path, tmp_path: Path) -> None:
+def test_only_with_force_grades_one_again_and_a_change_back_is_on_record(
+    run: Run, out: Path, tmp_path: Path, ran: list[str]
+) -> None:
     run("grade", tmp_path / "class", "-o", out, "--only", "bob", "--force")
     hand_in(tmp_path / "class", bob=3)
     run("grade", tmp_path / "class", "-o", out)
     hand_in(tmp_path / "class", bob=20)
     run("grade", tmp_path / "class", "-o", out)
-    assert marked(tmp_path) == ["alice", "bob", "bob", "bob"]
+    assert sorted(ran) == ["alice", "bob", "bob", "bob"]
     assert "bob,bob,20,20,graded" in (out / "gradebook.csv").read_text()
 
 
-def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(run: Run, out: Path, tmp_path: Path) -> None:
+def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(
+    run: Run, out: Path, tmp_path: Path, ran: list[str]
+) -> None:
     roster = tmp_path / "roster.csv"
     roster.write_text(
         'id,name,section,submitted,due\nalice,"Müller, A.",B,2026-11-21T13:00Z,\nbob,Bob,A,2026-11-25T12:00Z,2026-11-30T00:00Z\nx,Gone,A,,\n'
     )
-    given = ("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, *LATE), "--roster", roster)
+    given = (
+        "grade",
+        tmp_path / "class",
+        "-o",
+        out,
+        "--rubric",
+        rubric_with(tmp_path / "rubric.yaml", LATE),
+        "--roster",
+        roster,
+    )
     code, _, err = run(*given, "--change")
     change = "another late policy, a roster: 1 of 2 scores change, mean of graded 17.0 to 10.0"
-    assert (code, err) == (0, f"imugrade: {change}\n{NO_SEED}imugrade: in the roster, no submission: Gone\n")
-    assert marked(tmp_path) == ["alice", "bob"]
+    assert (code, err) == (0, f"imugrade: {change}\nimugrade: in the roster, no submission: Gone\n")
+    assert sorted(ran) == ["alice", "bob"]
     assert (out / "gradebook.csv").read_text() == (
         "id,name,section,sensor_access,total,submitted,late,late_deduction,final,status\n"
         'alice,"Müller, A.",B,14,14,2026-11-21T13:00:00+00:00,2,14,0,graded\n'
@@ -243,11 +222,7 @@ def attempts(tmp_path: Path, *points: object) -> list[Path]:
 
 @pytest.mark.parametrize(
     ("points", "which", "total"),
-    [
-        ((14, 20, 16), "latest", "16"),
-        ((14, 20, 16), "best", "20"),
-        ((14, "open", 16), "best", ""),
-    ],
+    [((14, 20, 16), "latest", "16"), ((14, 20, 16), "best", "20"), ((14, "open", 16), "best", "")],
 )
 def test_of_several_attempts_the_latest_or_the_best_counts(
     points: tuple[object, ...], which: str, total: str, run: Run, tmp_path: Path
@@ -266,8 +241,7 @@ def test_people_are_called_by_any_name_of_theirs(word: str, run: Run, tmp_path: 
     roster.write_bytes("username;sid;name;email\nalice;s1;Doe, Jane;jane@example.edu\n".encode("cp1252"))
     given = ("grade", tmp_path / "class", "-o", tmp_path / "out", "--roster", roster)
     assert "1 graded" in run(*given, "--only", word)[1]
-    wish = ("--criterion", "sensor_access", "--points", 3, "--comment", "x")
-    assert run("adjust", tmp_path / "out", word, *wish) == (0, "alice sensor_access 3, final 3\n", "")
+    assert run("adjust", tmp_path / "out", word, *WISH, 3) == (0, "alice sensor_access 3, final 3\n", "")
 
 
 @pytest.mark.parametrize(("encoding", "sign"), [("cp1252", ";"), ("utf-8-sig", ","), ("utf-16", "\t")])
@@ -287,7 +261,7 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
     other = tmp_path / "other"
     hand_in(tmp_path / "class2", alice=17, bob=20, carol=1)
     run("grade", tmp_path / "class2", "-o", other)
-    run("adjust", other, "bob", "--criterion", "sensor_access", "--points", 19, "--comment", "x")
+    run("adjust", other, "bob", *WISH, 19)
     assert run("diff", out, other) == (
         0,
         "alice  14 → 17\n"
@@ -302,11 +276,6 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
 
 
 def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
-    from dataclasses import replace
-
-    from grader.course.differences import lines_of
-    from grader.people.final_grade import FinalGrade
-
     old = result(lost(), name="a")
     new = replace(result(name="a"), provenance={**old.provenance, "rubric_sha256": "other", "submission_sha256": "x"})
     lines = list(lines_of({"a": FinalGrade("a", old)}, {"a": FinalGrade("a", new)}))
@@ -322,18 +291,16 @@ def given(points: float | None, comment: str = "x", decision: int = 0) -> Adjust
     return Adjustment("sensor_access", points, comment, "me", "now", {}, alone=points is None, decision=decision)
 
 
-def test_undoing_restores_the_override_before_the_last(out: Path) -> None:
+def test_undoing_restores_the_override_before_the_last_and_takes_the_later_of_an_override_and_a_comment(
+    out: Path,
+) -> None:
     with Store(out) as store:
         store.adjust([("alice", given(points, f"{points:g} points")) for points in (1.0, 2.0, 3.0)])
         assert undone(store, "alice", "sensor_access") == OverrideRequest("alice", "sensor_access", "2.0", "2 points")
-
-
-def test_undoing_takes_the_later_of_an_override_and_a_comment(out: Path) -> None:
-    with Store(out) as store:
-        store.adjust([("alice", given(None, "see page 2")), ("alice", given(3.0))])
-        assert undone(store, "alice", "sensor_access") == OverrideRequest("alice", "sensor_access", "", "undone")
-        comment = OverrideRequest("alice", "sensor_access", "", "", alone=True)
-        assert undone(store, "alice", "sensor_access", alone=True) == comment
+        store.adjust([("bob", given(None, "see page 2")), ("bob", given(3.0))])
+        assert undone(store, "bob", "sensor_access") == OverrideRequest("bob", "sensor_access", "", "undone")
+        comment = OverrideRequest("bob", "sensor_access", "", "", alone=True)
+        assert undone(store, "bob", "sensor_access", alone=True) == comment
 
 
 def test_a_decision_is_undone_except_where_somebody_has_changed_it_since(out: Path) -> None:
