@@ -21,7 +21,6 @@ from grader.intake import read_submission
 from grader.labs.imu import bundles, charts
 from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
 from grader.labs.imu.charts import filtering, motion, noise
-from grader.labs.imu.charts.points import curve
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.report import charts as drawing
@@ -32,6 +31,7 @@ from tests.fake_results import result as made_up
 from tests.sandboxes import Opened
 
 TRUTH = bundles.shipped()
+SHEET = read_submission(FOLDER / "s01-sheet-verbatim", LAB.files)
 
 
 def panels(chart: Chart | None) -> dict[str, Panel]:
@@ -79,7 +79,7 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
 
     monkeypatch.setattr(SubmissionSession, "ask", counted)
     monkeypatch.setattr(charts, "charts", gathered)
-    result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files))
+    result = marker.mark(SHEET)
     assert len(asked) > 5
     shown = unpacked(result.evidence.charts)
     assert [(chart.part, chart.title) for chart in shown] == [
@@ -96,31 +96,29 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
     legend = [each.name for each in drawing.views(shown[2])[0].legend]
     assert legend == ["Raw Z-acceleration", "Filtered Z-acceleration", "True gravity"]
     page = report_page(FinalGrade("x", result), shown)
-    assert (
-        page.count('<svg class="plane"') == sum(len(chart.panels) for chart in shown) == 11
-    )  # two flat differences are a sentence
+    planes = sum(len(chart.panels) for chart in shown)
+    assert page.count('<svg class="plane"') == planes == 11  # two flat differences are a sentence
     assert len(page.encode()) < 400_000
     assert "charts" not in json.loads(to_json(result))
 
 
 def test_of_hidden_scenarios_nothing_is_drawn(opened: Opened) -> None:
     with opened(replace(TRUTH, name="hidden")) as marker:
-        result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files), only="filtering")
+        result = marker.mark(SHEET, only="filtering")
     assert result.score == 20
     assert result.evidence.charts == b""
     assert result.evidence.fingerprint
 
 
 def test_a_picture_that_no_code_draws_is_shown_from_its_pixels_whatever_the_scenarios(opened: Opened) -> None:
-    sheet = read_submission(FOLDER / "s01-sheet-verbatim", LAB.files)
-    reader = sheet.files["imu_reader.py"].decode().partition("def plot_imu_data")[0]
+    reader = SHEET.files["imu_reader.py"].decode().partition("def plot_imu_data")[0]
     plain = {
         "imu_reader.py": f"{reader}def plot_imu_data(imu_data):\n    pass\n".encode(),
-        "imu_data.png": sheet.files["imu_data.png"],
+        "imu_data.png": SHEET.files["imu_data.png"],
         "filtered_imu.png": b"\x89PNG no picture",
     }
     with opened(replace(TRUTH, name="hidden")) as marker:
-        result = marker.mark(replace(sheet, files=plain), only="visualization")
+        result = marker.mark(replace(SHEET, files=plain), only="visualization")
     (shown,) = unpacked(result.evidence.charts)
     assert shown.title == "imu_data.png as it was handed in"
     content = base64.b64decode(shown.png)
@@ -136,7 +134,7 @@ def test_charts_that_cannot_be_gathered_cost_no_mark(marker: Marker, monkeypatch
         raise ZeroDivisionError
 
     monkeypatch.setattr(charts, "charts", broken)
-    result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files), only="filtering")
+    result = marker.mark(SHEET, only="filtering")
     assert (result.status, result.score, result.evidence) == ("graded", 20, Evidence())
 
 
@@ -167,16 +165,16 @@ def test_a_single_wrong_row_is_seen_however_many_rows_there_are() -> None:
     assert chart.caption.endswith(f"Largest difference: 5 m/s² at {TRUTH['push']['time'][777 % len(wrong)]:.3g} s.")
 
 
-ODD = [
-    np.full((1200, 3), np.nan),
-    np.full((1200, 3), 1e308),
-    np.zeros((1, 3)),
-    np.zeros((0, 3)),
-    np.full((9000, 3), -1e11),
-]
+ODD = {
+    "nan": np.full((1200, 3), np.nan),
+    "huge": np.full((1200, 3), 1e308),
+    "one row": np.zeros((1, 3)),
+    "no row": np.zeros((0, 3)),
+    "too many rows": np.full((9000, 3), -1e11),
+}
 
 
-@pytest.mark.parametrize("odd", ODD, ids=("nan", "huge", "one row", "no row", "too many rows"))
+@pytest.mark.parametrize("odd", ODD.values(), ids=ODD)
 def test_odd_numbers_make_a_record_and_a_page(odd: np.ndarray) -> None:
     with np.errstate(all="ignore"):
         found = [
@@ -207,12 +205,3 @@ def test_the_gain_of_the_sheets_filter_is_found_to_two_percent() -> None:
     assert own.y == pytest.approx(sheet.y, rel=0.02)
     omega = 2 * np.pi * np.array(sheet.x)
     assert sheet.y == pytest.approx(np.abs(0.1 / (1 - 0.9 * np.exp(-1j * omega))), rel=0.01)
-
-
-# --- how they are set -----------------------------------------------------------------------------------------------
-
-
-def view(*values: float, log: bool = False) -> drawing.View:
-    line = curve("a", "own", np.arange(1.0, len(values) + 1), np.array(values))
-    (found,) = drawing.views(Chart("p", "t", "c", (Panel("", "x", "y", (line,), log),)))
-    return found
