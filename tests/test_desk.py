@@ -107,7 +107,7 @@ ALL_OURS = OURS | {"Origin": "http://127.0.0.1:{port}"}
     ("call", "headers", "status"),
     [
         *((f"GET {path}", {}, 403) for path in ("/", "/submission/ada", "/static/desk.css", "/enter", "/enter?token=x", "/enter?token=")),
-        *(("GET /", {"Cookie": own}, 403) for own in ("", "x", "imugrade-desk-{port}=x", "imugrade-desk-{port}={token}", '"\x7f', "a=" + "b" * 9000)),
+        *(("GET /", {"Cookie": own}, 403) for own in ("", "x", "imugrade-desk-{port}=x", "imugrade-desk-{port}={token}", '"\x7f', "a@b=1", "a=" + "b" * 9000)),
         *(("GET /", OURS | {"Host": host}, (400, 421)) for host in ("evil.example", "127.0.0.1", "127.0.0.1:1", "[::1]", "")),
         *((f"GET {path}", OURS, 405) for path in ("/reviewed", "/submission/ada/override", "/decisions/take-back", "/who")),
         ("POST /submission/ada/override", OURS, 403),

@@ -54,38 +54,30 @@ def sentences(text: str) -> int:
     return len(re.findall(r"[.?!](?=\s|$)", text))
 
 
+VAIN = "Invalid name 'imu'. Valid names: ['torso']"
+
+
 @pytest.mark.parametrize(
-    ("exception", "message", "key"),
+    ("exception", "message", "line", "name", "key"),
     [
-        ("IndexError", "whatever Python or NumPy says", "index-out-of-bounds"),
-        ("NameError", "whatever Python says", "unknown-name"),
-        ("UnboundLocalError", "whatever Python says", "unknown-name"),
-        ("KeyError", "\"Invalid name 'imu'. Valid names: ['torso']\"", "raises"),
-        ("ValueError", "whatever NumPy says", "raises"),
-        ("NotImplementedError", "TODO", "not-written"),
+        ("IndexError", "whatever Python or NumPy says", None, "", "index-out-of-bounds"),
+        ("NameError", "whatever Python says", None, "", "unknown-name"),
+        ("UnboundLocalError", "whatever Python says", None, "", "unknown-name"),
+        ("KeyError", f'"{VAIN}"', None, "", "raises"),
+        ("ValueError", "whatever NumPy says", None, "", "raises"),
+        ("NotImplementedError", "TODO", None, "", "not-written"),
+        ("KeyError", VAIN, "adr = model.sensor('imu').adr[0]", "", "sensor-not-found"),
+        ("KeyError", "whatever another MuJoCo says", "return data.sensor (name).data", "", "sensor-not-found"),
+        ("KeyError", VAIN, "settings['sensor']", "", "raises"),
+        ("KeyError", "whatever another MuJoCo says", "body = model.body('imu')", "", "raises"),
+        ("AttributeError", "in any words", None, "update", "name-missing"),
+        ("AttributeError", "in any words", None, "read", "name-missing"),
+        ("AttributeError", "in any words", None, "alpha", "raises"),
     ],
 )
-def test_the_type_of_an_exception_shows_a_mistake(exception: str, message: str, key: str) -> None:
-    assert mistake_of(Fault(exception, message, None, None, None), catalogue(LAB)) == key
-
-
-@pytest.mark.parametrize("message", ["Invalid name 'imu'. Valid names: ['torso']", "whatever another MuJoCo says"])
-@pytest.mark.parametrize(
-    ("line", "key"),
-    [
-        ("adr = model.sensor('imu').adr[0]", "sensor-not-found"),
-        ("return data.sensor (name).data", "sensor-not-found"),
-        ("settings['sensor']", "raises"),
-        ("body = model.body('imu')", "raises"),
-    ],
-)
-def test_a_line_that_looks_up_a_sensor_in_vain_shows_a_mistake(line: str, key: str, message: str) -> None:
-    assert mistake_of(Fault("KeyError", message, "imu_reader.py", 3, line), catalogue(LAB)) == key
-
-
-@pytest.mark.parametrize(("name", "key"), [("update", "name-missing"), ("read", "name-missing"), ("alpha", "raises")])
-def test_a_method_that_is_not_there_shows_a_mistake(name: str, key: str) -> None:
-    assert mistake_of(Fault("AttributeError", "in any words", None, None, None, name), catalogue(LAB)) == key
+def test_what_was_raised_shows_a_mistake(exception: str, message: str, line: str | None, name: str, key: str) -> None:
+    place = (None, None) if line is None else ("imu_reader.py", 3)
+    assert mistake_of(Fault(exception, message, *place, line, name), catalogue(LAB)) == key
 
 
 # --- the file ---------------------------------------------------------------------------------------------------------
@@ -96,10 +88,21 @@ def test_no_name_is_used_in_two_groups() -> None:
 
 
 @every_mistake
-def test_an_entry_has_all_fields_and_none_is_empty(key: str) -> None:
+def test_an_entry_has_all_fields_each_within_its_limits(key: str) -> None:
+    """A hint is one or two short sentences, an explanation two to five, an example one to four lines of Python."""
     entry = ENTRIES[key]
     assert [field for field in entry if field not in CHARGING] == FIELDS + ["raised"] * (key in RAISED)
     assert all(isinstance(entry[field], str) and entry[field].strip() for field in FIELDS if field != "step")
+    for field, least, most in (("hint", 1, 2), ("explanation", 2, 5)):
+        assert entry[field].endswith(".")
+        assert "\n" not in entry[field]
+        assert least <= sentences(entry[field]) <= most
+    assert len(entry["hint"]) <= 160
+    for version in ("wrong", "right"):
+        lines = entry[version].splitlines()
+        assert 1 <= len(lines) <= 4
+        assert max(map(len, lines)) <= 110
+        ast.parse(entry[version])
 
 
 def test_what_a_fault_deducts_and_takes_are_shares_of_checks_that_there_are() -> None:
@@ -114,23 +117,6 @@ def test_what_a_fault_deducts_and_takes_are_shares_of_checks_that_there_are() ->
     assert set(TABLE["checks"]) <= known
 
 
-@every_mistake
-def test_a_hint_is_one_or_two_short_sentences_on_one_line(key: str) -> None:
-    hint = ENTRIES[key]["hint"]
-    assert hint.endswith(".")
-    assert "\n" not in hint
-    assert len(hint) <= 160
-    assert 1 <= sentences(hint) <= 2
-
-
-@every_mistake
-def test_an_explanation_is_two_to_five_sentences(key: str) -> None:
-    explanation = ENTRIES[key]["explanation"]
-    assert explanation.endswith(".")
-    assert "\n" not in explanation
-    assert 2 <= sentences(explanation) <= 5
-
-
 @pytest.mark.parametrize("group", MISTAKES)
 def test_the_step_is_one_of_the_criterion_and_hint_and_explanation_name_it(group: str) -> None:
     for key, entry in MISTAKES[group].items():
@@ -139,15 +125,6 @@ def test_the_step_is_one_of_the_criterion_and_hint_and_explanation_name_it(group
         if step is not None:
             assert f"Lab 04-01, Step {step}" in entry["explanation"], key
             assert f"Step {step}" in entry["hint"], key
-
-
-@every_mistake
-@pytest.mark.parametrize("version", ["wrong", "right"])
-def test_an_example_is_one_to_four_lines_of_python(key: str, version: str) -> None:
-    code = ENTRIES[key][version]
-    assert 1 <= len(code.splitlines()) <= 4
-    assert max(map(len, code.splitlines())) <= 110
-    ast.parse(code)
 
 
 # --- what the words and the lines speak of exists ---------------------------------------------------------------------
@@ -225,9 +202,8 @@ def collected(key: str, version: str, model: Any) -> np.ndarray:
     def reader(*_: Any) -> tuple[Any, Any]:
         return data.sensordata[adr : adr + 3].copy(), np.zeros(3)
 
-    return np.array(
-        example(key, version, LOOP)(model, data, 10, rows, np.zeros((10, 3)), reader, 0, 0)["accelerations"]
-    )
+    done = example(key, version, LOOP)(model, data, 10, rows, np.zeros((10, 3)), reader, 0, 0)
+    return np.array(done["accelerations"])
 
 
 def test_the_loops_go_wrong_as_their_explanations_say(model: Any) -> None:
