@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.corpus.pieces import tidy
 from tests.examples import FOLDER
 
 NOTE = "Read under a name in small letters, as Python needs it: "
@@ -18,9 +19,9 @@ NOTE = "Read under a name in small letters, as Python needs it: "
 
 @pytest.fixture(scope="module")
 def graded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A class of the sheet's code with suffixes in capitals, all in capitals, in an archive in capitals, and of a notebook."""
+    """A class of sound code with suffixes in capitals, all in capitals, in an archive in capitals, and of a notebook."""
     here = tmp_path_factory.mktemp("capitals")
-    programs = {path.name: path.read_bytes() for path in (FOLDER / "s01-sheet-verbatim").glob("*.py")}
+    programs = {name: text.encode() for name, text in tidy().items()}
     (notebook,) = (FOLDER / "s03-notebook").glob("*.ipynb")
     for name, files in {
         "suffix": {name.replace(".py", ".PY"): data for name, data in programs.items()},
@@ -33,7 +34,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with zipfile.ZipFile(here / "class" / "LAB4.ZIP", "w") as archive:
         for file, data in programs.items():
             archive.writestr(file.upper(), data)
-    command = [sys.executable, "-m", "grader", "grade", "class", "-o", "out"]
+    command = [sys.executable, "-m", "grader", "grade", "class", "-o", "out", "-j1"]
     done = subprocess.run(command, cwd=here, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return here
