@@ -39,6 +39,7 @@ from tests.corpus.writing import Files, write
 from tests.examples import files
 from tests.fuzz.drawing import drawn
 from tests.fuzz.mangling import mangled_array, mangled_value
+from tests.sandboxes import opened
 
 Answers = dict[str, Frame]
 Leading = defaultdict[tuple[str, str | None], Frame | None]
@@ -73,7 +74,7 @@ def recorded(files: Files) -> tuple[Answers, Leading]:
         answers[_key(op, fields or {}, arrays or {})] = leading[op, (fields or {}).get("path")] = frame
         return frame
 
-    with mock.patch.object(Worker, "ask", recording), Marker(rubric.load(LAB), bundles.shipped()) as marker:
+    with mock.patch.object(Worker, "ask", recording), opened(bundles.shipped()) as marker:
         marker.mark(submission(files))
     return answers, leading
 
