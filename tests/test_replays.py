@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import mujoco
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import traces
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import read_submission
@@ -19,6 +18,7 @@ from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_gra
 from tests.corpus import pieces, sheet
 from tests.corpus.cases import Case, of
 from tests.corpus.writing import Files, write
+from tests.sandboxes import Opened
 
 MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
 SHEET_PATH = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
@@ -29,8 +29,8 @@ COLLECTORS, READERS = (
 
 
 @pytest.fixture(scope="module")
-def marker(hidden: traces.Traces) -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), hidden, isolation_level=os.environ.get("IMUGRADE_RUNG")) as warm:
+def marker(hidden: traces.Traces, opened: Opened) -> Iterator[Marker]:
+    with opened(hidden) as warm:
         yield warm
 
 
