@@ -169,13 +169,9 @@ def test_watching_checks_again_after_each_save_and_not_in_between(
     monkeypatch.setattr("grader.commands.checking.time.sleep", pause)
     hand_in(tmp_path)
     seen: list[int] = []
-
-    def watch() -> None:
+    with pytest.raises(KeyboardInterrupt):  # noqa: PT012 - each save is seen until then
         for _ in checking.saves(tmp_path, [tmp_path / "sub" / ".." / "report.html"]):
             seen.append(len(pauses))
-
-    with pytest.raises(KeyboardInterrupt):
-        watch()
     assert seen == [0, 2]
 
 
@@ -199,71 +195,56 @@ def test_a_watching_check_says_at_once_that_it_checks_and_is_ended_by_an_interru
 # --- grade ------------------------------------------------------------------------------------------------------------
 
 
-def test_grade_writes_the_folder_that_the_contract_names(
-    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
-) -> None:
+@pytest.fixture
+def grade(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> Run:
+    """Grade the class of students into the folder out."""
+    return lambda *more: run("grade", students, "-o", tmp_path / "out", *more)
+
+
+def test_grade_writes_the_folder_that_the_contract_names(grade: Run, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    code, told, err = run("grade", students, "-o", out, "--jobs", 1)
+    code, told, err = grade("--jobs", 1)
     assert (code, err) == (0, NO_SEED)
+    names = ("alice", "bob", "carol")
+    pages = [f"submissions/{name}/{file}" for name in names for file in ("report.html", "result.json")]
     written = sorted(str(path.relative_to(out)) for path in out.rglob("*") if path.is_file())
-    pages = [
-        f"submissions/{name}/{file}" for name in ("alice", "bob", "carol") for file in ("report.html", "result.json")
-    ]
     assert written == ["gradebook.csv", "index.html", "results.sqlite", *pages]
-    assert (out / "gradebook.csv").read_text() == (
-        "id,name,sensor_access,total,status\nalice,alice,20,20,graded\nbob,bob,20,20,graded\ncarol,carol,20,20,graded\n"
-    )
-    assert told == (
-        "1/3 alice 20\n2/3 bob 20\n3/3 carol 20\n" + f"3 graded · mean of graded 20.0\nOpen {out}/index.html\n"
-    )
+    rows = "".join(f"{name},{name},20,20,graded\n" for name in names)
+    assert (out / "gradebook.csv").read_text() == f"id,name,sensor_access,total,status\n{rows}"
+    lines = "1/3 alice 20\n2/3 bob 20\n3/3 carol 20\n3 graded · mean of graded 20.0\n"
+    assert told == f"{lines}Open {out}/index.html\n"
 
 
-def test_a_second_run_marks_only_what_changed(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> None:
-    run("grade", students, "-o", tmp_path / "out")
-    hand_in(students / "bob", "alpha = 0.5\n")
-    code, told, _ = run("grade", students, "-o", tmp_path / "out")
-    assert code == 0
-    assert sorted(marker.marked()) == ["alice", "bob", "bob", "carol"]
-    assert "1 graded · 2 on record · mean of graded 20.0" in told
-
-
-def test_a_result_file_that_was_lost_or_changed_is_written_again_from_the_record(
-    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+def test_a_second_run_marks_only_what_changed_and_writes_again_what_was_lost_or_changed(
+    grade: Run, students: Path, tmp_path: Path, marker: FakeMarker
 ) -> None:
-    run("grade", students, "-o", tmp_path / "out")
-    first = tmp_path / "out" / "submissions" / "alice" / "result.json"
-    before = first.read_bytes()
-    first.write_text("{}")
-    (tmp_path / "out" / "submissions" / "bob" / "report.html").unlink()
-    run("grade", students, "-o", tmp_path / "out")
-    assert first.read_bytes() == before
-    assert (tmp_path / "out" / "submissions" / "bob" / "report.html").is_file()
-    assert len(marker.marked()) == 3
+    assert grade("--min-score", "20")[0] == 0
+    hand_in(students / "bob", "alpha = 0.5\n")
+    record = tmp_path / "out" / "submissions" / "alice" / "result.json"
+    before = record.read_bytes()
+    record.write_text("{}")
+    report = tmp_path / "out" / "submissions" / "carol" / "report.html"
+    report.unlink()
+    code, told, _ = grade("--min-score", "20.5")
+    assert (code, sorted(marker.marked())) == (1, ["alice", "bob", "bob", "carol"])
+    assert "1 graded · 2 on record · mean of graded 20.0" in told
+    assert (record.read_bytes(), report.is_file()) == (before, True)
 
 
 def test_a_submission_that_kills_its_markers_is_incomplete_told_and_tried_again(
-    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+    grade: Run, students: Path, tmp_path: Path, marker: FakeMarker
 ) -> None:
     hand_in(students / "kill")
     out = tmp_path / "out"
-    code, told, _ = run("grade", students, "-o", out)
+    code, told, _ = grade()
     assert code == 3
     assert "Not judged, because the grader failed: kill. Run the command again: only these are graded again." in told
     record = json.loads((out / "submissions" / "kill" / "result.json").read_text())
     assert record["status"] == "incomplete"
-    assert {each["points"] for criterion in record["criteria"] for each in criterion["checks"]} == {None}
-    assert sum(len(criterion["checks"]) for criterion in record["criteria"]) == 30
+    assert [each["points"] for criterion in record["criteria"] for each in criterion["checks"]] == [None] * 30
     assert "kill,kill,,,,,,,incomplete\n" in (out / "gradebook.csv").read_text()
-    run("grade", students, "-o", out)
-    assert marker.marked().count("kill") == 4
-    assert marker.marked().count("alice") == 1
-
-
-def test_min_score_is_exit_code_1_when_one_submission_is_below(
-    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
-) -> None:
-    assert run("grade", students, "-o", tmp_path / "out", "--min-score", "20")[0] == 0
-    assert run("grade", students, "-o", tmp_path / "out", "--min-score", "20.5")[0] == 1
+    grade()
+    assert [marker.marked().count(name) for name in ("kill", "alice")] == [4, 1]
 
 
 class Unwalled:
@@ -320,9 +301,8 @@ def test_help_loads_nothing_heavy() -> None:
 
 @pytest.mark.parametrize("command", ["explain", "traces list", "check submissions_example/s14-empty"])
 def test_a_reader_that_has_gone_is_neither_a_low_score_nor_a_failure(command: str) -> None:
-    with subprocess.Popen(
-        [sys.executable, "-m", "grader", *command.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT
-    ) as done:
+    line = [sys.executable, "-m", "grader", *command.split()]
+    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT) as done:
         assert done.stdout is not None
         assert done.stderr is not None
         done.stdout.close()
@@ -340,9 +320,8 @@ def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> Non
         "sys.exit(cli.main(['check', sys.argv[1]]))\n"
     )
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(tmp_path)], capture_output=True, check=False, cwd=ROOT, env=environment
-    )
+    command = [sys.executable, "-c", program, str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, check=False, cwd=ROOT, env=environment)
     assert (done.returncode, done.stderr) == (0, b"")
     assert b" ? Sensor access" in done.stdout
 
@@ -354,8 +333,7 @@ def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, mo
     full, _, landlock, none = LEVELS
     tried = [
         LevelResult(full, False, "no user namespaces"),
-        LevelResult(landlock, True, ""),
-        LevelResult(none, True, ""),
+        *(LevelResult(level, True, "") for level in (landlock, none)),
     ]
     monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(21_894, ()))
@@ -368,9 +346,8 @@ def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, mo
 
 
 def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "grader.commands.machine.probe", lambda: [LevelResult(LEVELS[0], True, ""), LevelResult(NO_ISOLATION, True, "")]
-    )
+    tried = [LevelResult(level, True, "") for level in (LEVELS[0], NO_ISOLATION)]
+    monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)
     found = ("/lib/a/filters.py", "/lib/a/imu_reader.py")
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(9, found))
     told = " ".join(run("doctor")[1].split())
@@ -421,9 +398,8 @@ def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students:
     (students / "bob").rename(students / "wait")
     command = map(str, [sys.executable, script, tmp_path / "marker", "grade", students, "-o", tmp_path / "out", "-j1"])
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    with subprocess.Popen(
-        list(command), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
-    ) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(list(command), env=environment, **pipes) as process:  # type: ignore[call-overload]
         assert process.stdout is not None
         lines = [process.stdout.readline() for _ in range(2)]
         process.send_signal(signal.SIGINT)
