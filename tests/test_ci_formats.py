@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import datetime, timezone
-from html.parser import HTMLParser
 from typing import Any
 from xml.etree import ElementTree
 
@@ -35,6 +34,7 @@ from grader.report import words
 from tests.corpus.writing import write
 from tests.examples import expected
 from tests.fake_results import HOSTILE, check, lost, result
+from tests.pages import Page
 
 EVIL = (
     f"{HOSTILE}\n::error file=/etc/passwd::owned\n  ::set-output name=x::y\n##[error]x\n]]></failure><evil/>\n"
@@ -169,27 +169,6 @@ def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -
     assert "multi_imu" not in places.definitions
 
 
-class Page(HTMLParser):
-    """The tags of a page, and its texts with the tags around them."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.texts: list[tuple[str, str]] = []
-        self._open: list[str] = []
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self._open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        self._open.remove(tag)
-
-    def handle_data(self, data: str) -> None:
-        self.texts.append((self._open[-1] if self._open else "", data))
-
-
 SUMMARY_TAGS = {"h2", "h3", "h4", "table", "thead", "tbody", "tr", "th", "td", "ul", "li", "p", "pre", "code", "strong"}
 
 
@@ -199,7 +178,7 @@ def rendered(markdown: str) -> Page:
 
 def test_no_text_of_a_submission_becomes_markdown_or_html() -> None:
     page = rendered(github.summary(evil(), LAB))
-    assert set(page.tags) <= SUMMARY_TAGS
+    assert page.names <= SUMMARY_TAGS
     where = {tag for tag, data in page.texts if "@someone" in data}
     assert where <= {"pre", "code", "h4"}
     assert any("<img src=x onerror=alert(1)>" in data for _, data in page.texts)
@@ -345,7 +324,7 @@ def test_hidden_scenarios_leave_no_number_and_no_printed_text_on_gradescope() ->
 def test_no_text_of_a_submission_becomes_html_on_gradescope() -> None:
     told = read_gradescope(gradescope(evil()))
     for text in [told["output"], *(test["output"] for test in told["tests"])]:
-        assert set(Page(text).tags) <= {"p", "b", "pre"}
+        assert Page(text).names <= {"p", "b", "pre"}
 
 
 # --- PrairieLearn -----------------------------------------------------------------------------------------------------
@@ -493,7 +472,7 @@ def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(name: 
     *told, total = as_the_runner_reads(github.commands(graded, Places(LAB)))
     assert total[2].startswith(f"{graded.score:g} / 100")
     assert bool(told) == (lost_points and graded.status == "graded")
-    assert set(rendered(github.summary(graded, LAB)).tags) <= SUMMARY_TAGS
+    assert rendered(github.summary(graded, LAB)).names <= SUMMARY_TAGS
     assert read_gradescope(gradescope(graded))["score"] == graded.score
     assert read_classroom50(graded)["score"] == round(graded.score)
     shown = read_prairielearn(prairielearn(graded))

@@ -8,7 +8,6 @@ import io
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from html.parser import HTMLParser
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from grader.report import words
 from grader.report.pages import index_page, report_page
 from grader.report.terminal import show
 from tests.fake_results import HOSTILE, check, lost, result
+from tests.pages import Page
 
 HOSTILE_RESULT = result(
     lost(title=HOSTILE, message=f"Expected  {HOSTILE}\nGot  {HOSTILE}", hint=HOSTILE),
@@ -40,22 +40,6 @@ def terminal(made: Result, *, width: int = 90, colours: str | None = "auto", **h
     out = io.StringIO()
     show(made, Console(file=out, width=width, force_terminal=True, color_system=colours, highlight=False), LAB, **how)  # type: ignore[arg-type]
     return out.getvalue() if colours == "truecolor" else re.sub(r"\x1b\[[0-9;]*m", "", out.getvalue())
-
-
-class Tags(HTMLParser):
-    """Every tag with its attributes, and the text between them."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.text = ""
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, dict(attrs)))
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
 
 
 def report(made: Result, *charts: Chart) -> str:
@@ -183,14 +167,14 @@ def test_every_outcome_has_its_word_on_the_terminal_and_on_the_page(outcome: Any
     points = None if outcome == "not_judged" else 0.0
     made = result(check(outcome, points))
     assert word in terminal(made, only="sensor_access")
-    assert word in Tags(report(made)).text
+    assert word in Page(report(made)).text
 
 
 def test_points_that_are_open_are_a_dash_and_not_a_zero() -> None:
     made = result(check("not_judged", None), check(points=3.0), status="incomplete")
     assert re.search(r"\? Sensor access +– / 12\n", terminal(made))
     assert re.search(r"Score +– / 12\n", terminal(made))
-    assert "Those points are open; they are not lost." in Tags(report(made)).text
+    assert "Those points are open; they are not lost." in Page(report(made)).text
     assert ">–<" in index({"a": made})
 
 
@@ -219,7 +203,7 @@ def test_hostile_text_reaches_the_terminal_as_text() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=("report", "index"))
 def test_hostile_text_reaches_a_page_as_text(page: str) -> None:
-    read = Tags(page)
+    read = Page(page)
     assert "<script>alert(1)</script>[bold]x[/bold]\\x1b[31m\\u202e{{ 7 * 7 }}" in read.text
     assert page.count("<script") == page.count("</script") == 1
     assert not set("\x1b\u202e") & set(page)
@@ -227,8 +211,8 @@ def test_hostile_text_reaches_a_page_as_text(page: str) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=("report", "index"))
 def test_a_page_fetches_nothing_and_has_no_handler_in_its_tags(page: str) -> None:
-    read = Tags(page)
-    assert {tag for tag, _ in read.tags}.isdisjoint({"link", "img", "iframe", "object", "embed", "base"})
+    read = Page(page)
+    assert read.names.isdisjoint({"link", "img", "iframe", "object", "embed", "base"})
     for tag, attributes in read.tags:
         assert not [
             name for name in attributes if name.startswith("on") or name in ("src", "style", "srcset", "xlink:href")
@@ -245,7 +229,7 @@ def test_the_policy_of_a_page_allows_its_own_style_sheet_and_script_and_nothing_
         assert inlined is not None
         return f"'sha256-{base64.b64encode(hashlib.sha256(inlined[1].encode()).digest()).decode()}'"
 
-    policy = next(attributes for tag, attributes in Tags(page).tags if attributes.get("http-equiv"))
+    policy = next(attributes for tag, attributes in Page(page).tags if attributes.get("http-equiv"))
     wanted = (
         f"default-src 'none'; style-src {digest('style')}; img-src data:; script-src {digest('script')}; "
         "base-uri 'none'; form-action 'none'"
@@ -268,14 +252,14 @@ def test_the_seed_is_not_on_a_page() -> None:
 
 def test_the_index_links_each_report_and_counts_the_class() -> None:
     page = index({"a": result(name="Ann"), "b b": result(lost(), name="Bob")})
-    hrefs = [attributes["href"] or "" for tag, attributes in Tags(page).tags if tag == "a"]
+    hrefs = [attributes["href"] or "" for tag, attributes in Page(page).tags if tag == "a"]
     table = page[page.index('<table id="submissions"') : page.index('<h2 id="checks"')]
-    assert [attributes["href"] for tag, attributes in Tags(table).tags if tag == "a"] == [
+    assert [attributes["href"] for tag, attributes in Page(table).tags if tag == "a"] == [
         "submissions/a/report.html",
         "submissions/b%20b/report.html",
     ]
     assert {href for href in hrefs if href[0] != "#"} == {"submissions/a/report.html", "submissions/b%20b/report.html"}
-    text = Tags(page).text
+    text = Page(page).text
     assert "2 submissions" in text
     assert re.search(r"mean of graded\s*10\s*median\s*10\s*lowest\s*0\s*highest\s*20", text)
     assert re.search(r"sensor id as address\s*1\s*Bob", text)
@@ -283,17 +267,17 @@ def test_the_index_links_each_report_and_counts_the_class() -> None:
 
 def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself() -> None:
     page = report_page(FinalGrade("a <b>", result(check(), lost())))
-    form = next(attributes for tag, attributes in Tags(page).tags if tag == "form")
+    form = next(attributes for tag, attributes in Page(page).tags if tag == "form")
     own = {"data-submission": "a <b>", "data-lab": "Lab 04-01"}
     assert form == {"id": "regrade", "class": "request", "hidden": None, **own}
-    options = [attributes["value"] for tag, attributes in Tags(page).tags if tag == "option"]
+    options = [attributes["value"] for tag, attributes in Page(page).tags if tag == "option"]
     assert options == ["", "sensor_access.follows_address", "sensor_access.follows_address"]
     assert "Request a regrade" not in report_page(FinalGrade("", result()))
 
 
 def losses(page: str) -> str:
     """What stands before the criteria."""
-    return Tags(page[page.index('id="deductions"') : page.index('id="sensor_access"')]).text
+    return Page(page[page.index('id="deductions"') : page.index('id="sensor_access"')]).text
 
 
 def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
@@ -316,7 +300,7 @@ def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
 def test_a_submission_that_could_not_be_opened_says_why_and_has_no_rows() -> None:
     row = check("skipped", 0.0, message="It could not be opened.")
     page = report(result(row, row, status="unreadable", notes=("It is no zip archive.",)))
-    text = Tags(page).text
+    text = Page(page).text
     assert "This submission could not be opened. It is no zip archive." in text
     assert text.count("It is no zip archive.") == 1
     assert 'id="sensor_access"' not in page
@@ -328,7 +312,7 @@ def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_fi
     hand_in = HandIn((Person("Bob", section="Tue"),), submitted="2026-11-21T21:00:00+00:00", late=late)
     final_grade = FinalGrade("x", result(lost()), hand_in, (given,))
     page = report_page(final_grade)
-    text = Tags(page).text
+    text = Page(page).text
     assert re.search(r"Bob\s*3\.5 / 6 · automatic 0 / 6", text)
     assert re.search(r"Sensor access\s*5 / 6 override by Ada, automatic 0: Shown in the lab\.", text)
     assert re.search(
@@ -339,7 +323,7 @@ def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_fi
     sound = report_page(FinalGrade("x", result(), hand_in))
     assert re.search(r"Deductions\s*−1\.5\s*Late\s*1 d 1 h; due 2026-11-20 20:00 UTC", losses(sound))
     assert "All checks passed." not in sound
-    row = Tags(index_page({"x": final_grade})).text
+    row = Page(index_page({"x": final_grade})).text
     assert re.search(r"Bob\s*Tue\s*5\s*0\s*1 d 1 h\s*3\.5\s*graded, adjusted", row)
     assert "Overrides whose automatic points have changed since: Bob." in row
 
@@ -356,8 +340,8 @@ def test_a_lost_check_is_explained_once_and_its_criterion_links_there_an_extensi
 
 
 def test_a_page_without_charts_says_why() -> None:
-    assert "This page has no charts" in Tags(report(result())).text
-    assert "This page has no charts" not in Tags(report(result(), *hostile_charts())).text
+    assert "This page has no charts" in Page(report(result())).text
+    assert "This page has no charts" not in Page(report(result(), *hostile_charts())).text
 
 
 def test_a_long_class_page_offers_to_show_all_rows() -> None:
@@ -369,6 +353,6 @@ def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
     other = replace(result(), provenance={**result().provenance, "rubric_sha256": "f" * 64})
     assert (
         "These results are not comparable: the class was graded with 2 rubrics."
-        in Tags(index({"a": result(), "b": other})).text
+        in Page(index({"a": result(), "b": other})).text
     )
     assert "not comparable" not in index({"a": result(), "b": result()})
