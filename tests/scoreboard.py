@@ -30,6 +30,7 @@ PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "modu
 ONE_FAULT = ("faulty", "lookalikes")
 _WHOLE_FILE = "the file that is missing was to hold two parts or more, and each part has nothing to show"
 _UNPARSED_FILE = "the file that does not parse defines three parts, and none of them can run"
+_NO_GYROSCOPE = "half of the recording is missing: the key, and the rows under it"
 _HALF_A_PICTURE = "half of the picture is missing: the panel, and the three curves in it"
 MORE_THAN_ONE: Mapping[str, str] = {
     "no-imu-reader": _WHOLE_FILE,
@@ -37,6 +38,7 @@ MORE_THAN_ONE: Mapping[str, str] = {
     "no-filters": _WHOLE_FILE,
     "reader-with-a-syntax-error": _UNPARSED_FILE,
     "recorder-with-a-syntax-error": _UNPARSED_FILE,
+    "record-no-gyroscope": _NO_GYROSCOPE,
     "accelerometer-panel-only": _HALF_A_PICTURE,
     "saved-before-the-gyroscope": _HALF_A_PICTURE,
 }

@@ -1,8 +1,6 @@
-"""Submissions with one fault, and the deductions of a fair marker: those checks, those points, and nothing else."""
+"""Submissions that are a base with some text replaced, and what they lose."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from grader.engine.results import Result
 from grader.intake import Submission
@@ -21,16 +19,6 @@ def changed(files: Files, path: str, changes: Changes) -> Files:
     return files | {path: text}
 
 
-@dataclass(frozen=True)
-class SingleFault:
-    """A submission with one fault: which checks lose how many points by it, by which names."""
-
-    name: str
-    files: Files
-    lost: dict[str, float]
-    named: tuple[str, ...] = ()
-
-
 def marked(player: Marking, files: Files) -> Result:
     return player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
 
@@ -38,13 +26,3 @@ def marked(player: Marking, files: Files) -> Result:
 def lost_by(result: Result) -> dict[str, float]:
     checks = [check for part in result.criteria for check in part.checks]
     return {check.id: check.max_points - (check.points or 0.0) for check in checks if check.points != check.max_points}
-
-
-def assert_loses(slip: SingleFault, player: Marking) -> None:
-    """It loses these points alone, by these names, and every check that could be asked says what to do."""
-    result = marked(player, slip.files)
-    lost = lost_by(result)
-    assert lost == slip.lost
-    assert set(result.misconceptions) == set(slip.named)
-    checks = [check for part in result.criteria for check in part.checks]
-    assert [check.id for check in checks if check.id in lost and not check.hint and check.outcome != "skipped"] == []
