@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import sqlite3
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from grader.course.adjusting import OverrideRequest, undone, undone_decision
-from grader.course.database import FILE_NAME
+from grader.course.adjusting import OverrideRequest, undone
 from grader.course.differences import lines_of
 from grader.course.record import Store
 from grader.engine.results import Result
@@ -286,40 +284,11 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
 # ---- undo ----
 
 
-def given(points: float | None, comment: str = "x", decision: int = 0) -> Adjustment:
-    """An override of Sensor access; a comment alone if there are no points."""
-    return Adjustment("sensor_access", points, comment, "me", "now", {}, alone=points is None, decision=decision)
-
-
-def test_undoing_restores_the_override_before_the_last_and_takes_the_later_of_an_override_and_a_comment(
-    out: Path,
-) -> None:
+def test_undoing_restores_the_override_before_the_last_with_its_comment(out: Path) -> None:
+    given = [(1.0, "one"), (2.0, "two"), (None, "see page 2"), (3.0, "three")]
     with Store(out) as store:
-        store.adjust([("alice", given(points, f"{points:g} points")) for points in (1.0, 2.0, 3.0)])
-        assert undone(store, "alice", "sensor_access") == OverrideRequest("alice", "sensor_access", "2.0", "2 points")
-        store.adjust([("bob", given(None, "see page 2")), ("bob", given(3.0))])
-        assert undone(store, "bob", "sensor_access") == OverrideRequest("bob", "sensor_access", "", "undone")
-        comment = OverrideRequest("bob", "sensor_access", "", "", alone=True)
-        assert undone(store, "bob", "sensor_access", alone=True) == comment
-
-
-def test_a_decision_is_undone_except_where_somebody_has_changed_it_since(out: Path) -> None:
-    with Store(out) as store:
-        store.adjust([(id_, given(3.0)) for id_ in ("alice", "bob")], what="a fault of the sheet")
-        (number,) = store.decisions()
-        store.adjust([("alice", given(5.0))])
-        assert [each.id for each in undone_decision(store, number)] == ["bob"]
-
-
-# ---- the record ----
-
-
-def test_nothing_that_was_ever_said_by_hand_is_lost(out: Path) -> None:
-    said = [("alice", Adjustment("sensor_access", float(p), f"{p}", "me", "now", {})) for p in (1, 2, 3)]
-    with Store(out) as store:
-        store.adjust(said)
-        assert store.history() == said
-        assert [a.points for a in store.adjustments()["alice"]] == [3.0]
-    with sqlite3.connect(out / FILE_NAME) as database:
-        assert database.execute("SELECT count(*) FROM adjustments").fetchone() == (3,)
-    database.close()
+        for points, comment in given:
+            row = Adjustment("sensor_access", points, comment, "me", "now", {}, alone=points is None)
+            store.adjust([("alice", row)])
+        assert undone(store, "alice", "sensor_access") == OverrideRequest("alice", "sensor_access", "2.0", "two")
+        assert [each.comment for _, each in store.history()] == ["one", "two", "see page 2", "three"]

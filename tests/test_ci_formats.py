@@ -141,7 +141,9 @@ def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
 def test_no_text_of_a_submission_becomes_a_command_of_the_runner() -> None:
     commands = as_the_runner_reads(github.commands(evil(), Places(LAB)))
     assert [kind for kind, _, _ in commands] == ["error", "error", "notice"]
-    assert "::error file=/etc/passwd::owned" in commands[0][2]  # told, as text
+    assert all(
+        text in commands[0][2] for text in ("::error file=/etc/passwd::owned", " %0A%3A ::stop")
+    )  # told, as text
 
 
 def test_an_annotation_stays_below_the_size_that_github_takes() -> None:
