@@ -425,6 +425,7 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("no rows", NO_STEPS, {**_NOT_REACHED, NAMED: (0.0, []), COUNT: (0.0, [])}),
     ("without the gyroscope", WITHOUT_GYRO, {NAMED: _KEYS, TRUTH: (0.5, [])}),
     ("without the accelerometer", of(returned=lambda _s, t, _a, g, _m: {"time": t, "angular_velocity": g}), {NAMED: _KEYS, TRUTH: (0.5, [])}),
+    ("one axis of the gyroscope", telling(lambda t, a, g, _m: (t, a, g[:, 2])), {NAMED: (0.0, ["wrong-return-type"]), TRUTH: (0.5, [])}),
     ("without the gyroscope, with noise", both(WITHOUT_GYRO, returned=lambda _s, t, a, g, m: {"time": t, "acceleration": _noisy(t, a, g, m)[1]}), {NAMED: _KEYS, TRUTH: (0.0, [])}),
     ("without time", WITHOUT_TIME, {NAMED: _KEYS}),
     ("time alone", of(returned=lambda _s, t, _a, _g, _m: {"time": t}), {**_NOT_REACHED, NAMED: _KEYS, TIME: None}),

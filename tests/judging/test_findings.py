@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from grader.engine.findings import CheckFailed, Fault, Raised, Size, Where, raised
+from grader.labs.imu.compare import distinct_texts
 
 pytestmark = pytest.mark.quick
 _FAULT = Fault("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
@@ -72,3 +74,8 @@ def test_an_exception_stops_a_check_and_says_what_was_done() -> None:
         raised(_FAULT, "reading the sensors")
     assert str(stopped.value) == "ValueError: no"
     assert (stopped.value.fault, stopped.value.doing) == (_FAULT, "reading the sensors")
+
+
+def test_two_vectors_are_never_shown_with_the_same_digits_where_they_differ() -> None:
+    assert distinct_texts(np.array([1.0, 2.0]), np.array([1.00004, 2.0])) == ("[1.00000 2.00000]", "[1.00004 2.00000]")
+    assert distinct_texts(np.array([1.0]), np.array([2.0])) == ("[1.000]", "[2.000]")

@@ -273,3 +273,14 @@ def test_pairs_share_no_read_and_leave_the_odd_one_out() -> None:
         paired = replace(_of(_STILL), residual=residual).paired
         assert (paired.residual - _BIAS)[0, :, 0] * 2**0.5 == pytest.approx([3, -2])
     assert _of(_NORMAL + 0.02 * _WALK).paired.pooled_spread == pytest.approx(_STD, rel=0.05)
+
+
+@pytest.mark.parametrize("cut", [1.0, 2.0, 2.5, 2.8])
+def test_a_normal_law_that_is_cut_off_is_told_and_its_moments_are_those_of_the_formula(cut: float) -> None:
+    truth, bias = np.array([[3.0, -2.0, -9.0], [1.0, 4.0, 2.0]]), np.array([-0.25, -0.67, 0.45])
+    unit = np.random.default_rng(2).standard_normal((2, 400_000))
+    kept = unit[1][np.abs(unit[1]) < cut]
+    for values, moments in zip((np.clip(unit[0], -cut, cut), kept), st.limited_moments(cut), strict=True):
+        assert (values.std(), np.abs(values).mean()) == pytest.approx(moments, rel=0.01)
+        noise = 0.08 * values[: 6 * st.READS].reshape(2, st.READS, 3)
+        assert Reads(bias + noise, truth, 0.08, bias).clipped
