@@ -49,7 +49,9 @@ def named(source: str) -> Iterator[str]:
 def of_a_lab(text: str) -> set[str]:
     """The words in it that are a lab's."""
     words = {word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)}
-    return words & WORDS | {each for each in ASKED if re.search(rf"(?<!\w){re.escape(each)}(?!\w)", text)}
+    return words & WORDS | {
+        each for each in ASKED if each in text and re.search(rf"(?<!\w){re.escape(each)}(?!\w)", text)
+    }
 
 
 @pytest.mark.parametrize(
