@@ -13,6 +13,7 @@ import pytest
 from grader.course.database import FILE_NAME
 from grader.desk.overviews import queue
 from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
+from tests.conftest import SECRET
 from tests.desk import desk_over, words
 
 HEAVIER = ("follows_recursion: 6", "follows_recursion: 9")
@@ -163,22 +164,22 @@ def test_without_its_secret_a_class_is_not_graded(
     run: Run, ran: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("IMUGRADE_CACHE", str(cache))
-    monkeypatch.setenv("IMUGRADE_SEED", "a secret of this class")
+    monkeypatch.setenv("IMUGRADE_SEED", SECRET)
     assert run("grade", "class", "-o", "out")[0] == 0
     scores, so_far = totals(), list(ran)
-    assert "a secret of this class" not in Path("out", FILE_NAME).read_bytes().decode("latin-1")
+    assert SECRET not in Path("out", FILE_NAME).read_bytes().decode("latin-1")
     hand_in(Path("class"), dora=1)
     monkeypatch.delenv("IMUGRADE_SEED")
     for more in ((), ("--change",), ("--dry-run",)):
         code, _, err = run("grade", "class", "-o", "out", *more)
         assert code == 2
         assert err.startswith("imugrade: the class on record was graded on hidden scenarios; set IMUGRADE_SEED")
-    monkeypatch.setenv("IMUGRADE_SEED", "a secret of thas class")
+    monkeypatch.setenv("IMUGRADE_SEED", "another secret")
     code, _, err = run("grade", "class", "-o", "out")
     assert code == 2
     assert "other scenarios (another secret, model or version of MuJoCo): 3 on record are graded again" in err
     assert (totals(), ran) == (scores, so_far)
-    monkeypatch.setenv("IMUGRADE_SEED", "a secret of this class")
+    monkeypatch.setenv("IMUGRADE_SEED", SECRET)
     assert run("grade", "class", "-o", "out")[0] == 0
     assert ran == [*so_far, "dora"]
 
