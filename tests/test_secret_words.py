@@ -68,7 +68,10 @@ def notebook(*cells: str) -> str:
 
 def drawn(part: str, other: str) -> dict[str, str]:
     """The sheet's recorder and plot with another part."""
-    files = verbatim()
+    return recorded(part, other, verbatim())
+
+
+def recorded(part: str, other: str, files: Mapping[str, str] = tidy()) -> dict[str, str]:
     assert part in files["imu_reader.py"], part
     return {**files, "imu_reader.py": SPIES + files["imu_reader.py"].replace(part, other)}
 
@@ -111,15 +114,15 @@ LEAKS: Mapping[str | None, Mapping[str, dict[str, str]]] = {
         "extension that is not defined": {**tidy(), "allan_variance.py": f"{SPIES}\ndef tells(f):\n    {RAISES}\n@tells\ndef allan_deviation(s, r):\n    pass\n"},
     },
     None: {
-        "notebook's cell": {"lab.ipynb": notebook(*verbatim().values(), SPIES + RAISES)},
+        "notebook's cell": {"lab.ipynb": notebook(*tidy().values(), SPIES + RAISES)},
         "which file defines a name": {
             **{path: text for path, text in tidy().items() if path != "filters.py"},
             **{f"part{n}.py": "x = 1\n" for n in range(10)},
             "noisy_imu.py": tidy()["noisy_imu.py"] + SPIES
             + f"open(f'part{{digit}}.py', 'w').write({tidy()['filters.py']!r})\n",
         },
-        "keys of a recording": drawn("'acceleration': accelerations", "token: accelerations"),
-        "text in place of a recording": drawn("'acceleration': accelerations", "'acceleration': token"),
+        "keys of a recording": recorded('"acceleration": acceleration', "token: acceleration"),
+        "text in place of a recording": recorded('"acceleration": acceleration', '"acceleration": token'),
     },
 }  # fmt: skip
 """By the criterion that is graded, which is the one that reads the leak; None where several do."""
