@@ -21,7 +21,7 @@ from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import Student
-from tests.corpus.pieces import edit, verbatim
+from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.writing import write
 from tests.desk import Desk, desk_over, words
 from tests.examples import FOLDER
@@ -78,15 +78,15 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pictures = {
         name: (FOLDER / "s01-sheet-verbatim" / name).read_bytes() for name in ("imu_data.png", "filtered_imu.png")
     }
-    ours = edit(verbatim(), "filters.py", ("class LowPassFilter:", f"{FAILS}class LowPassFilter:"))
+    ours = edit(tidy(), "filters.py", ("class LowPassFilter:", f"{FAILS}class LowPassFilter:"))
     folders = {
         "nearly": nearly(),
         "ours": ours,
         "undrawn": {**undrawn(), **pictures},
         "png": pictures,
         "other": {"kinematics.py": "import numpy as np\n\n\ndef forward(q):\n    return np.eye(4)\n"},
-        "sound": verbatim(),
-        **dict.fromkeys(("twin1", "twin2"), edit(verbatim(), "filters.py", ("# Test filtering", "# Tests"))),
+        "sound": tidy(),
+        **dict.fromkeys(("twin1", "twin2"), edit(tidy(), "filters.py", ("Filter a noisy", "Filter another noisy"))),
     }
     for name, files in folders.items():
         write(files, students / name)

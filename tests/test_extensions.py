@@ -27,7 +27,7 @@ from reference.complementary_filter import ComplementaryFilter, tilt_of
 from reference.extension_scenarios import tilt_drifting, tilt_shaken, tilt_steep, true_tilt
 from reference.scene import Recording, generator
 from tests.corpus.cases import EXTENSIONS, Case, case, of
-from tests.corpus.pieces import verbatim
+from tests.corpus.pieces import tidy
 from tests.corpus.writing import write
 from tests.sandboxes import Opened
 
@@ -48,7 +48,7 @@ Mark = Callable[..., Result]
 @pytest.fixture
 def mark(marker: Marker, tmp_path: Path) -> Mark:
     def marked(files: dict[str, str], *, only: str | None = None, by: Marker = marker) -> Result:
-        return by.mark(read_submission(write({**verbatim(), **files}, tmp_path / "s"), LAB.files), only=only)
+        return by.mark(read_submission(write({**tidy(), **files}, tmp_path / "s"), LAB.files), only=only)
 
     return marked
 
