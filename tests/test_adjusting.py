@@ -144,32 +144,6 @@ def test_an_adjustment_survives_a_regrade_which_flags_it_when_the_marks_beneath_
 LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "again"),
-    [
-        ("# The rubric", "# Our rubric", []),
-        (*LATE, []),
-        ("follows_address: 6", "follows_address: 5", ["alice", "bob"]),
-    ],
-)
-def test_a_rubric_change_grades_again_only_if_marks_depend_on_it(
-    old: str, new: str, again: list[str], run: Run, out: Path, tmp_path: Path, ran: list[str]
-) -> None:
-    assert (
-        run(
-            "grade",
-            tmp_path / "class",
-            "-o",
-            out,
-            "--rubric",
-            rubric_with(tmp_path / "rubric.yaml", (old, new)),
-            "--change",
-        )[0]
-        == 0
-    )
-    assert sorted(ran) == sorted(["alice", "bob", *again])
-
-
 def test_only_with_force_grades_one_again_and_a_change_back_is_on_record(
     run: Run, out: Path, tmp_path: Path, ran: list[str]
 ) -> None:
