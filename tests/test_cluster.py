@@ -163,22 +163,19 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
     assert recorded(tmp_path / "there") == len(outcome.results) == 6
 
 
-def test_a_scheduler_is_started_again_midway_and_the_same_command_ends_with_the_results_of_this_machine(
-    here: classroom.GradeRequest, tmp_path: Path
+def test_a_scheduler_is_killed_midway_and_the_same_command_on_another_one_ends_with_the_results_of_this_machine(
+    site: Site, here: classroom.GradeRequest, tmp_path: Path
 ) -> None:
     order = replace(here, out=tmp_path / "there")
     found = classroom.find(order)
-    for name in ("first", "again"):
-        (tmp_path / name).mkdir()
-    with closing(Site(tmp_path / "first")) as first:
+    with closing(Site(tmp_path)) as first:
         first.staff(1)
         with pytest.raises(GraderError, match="was lost; give the same command again"):
             classroom.grade_class(replace(order, cluster=first.address), found, AfterOne(first.scheduler.kill))
     before = recorded(tmp_path / "there")
     assert 1 <= before < 6
-    with closing(Site(tmp_path / "again")) as again:
-        again.staff(1)
-        outcome = classroom.grade_class(replace(order, cluster=again.address), found, Nobody())
+    site.staff(1)
+    outcome = classroom.grade_class(replace(order, cluster=site.address), found, Nobody())
     assert (outcome.resumed, outcome.incomplete) == (before, [])
     assert_same(tmp_path / "there", here.out)
 
