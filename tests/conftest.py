@@ -199,10 +199,9 @@ def marker(opened: Opened) -> Iterator[Marker]:
 
 
 @pytest.fixture(scope="session")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where traces are kept for all workers of a run: to record some takes seconds."""
-    own = tmp_path_factory.getbasetemp()
-    return (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "traces"
+def cache() -> Path:
+    """Where commands, too, keep traces for all workers of a run: to record some takes seconds."""
+    return Path(os.environ[CACHE_VARIABLE])
 
 
 @pytest.fixture(scope="session")

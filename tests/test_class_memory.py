@@ -160,10 +160,7 @@ def test_other_dates_in_a_roster_are_told_with_what_they_do(run: Run, tmp_path: 
     assert totals("final") == final
 
 
-def test_without_its_secret_a_class_is_not_graded(
-    run: Run, ran: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("IMUGRADE_CACHE", str(cache))
+def test_without_its_secret_a_class_is_not_graded(run: Run, ran: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("IMUGRADE_SEED", SECRET)
     assert run("grade", "class", "-o", "out")[0] == 0
     scores, so_far = totals(), list(ran)
