@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -12,11 +11,10 @@ import pytest
 
 from grader import __version__
 from grader.base.errors import RequestError
-from grader.course import classroom, regrade
+from grader.course import regrade
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
 from grader.engine import rubric
-from grader.engine.grader import Marker
 from grader.engine.marks import marked
 from grader.engine.results import Result, to_json
 from grader.engine.rubric import Rubric
@@ -26,7 +24,7 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.late_policy import judged
 from tests.examples import FOLDER, folders
-from tests.fake_results import Nobody, lost
+from tests.fake_results import lost
 from tests.recordings.marker import RecordedMarker
 
 SHIPPED = rubric.shipped(LAB).read_text(encoding="utf-8")
@@ -96,17 +94,6 @@ def keep(out: Path, by: Rubric, names: tuple[str, ...] = ("s02-vectorised", "s06
             store.keep_hand_in(name, judged(hand_in, by.late, (name,)))
 
 
-def test_what_a_rubric_would_cost_is_told_and_nothing_is_changed(tmp_path: Path) -> None:
-    keep(tmp_path, changed())
-    with Store(tmp_path) as store:
-        before = store.final_grades()
-        after = regrade.regraded(before, changed(PRICES, text=SHIPPED + LATE))
-        assert store.final_grades() == before
-    assert {id_: each.final for id_, each in before.items()}["s02-vectorised"] == 100.0
-    moved = {"s02-vectorised": 80.0, "s06-id-as-address": 96.0 - 20.0, "s14-empty": None}
-    assert {id_: each.final for id_, each in after.items()} == moved
-
-
 def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_writes(tmp_path: Path) -> None:
     by = changed(PRICES, text=SHIPPED + LATE)
     anew, again = tmp_path / "anew", tmp_path / "again"
@@ -148,31 +135,6 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
         with pytest.raises(RequestError, match=told):
             regrade.remark(tmp_path, store, changed(edit))
         assert store.final_grades() == before
-
-
-# ---- grading again ----
-
-
-@contextmanager
-def no_sandbox(*_: object) -> Iterator[Marker]:
-    raise AssertionError("a sandbox was opened")
-    yield
-
-
-def test_grading_a_class_again_with_other_points_opens_no_sandbox(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    names = ("s02-vectorised", "s06-id-as-address")
-    keep(tmp_path, changed(), names)
-    monkeypatch.setattr(classroom, "opener", no_sandbox)
-    order = classroom.GradeRequest(
-        tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), bundles.shipped(), jobs=1, change=True
-    )
-    outcome = classroom.grade_class(order, classroom.find(order), Nobody())
-    assert (outcome.resumed, outcome.results["s06-id-as-address"].score) == (2, 96.0)
-    back = replace(order, rubric=changed())
-    again = classroom.grade_class(back, classroom.find(back), Nobody())
-    assert again.results["s06-id-as-address"] == found("s06-id-as-address")
 
 
 # ---- what a mistake costs ----
