@@ -67,11 +67,8 @@ def notebook(*cells: str) -> str:
 
 
 def drawn(part: str, other: str) -> dict[str, str]:
-    """The sheet's recorder and plot with another part."""
-    return recorded(part, other, verbatim())
-
-
-def recorded(part: str, other: str, files: Mapping[str, str] = tidy()) -> dict[str, str]:
+    """The recorder and the plot with another part."""
+    files = tidy()
     assert part in files["imu_reader.py"], part
     return {**files, "imu_reader.py": SPIES + files["imu_reader.py"].replace(part, other)}
 
@@ -101,13 +98,13 @@ LEAKS: Mapping[str | None, Mapping[str, dict[str, str]]] = {
         "whether a name is there": added("filters.py", "if digit % 2:\n    del LowPassFilter\n"),
     },
     "visualization": {
-        "title of a figure": drawn("'Accelerometer Readings'", "token"),
-        "label of an axis": drawn("'Acceleration (m/s²)'", "token"),
-        "number in the label of an axis": drawn("'Acceleration (m/s²)'", "f'Acceleration (m/s{digit})'"),
-        "names of curves": drawn("label='X'", "label=token"),
-        "text in a figure": drawn("plt.tight_layout()", "fig.text(0.1, 0.5, token)"),
-        "name of a picture": drawn("'imu_data.png'", "'imu' + token.replace(' ', '_') + '.png'"),
-        "size of a figure": drawn("figsize=(12, 8)", "figsize=(12, 8 + digit / 10)"),
+        "title of a figure": drawn('"Torso accelerometer"', "token"),
+        "label of an axis": drawn('"Acceleration [m/s^2]"', "token"),
+        "number in the label of an axis": drawn('"Acceleration [m/s^2]"', "f'Acceleration (m/s{digit})'"),
+        "names of curves": drawn('label=f"$a_{axis}$"', "label=token + axis"),
+        "text in a figure": drawn("fig.tight_layout()", "fig.text(0.1, 0.5, token)"),
+        "name of a picture": drawn('"imu_data.png"', "'imu' + token.replace(' ', '_') + '.png'"),
+        "size of a figure": drawn("figsize=(10, 6)", "figsize=(10, 6 + digit / 10)"),
     },
     "allan_variance": {
         "extension's file": {**tidy(), "allan_variance.py": f"{SPIES}\n{RAISES}def allan_deviation(samples, rate):\n    return [], []\n"},
@@ -121,8 +118,8 @@ LEAKS: Mapping[str | None, Mapping[str, dict[str, str]]] = {
             "noisy_imu.py": tidy()["noisy_imu.py"] + SPIES
             + f"open(f'part{{digit}}.py', 'w').write({tidy()['filters.py']!r})\n",
         },
-        "keys of a recording": recorded('"acceleration": acceleration', "token: acceleration"),
-        "text in place of a recording": recorded('"acceleration": acceleration', '"acceleration": token'),
+        "keys of a recording": drawn('"acceleration": acceleration', "token: acceleration"),
+        "text in place of a recording": drawn('"acceleration": acceleration', '"acceleration": token'),
     },
 }  # fmt: skip
 """By the criterion that is graded, which is the one that reads the leak; None where several do."""
