@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grader.base.errors import GraderError, RequestError
+from grader.base.errors import GraderError
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
@@ -116,12 +116,6 @@ class FakeMarker:
 def fake_marker(folder: Path) -> Iterator[FakeMarker]:
     yield FakeMarker(folder)
     (folder / f"closed-{os.getpid()}").touch()
-
-
-@contextmanager
-def no_marker(folder: Path) -> Iterator[FakeMarker]:
-    raise RequestError(f"no marker for {folder.name}")
-    yield FakeMarker(folder)
 
 
 class Nobody:

@@ -52,9 +52,6 @@ class Verdict:
     case: Case
     seconds: float = 0.0
     troubles: list[tuple[str, str]] = field(default_factory=list)
-    named_right: int = 0
-    named_wrong: int = 0
-    named_not: int = 0
     result: Result | None = None
 
     @property
@@ -115,7 +112,6 @@ def look_at_sound(verdict: Verdict, result: Result) -> None:
     if gone := lost(result):
         verdict.trouble("false deduction", words(gone))
     if result.misconceptions:
-        verdict.named_wrong += len(result.misconceptions)
         verdict.trouble("named wrong", ", ".join(result.misconceptions))
 
 
@@ -193,12 +189,9 @@ def _look_at_names(
     wanted -= {"tampering", ""}  # shown to the instructor, as a note, and costs nothing; or without a name
     found = names & right
     count = min(len(wanted), len(found))
-    verdict.named_right += count
-    verdict.named_not += len(wanted) - count
     if count < len(wanted):
         verdict.trouble("not named", f"{', '.join(sorted(wanted - names))}; lost: {words(lost(result))}")
     if wrong := names - right:
-        verdict.named_wrong += len(wrong)
         looks = " (the lookalike!)" if wrong & set(never) else ""
         verdict.trouble("named wrong", f"{', '.join(sorted(wrong))}{looks} in place of {', '.join(sorted(right))}")
 

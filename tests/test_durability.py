@@ -49,7 +49,7 @@ def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
     monkeypatch.setattr(Worker, "ask", disturbed)
     with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         if not marker.isolation.isolates:
-            pytest.skip("there is no zygote without walls")
+            pytest.skip("there is no zygote without isolation")
         result = marker.mark(submission)
     assert asked > number
     assert (result.status, result.score) == ("graded", 100.0)

@@ -48,7 +48,7 @@ class Confinement:
     zygote: int
 
 
-def confine(walls: Confinement, scratch: str) -> None:
+def confine(confinement: Confinement, scratch: str) -> None:
     """Isolate this process irrevocably. `scratch` becomes its only writable folder and its working directory.
 
     Raises
@@ -58,28 +58,28 @@ def confine(walls: Confinement, scratch: str) -> None:
     """
     os.umask(0o077)
     os.setsid()
-    _raise_oom_score(walls.proc)
-    if walls.isolation_level.own_namespaces:
-        namespaces.enter_as_worker(walls.proc)
+    _raise_oom_score(confinement.proc)
+    if confinement.isolation_level.own_namespaces:
+        namespaces.enter_as_worker(confinement.proc)
         rootfs.mount_scratch()
-    rules = _keep_rules(walls, scratch)
+    rules = _keep_rules(confinement, scratch)
     os.chdir(scratch)
     limits.enforce(
-        leave_out=() if walls.isolation_level.own_namespaces else ("RLIMIT_NPROC",)
+        leave_out=() if confinement.isolation_level.own_namespaces else ("RLIMIT_NPROC",)
     )  # it would count the user's others too
     linux.prctl(linux.PR_SET_DUMPABLE, 0)
-    _end_with_zygote(walls.zygote)
+    _end_with_zygote(confinement.zygote)
     linux.drop_capabilities()
     linux.prctl(linux.PR_SET_NO_NEW_PRIVS, 1)
-    if walls.landlock_abi:
-        _forbid_files(walls, scratch, rules)
-    seccomp.enforce(seccomp_program(walls, os.getpid()))
+    if confinement.landlock_abi:
+        _forbid_files(confinement, scratch, rules)
+    seccomp.enforce(seccomp_program(confinement, os.getpid()))
 
 
 @lru_cache(maxsize=2)
-def seccomp_program(walls: Confinement, pid: int) -> bytes:
+def seccomp_program(confinement: Confinement, pid: int) -> bytes:
     """Return the seccomp filter program of the worker `pid`."""
-    return seccomp.program(walls.machine, pid, own_files_only=walls.isolation_level.own_namespaces)
+    return seccomp.program(confinement.machine, pid, own_files_only=confinement.isolation_level.own_namespaces)
 
 
 def _raise_oom_score(proc: int) -> None:
@@ -98,9 +98,9 @@ def _end_with_zygote(zygote: int) -> None:
         os._exit(1)  # it died before it could take us along
 
 
-def _keep_rules(walls: Confinement, scratch: str) -> int:
+def _keep_rules(confinement: Confinement, scratch: str) -> int:
     """Close all descriptors but the streams, the socket and this worker's Landlock rules; return the rules, or -1 without any."""
-    made = dict(walls.rules).get(scratch, -1)
+    made = dict(confinement.rules).get(scratch, -1)
     if made < 0:
         linux.close_from(FIRST_SPARE_FD)
         return -1
@@ -109,14 +109,14 @@ def _keep_rules(walls: Confinement, scratch: str) -> int:
     return FIRST_SPARE_FD
 
 
-def _forbid_files(walls: Confinement, scratch: str, made: int) -> None:
-    rules = landlock.ruleset(walls.landlock_abi, ["/"], [], [scratch]) if made < 0 else made
+def _forbid_files(confinement: Confinement, scratch: str, made: int) -> None:
+    rules = landlock.ruleset(confinement.landlock_abi, ["/"], [], [scratch]) if made < 0 else made
     landlock.enforce(rules)
     os.close(rules)
 
 
-def test_isolation(decoy: str) -> None:
-    """Test the isolation from inside: try to open a socket, start a process, read `decoy` and write outside the folder.
+def check_isolation(decoy: str) -> None:
+    """Check the isolation from inside: try to open a socket, start a process, read `decoy` and write outside the folder.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Landlock: which files a worker may open, and that it reaches no network, socket or process outside.
 
-It needs no privilege, and holds where no mount can. What it does not cover (stat, chmod, UDP) the other walls do. See
+It needs no privilege, and holds where no mount can. What it does not cover (stat, chmod, UDP) the other layers do. See
 Linux's Documentation/userspace-api/landlock.rst; the bits are those of include/uapi/linux/landlock.h.
 """
 

@@ -41,12 +41,12 @@ _UCRED = struct.Struct("3i")
 
 
 class Zygote:
-    """A running zygote with its walls up; imports may still be going on.
+    """A running, isolated zygote; imports may still be going on.
 
     Raises
     ------
-    WallsRefusedError
-        If the walls could not be raised, or did not hold when tried from inside.
+    IsolationRefusedError
+        If the kernel refuses the isolation, or it does not hold when tried from inside.
     ZygoteGoneError
         If it was killed before they were up, which says nothing about the machine.
     """
@@ -54,7 +54,6 @@ class Zygote:
     def __init__(self, isolation_level: IsolationLevel, contents: Contents) -> None:
         self.isolation_level = isolation_level
         self.without_landlock = False
-        self.start_cpu_s = 0.0
         self._lock = threading.RLock()
         self._ready = False
         self._count = 0
@@ -159,10 +158,10 @@ class Zygote:
     def _await_isolation(self) -> None:
         message, _ = self._next(_ISOLATED_WITHIN_S)
         if message is None and self._was_killed():
-            raise ZygoteGoneError("it was killed before its walls were up")
+            raise ZygoteGoneError("it was killed before it was isolated")
         if message is None:
             raise IsolationRefusedError(self._log_tail() or "the process ended without a word")
-        if not message.get("walls"):
+        if not message.get("isolated"):
             raise IsolationRefusedError(str(message.get("reason")))
         self.without_landlock = bool(message.get("without_landlock"))
 
@@ -190,7 +189,6 @@ class Zygote:
                 raise ZygoteGoneError(f"it did not start: {self._log_tail() or 'it ended without a word'}")
             if not message.get("ready"):
                 raise GraderError(f"the worker code did not start: {message.get('reason')}")
-            self.start_cpu_s = float(message["cpu_s"])
             self._ready = True
 
     def _log_tail(self) -> str:
@@ -329,7 +327,7 @@ class Sandboxed:
 
 
 def _await_hello(line: socket.socket) -> int:
-    """Wait until the worker's walls are up; its pid as this process sees it.
+    """Wait until the worker is isolated; its pid as this process sees it.
 
     The worker speaks before the student's code is there, so that this may be believed.
     """
@@ -347,7 +345,7 @@ def _await_hello(line: socket.socket) -> int:
     except (OSError, wire.WireError) as error:
         raise GraderError(f"a worker did not get ready: {error}") from None
     if not frame.fields.get("ready"):
-        raise GraderError(f"a worker's walls could not be raised: {frame.fields.get('reason')}")
+        raise GraderError(f"a worker could not be isolated: {frame.fields.get('reason')}")
     line.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 0)
     line.setblocking(False)
     return pid

@@ -33,7 +33,7 @@ def probe() -> list[LevelResult]:
 
 def _try_level(isolation_level: IsolationLevel) -> LevelResult:
     if not isolation_level.isolates:
-        return LevelResult(isolation_level, True, "a fresh process with a time limit, and no walls")
+        return LevelResult(isolation_level, True, "a fresh process with a time limit, and no isolation")
     try:
         zygote = start_zygote(isolation_level, Contents(Path(__file__).parent))
     except IsolationRefusedError as error:
@@ -44,7 +44,7 @@ def _try_level(isolation_level: IsolationLevel) -> LevelResult:
 
 def caveat(zygote: Zygote) -> str:
     """Return what is missing on an isolation level that works; empty if nothing is."""
-    return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
+    return "this kernel has no Landlock; the other layers hold" if zygote.without_landlock else ""
 
 
 def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:

@@ -29,7 +29,7 @@ _READY_WITHIN_S = 300.0
 
 
 class PlainProcess:
-    """A worker without walls; see `process.Process`."""
+    """A worker without isolation; see `process.Process`."""
 
     def __init__(self, contents: Contents, printed: Printed) -> None:
         self._code: int | None = None

@@ -44,7 +44,7 @@ class Plan:
     Attributes
     ----------
     isolation_level
-        Whose walls are raised.
+        The level that is set up.
     worker code, questions
         The folders that are imported as packages; no questions are "".
     visible, hidden
@@ -62,7 +62,7 @@ class Plan:
     cache
         The zygote's own writable folder.
     decoy
-        A file that no sandbox may read: the walls are tried against it.
+        A file that no sandbox may read: the isolation is tried against it.
     end_with_parent
         Whether the kernel kills the zygote with the thread that started it; it ends anyway when the grader hangs up.
     """

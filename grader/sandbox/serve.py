@@ -14,7 +14,6 @@ import signal
 import socket
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -55,19 +54,19 @@ def _isolate_and_serve(control: socket.socket, plan: Plan) -> Callable[[], None]
     try:
         if plan.end_with_parent:
             namespaces.die_with_parent()
-        walls = _enter(plan, control)
-        _test_confinement(walls, plan)
+        confinement = _enter(plan, control)
+        _check_confinement(confinement, plan)
     except (OSError, KeyError) as error:
-        _tell(control, walls=False, reason=_reason(error))
+        _tell(control, isolated=False, reason=_reason(error))
         return None
-    _tell(control, walls=True, without_landlock=not walls.landlock_abi)
+    _tell(control, isolated=True, without_landlock=not confinement.landlock_abi)
     try:
         answer = _warm_up(plan)
     except Exception:
         _tell(control, ready=False, reason=traceback.format_exc(limit=-4)[-4000:])
         return None
-    _tell(control, ready=True, cpu_s=time.process_time())
-    return _Zygote(control, walls, plan, answer).serve()
+    _tell(control, ready=True)
+    return _Zygote(control, confinement, plan, answer).serve()
 
 
 def _move_up(fd: int) -> int:
@@ -89,7 +88,7 @@ def _reason(error: BaseException) -> str:
     return str(error.args[-1]) if error.args else type(error).__name__
 
 
-# Walls ----------------------------------------------------------------------------------------------------------------
+# Isolation ------------------------------------------------------------------------------------------------------------
 
 
 def _enter(plan: Plan, control: socket.socket) -> confine.Confinement:
@@ -165,14 +164,14 @@ def _become_first(control: socket.socket) -> None:
     os._exit(min(abs(os.waitstatus_to_exitcode(status)), 255))
 
 
-def _test_confinement(walls: confine.Confinement, plan: Plan) -> None:
-    """Confine a child process as a worker and test the isolation from inside; raise OSError with the part that failed."""
+def _check_confinement(confinement: confine.Confinement, plan: Plan) -> None:
+    """Confine a child process as a worker and check the isolation from inside; raise OSError with the part that failed."""
     reader, writer = os.pipe()
-    own = _own_pid_namespace(walls)
+    own = _own_pid_namespace(confinement)
     pid = namespaces.fork_as_first(own) if own >= 0 else os.fork()
     if pid == 0:
         os.dup2(writer, _LINE_FD)
-        os._exit(_run_test(walls, plan))
+        os._exit(_run_check(confinement, plan))
     os.close(writer)
     with open(reader, "rb") as report:
         reason = report.read()
@@ -182,15 +181,15 @@ def _test_confinement(walls: confine.Confinement, plan: Plan) -> None:
     if not reason and os.waitstatus_to_exitcode(status) == -signal.SIGKILL:
         os._exit(
             128 + signal.SIGKILL
-        )  # no wall does that; as if it had been this process: the same walls are tried again
+        )  # the isolation kills nothing; as if it had been this process: the same level is tried again
     if reason != b"held":
-        raise OSError(reason.decode(errors="replace") or "a worker behind its walls ended without a word")
+        raise OSError(reason.decode(errors="replace") or "an isolated worker ended without a word")
 
 
-def _run_test(walls: confine.Confinement, plan: Plan) -> int:
+def _run_check(confinement: confine.Confinement, plan: Plan) -> int:
     try:
-        confine.confine(walls, plan.scratch[0])
-        confine.test_isolation(plan.decoy)
+        confine.confine(confinement, plan.scratch[0])
+        confine.check_isolation(plan.decoy)
     except BaseException as error:
         os.write(_LINE_FD, _reason(error).encode(errors="replace"))
         return 1
@@ -198,8 +197,8 @@ def _run_test(walls: confine.Confinement, plan: Plan) -> int:
     return 0
 
 
-def _own_pid_namespace(walls: confine.Confinement) -> int:
-    return _move_up(os.pidfd_open(os.getpid())) if walls.isolation_level.own_namespaces else -1
+def _own_pid_namespace(confinement: confine.Confinement) -> int:
+    return _move_up(os.pidfd_open(os.getpid())) if confinement.isolation_level.own_namespaces else -1
 
 
 # Imports --------------------------------------------------------------------------------------------------------------
@@ -211,7 +210,7 @@ def _warm_up(plan: Plan) -> Any:
     copies = rootfs.copies(plan)
     folders = list(copies if plan.isolation_level.own_root else copies.values())
     with _imports_frozen():
-        from .imports import import_where_they_are, load_worker_code  # noqa: PLC0415 - they pull numpy, which must come after the walls
+        from .imports import import_where_they_are, load_worker_code  # noqa: PLC0415 - they pull numpy, which must come after the isolation
 
         worker_code = load_worker_code(folders, plan.search, thorough=plan.thorough)
         import_where_they_are(plan.warm)
@@ -246,13 +245,13 @@ class _Child:
 
 
 class _Zygote:
-    def __init__(self, control: socket.socket, walls: confine.Confinement, plan: Plan, answer: Any) -> None:
+    def __init__(self, control: socket.socket, confinement: confine.Confinement, plan: Plan, answer: Any) -> None:
         self._control = control
-        self._walls = walls
+        self._confinement = confinement
         self._plan = plan
         self._answer = answer
-        self._own = _own_pid_namespace(walls)
-        confine.seccomp_program(walls, 1)  # most workers are pid 1: they find it ready
+        self._own = _own_pid_namespace(confinement)
+        confine.seccomp_program(confinement, 1)  # most workers are pid 1: they find it ready
         self._warm = {*plan.warm}
         self._children: dict[int, _Child] = {}
         self._poll = select.poll()
@@ -308,7 +307,7 @@ class _Zygote:
             scratch, pid = None, -1
         if pid == 0 and scratch is not None:
             self._control.detach()  # close_from will close it; a second close would hit a stranger
-            return partial(_work, fds[0], fds[1], self._walls, scratch, self._answer)
+            return partial(_work, fds[0], fds[1], self._confinement, scratch, self._answer)
         for fd in fds:
             os.close(fd)
         if scratch is not None:
@@ -316,7 +315,7 @@ class _Zygote:
         return None
 
     def _free_scratch(self) -> str | None:
-        if self._walls.isolation_level.own_namespaces:
+        if self._confinement.isolation_level.own_namespaces:
             return rootfs.SCRATCH  # every worker mounts its own there
         taken = {child.scratch for child in self._children.values()}
         return next((folder for folder in self._plan.scratch if folder not in taken), None)
@@ -332,7 +331,7 @@ class _Zygote:
         self._poll.unregister(child.pidfd)
         os.close(child.pidfd)
         _, status, used = os.wait4(child.pid, 0)
-        if not self._walls.isolation_level.own_namespaces:
+        if not self._confinement.isolation_level.own_namespaces:
             paths.empty_folder(child.scratch)
         code = os.waitstatus_to_exitcode(status)
         _tell(self._control, ended=child.number, code=code, cpu_s=used.ru_utime + used.ru_stime)
@@ -344,7 +343,7 @@ class _Zygote:
             os.waitpid(child.pid, 0)
 
 
-def _work(line_fd: int, printed_fd: int, walls: confine.Confinement, scratch: str, answer: Any) -> None:
+def _work(line_fd: int, printed_fd: int, confinement: confine.Confinement, scratch: str, answer: Any) -> None:
     """Run a worker in a forked child: attach its socket and output, confine it, answer questions, and exit. Never returns."""
     from . import worker  # noqa: PLC0415 - see _warm_up
 
@@ -353,7 +352,7 @@ def _work(line_fd: int, printed_fd: int, walls: confine.Confinement, scratch: st
     os.dup2(line_fd, _LINE_FD)
     line = socket.socket(fileno=_LINE_FD)
     try:
-        confine.confine(walls, scratch)
+        confine.confine(confinement, scratch)
     except Exception as error:
         worker.refuse_questions(line, _reason(error))
         os._exit(1)

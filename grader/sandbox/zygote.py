@@ -1,7 +1,7 @@
 """The process that workers come from: started by path, with nothing of the grader in it.
 
     python -B -s zygote.py CONTROL_FD             a zygote on Linux: waits for a plan, then serves workers
-    python -B -s zygote.py --plain LINE_FD PLAN   one worker without walls, on any system
+    python -B -s zygote.py --plain LINE_FD PLAN   one worker without isolation, on any system
 
 It must not import the grader's package, so it makes a private one of the folder that it lies in, and takes the folder
 off `sys.path` before it imports anything.

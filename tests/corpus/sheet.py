@@ -7,7 +7,6 @@ from tests.corpus.pieces import part, verbatim
 READER = part("steps", "reader")
 COLLECT = part("steps", "recorder")
 PLOT = part("steps", "plot")
-NOISY_IMU = part("steps", "noise")
 LOW_PASS = part("steps", "filter")
 
 VERBATIM = verbatim()

@@ -1,7 +1,7 @@
 """Run the hostile corpus: ``python -m tests.hostile [--isolation LEVEL] [--family F] [--only NAME] [--write]``.
 
 Prints a line for each attack that fell, and a table of held and fell for each family and isolation level. Exit code 1 if one fell on an
-isolation level that has walls; on the lowest isolation level falls are counted and listed, for nothing is promised there. With ``--write`` the
+level that isolates; on the lowest isolation level falls are counted and listed, for nothing is promised there. With ``--write`` the
 results of this isolation level, user and family are written to docs/isolation.json.
 """
 

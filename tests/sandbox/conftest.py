@@ -71,7 +71,7 @@ def anyone(best: Sandbox) -> Iterator[Worker]:
 
 @pytest.fixture
 def isolated_worker(isolating_sandbox: Sandbox) -> Iterator[Worker]:
-    """A worker behind walls, on each isolation level that has some."""
+    """An isolated worker, on each level that isolates."""
     with isolating_sandbox.worker() as worker:
         yield worker
 

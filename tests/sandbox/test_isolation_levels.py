@@ -76,7 +76,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_level(
         assert run(worker, "result = 1") == {"result": 1}
 
 
-def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sandbox_without_isolation_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "start_zygote", refuse("full", "bubblewrap", "landlock"))
     with Sandbox(Contents(WORKER_CODE)) as sandbox, sandbox.worker() as worker:
         assert not sandbox.isolation_level.isolates
@@ -90,10 +90,10 @@ def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypat
         Sandbox(Contents(WORKER_CODE), isolation_level="full")
 
 
-def test_walls_that_do_not_hold_when_tried_are_refused(
+def test_an_isolation_that_does_not_hold_when_tried_is_refused(
     monkeypatch: pytest.MonkeyPatch, isolating_sandbox: Sandbox
 ) -> None:
-    """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
+    """The decoy is readable here, as if the isolation had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(IsolationRefusedError, match="the grader's files could be read"):
         level_choice.start_zygote(isolating_sandbox.isolation_level, Contents(WORKER_CODE))
@@ -105,11 +105,11 @@ def test_walls_that_do_not_hold_when_tried_are_refused(
     [isolation_level for isolation_level in LEVELS if isolation_level.isolates and not isolation_level.program],
     ids=lambda isolation_level: isolation_level.name,
 )  # what bwrap started outlives it, and goes on
-def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
+def test_a_zygote_that_is_killed_before_it_is_isolated_is_no_lower_level(
     monkeypatch: pytest.MonkeyPatch, sandbox_on: Callable[[str], Sandbox], isolation_level: IsolationLevel, times: int
 ) -> None:
     sandbox_on(isolation_level.name)
-    kills, await_walls = iter(range(times)), Zygote._await_isolation
+    kills, await_isolation = iter(range(times)), Zygote._await_isolation
 
     def killed(zygote: Zygote) -> None:
         if next(kills, None) is not None:
@@ -117,17 +117,17 @@ def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
             with contextlib.suppress(OSError):
                 while zygote._control.recv(1 << 20):  # what it had said so far, until nobody is there any more
                     pass
-        await_walls(zygote)
+        await_isolation(zygote)
 
     monkeypatch.setattr(Zygote, "_await_isolation", killed)
     if times == 1:
         level_choice.start_zygote(isolation_level, Contents(WORKER_CODE)).close()
     else:
-        with pytest.raises(IsolationRefusedError, match="it was killed before its walls were up, twice"):
+        with pytest.raises(IsolationRefusedError, match="it was killed before it was isolated, twice"):
             level_choice.start_zygote(isolation_level, Contents(WORKER_CODE))
 
 
-def test_a_plain_user_has_the_same_walls() -> None:
+def test_a_plain_user_has_the_same_isolation() -> None:
     if os.geteuid() != 0:
         pytest.skip("these tests run as a plain user already")
     if not _can_be_used_by_all(Path(sys.executable)):
