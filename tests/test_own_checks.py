@@ -67,13 +67,6 @@ def test_the_documented_own_check_is_earned_by_the_sheets_filter_and_lost_by_ano
     assert slow.hint.startswith("alpha is the weight of the measurement")
 
 
-def test_what_stands_in_the_folder_is_part_of_the_hash(own: Own) -> None:
-    without = rubric.load(LAB, own()).sha256
-    first = rubric.load(LAB, own(check_step=EXAMPLE)).sha256
-    second = rubric.load(LAB, own(check_step=EXAMPLE + "# softer\n")).sha256
-    assert len({without, first, second}) == 3
-
-
 def test_the_labs_own_folder_is_not_taken_for_an_instructors() -> None:
     assert rubric.load(LAB, rubric.shipped(LAB)).sha256 == rubric.load(LAB).sha256
     assert rubric.own_checks(LAB, LAB.folder) == ()
