@@ -48,7 +48,7 @@ class Zygote:
     IsolationRefusedError
         If the kernel refuses the isolation, or it does not hold when tried from inside.
     ZygoteGoneError
-        If it was killed before they were up, which says nothing about the machine.
+        If it was killed before it was isolated, which says nothing about the machine.
     """
 
     def __init__(self, isolation_level: IsolationLevel, contents: Contents) -> None:
