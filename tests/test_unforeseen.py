@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.results import CheckResult, Result
-from grader.intake import Submission
+from grader.engine.results import Result
 from tests.corpus.cases import Case, of
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, look_at_words, lost
+from tests.single_faults import lost_by, marked
 
 _EVERY = 6
 """Of so many plots one is drawn."""
@@ -32,13 +32,7 @@ def _chosen(*parts: str) -> list[Case]:
 
 
 def _judged(player: Marking, sample: Case) -> Result:
-    files = {name: str(text).encode() for name, text in sample.files.items()}
-    only = None if sample.name in _EVERYWHERE else sample.criterion
-    return player.mark(Submission("s", "s", files, (), "ready", ""), only=only)
-
-
-def _points(check: CheckResult) -> float:
-    return check.max_points - (check.points or 0.0)
+    return marked(player, sample.files, None if sample.name in _EVERYWHERE else sample.criterion)
 
 
 @pytest.mark.parametrize("sample", _chosen("unforeseen sound"), ids=lambda sample: sample.name)
@@ -51,7 +45,7 @@ def test_sound_work_in_a_style_of_its_own_loses_nothing(sample: Case, player: Ma
 @pytest.mark.parametrize("sample", _chosen("unforeseen", "habits"), ids=lambda sample: sample.name)
 def test_a_fault_loses_what_the_marker_said_and_is_told_why(sample: Case, player: Marking) -> None:
     result = _judged(player, sample)
-    found = {check.id: _points(check) for check in lost(result)}
+    found = lost_by(result)
     names, right = set(result.misconceptions), {*sample.names, *sample.also, sample.fault} - {""}
     said = Verdict(sample, result=result)
     look_at_words(said)
