@@ -26,8 +26,8 @@ from grader.people.late_policy import judged
 from tests.examples import FOLDER, folders
 from tests.fake_results import lost
 from tests.recordings.marker import RecordedMarker
+from tests.rubrics import SHIPPED, edited
 
-SHIPPED = rubric.shipped(LAB).read_text(encoding="utf-8")
 LATE = "late: {due: 2026-11-20T23:59+01:00, per_day: 10}\n"
 SOON = ("call_cpu_s: 10", "call_cpu_s: 1"), ("submission_cpu_s: 120", "submission_cpu_s: 6")
 """An endless loop is one of the examples, and this is no test of how long it may take."""
@@ -49,8 +49,7 @@ CHANGES = {
 
 def changed(*edits: tuple[str, str], text: str = SHIPPED) -> Rubric:
     for old, new in (*SOON, *edits):
-        assert old in text, old
-        text = text.replace(old, new, 1)
+        text = edited(old, new, text)
     return rubric.parse(LAB, text.encode())
 
 

@@ -22,8 +22,8 @@ from grader.engine.rubric import RubricError
 from grader.engine.rubric_nodes import Reader
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
+from tests.rubrics import SHIPPED, edited
 
-SHIPPED = rubric.shipped(LAB).read_text(encoding="utf-8")
 OF_FILTERING = SHIPPED[SHIPPED.index("id: filtering") :].split("\n\n")[0]
 CHECKS = OF_FILTERING[OF_FILTERING.index("    checks:") :]
 
@@ -40,11 +40,6 @@ def refusal(call: Callable[..., object], *arguments: object) -> str:
 
 def problems(data: bytes | str) -> list[str]:
     return refusal(rubric.parse, LAB, data.encode() if isinstance(data, str) else data).splitlines()
-
-
-def edited(old: str, new: str) -> str:
-    assert old in SHIPPED
-    return SHIPPED.replace(old, new, 1)
 
 
 def line_of(text: str, part: str) -> int:

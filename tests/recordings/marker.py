@@ -19,6 +19,7 @@ from tests import sandboxes
 from tests.fake_results import without_durations
 from tests.recordings import store
 from tests.recordings.answers import RecordedSandbox, UnrecordedError
+from tests.rubrics import edited
 from tests.scoreboard import Case, Verdict, as_written, graded_by
 
 _CALL_CPU_S = 4
@@ -95,20 +96,18 @@ def _without_chance(result: Result) -> Any:
 @cache
 def generous() -> Rubric:
     """The rubric of the recordings, with points for the extensions, so that their partial credit shows."""
-    return _of_recordings(b"\nextra_credit:\n  each: 10\n")
+    return _of_recordings("\nextra_credit:\n  each: 10\n")
 
 
 @cache
 def without_charts() -> Rubric:
-    return _of_recordings(b"")
+    return _of_recordings("")
 
 
-def _of_recordings(more: bytes) -> Rubric:
+def _of_recordings(more: str) -> Rubric:
     """Return the shipped rubric without charts, and with a lower limit of a call."""
-    shipped = rubric.shipped(LAB).read_bytes()
-    assert shipped.count(b"call_cpu_s: 10") == 1
-    limited = shipped.replace(b"call_cpu_s: 10", b"call_cpu_s: %d" % _CALL_CPU_S)
-    return rubric.parse(replace(LAB, charts=lambda student, truth: ()), limited + more)
+    limited = edited("call_cpu_s: 10", f"call_cpu_s: {_CALL_CPU_S}")
+    return rubric.parse(replace(LAB, charts=lambda student, truth: ()), (limited + more).encode())
 
 
 @cache
