@@ -30,13 +30,15 @@ import pytest
 import typer.main
 
 from grader import cli
-from grader.course import classroom
+from grader.course import classroom, pool
 from grader.engine import lab_sandbox
 from grader.engine.rubric import load, shipped
+from grader.intake import Submission
 from grader.kit import give, wheel
-from grader.labs.imu import bundles
+from grader.labs.imu import bundles, handout, motions
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry
+from grader.pytest_plugin import items
 from grader.report import truth
 from tests import sandboxes
 from tests.classes import Student, canvas, canvas_gradebook, filters_alone, moodle, moodle_worksheet
@@ -69,10 +71,11 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     _hand_in(place)
     with pytest.MonkeyPatch.context() as here:
         here.setenv("IMUGRADE_CACHE", str(tmp_path_factory.mktemp("cache")))
-        here.setattr(os, "cpu_count", lambda: 1)  # one marker: each starts for seconds
+        here.setattr(os, "cpu_count", lambda: 1)
         for name in PLATFORMS_SAY:
             here.delenv(name, raising=False)
         _share_a_sandbox(here)
+        _draw_few_motions(here)
         here.chdir(place)
         truth.save(bundles.obtain("...", None), place)
         assert run(["grade", "submissions", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
@@ -86,9 +89,30 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def _share_a_sandbox(here: pytest.MonkeyPatch) -> None:
-    """Let all commands of this process use one sandbox: each would open its own, which takes longer than what they do in it."""
+    """Let all commands of this process use one sandbox: each would open its own, which takes longer than what they do in it.
+
+    A command that needs one marker gets one of this process, as another process starts for seconds. With `--jobs` a pool is started.
+    """
     one = sandboxes.shared()
     here.setattr(lab_sandbox, "Sandbox", lambda *_, **__: sandboxes.Lasting(one))
+    here.setattr(classroom, "mark_all", _mark_all)
+
+
+def _mark_all(
+    submissions: Iterator[Submission], open_marker: pool.OpenMarker, jobs: int, bounds: pool.Bounds
+) -> Iterator[tuple[Submission, pool.Outcome]]:
+    if jobs > 1:
+        yield from pool.mark_all(submissions, open_marker, jobs, bounds)
+        return
+    with open_marker() as marker:
+        for submission in submissions:
+            yield submission, marker.mark(submission)
+
+
+def _draw_few_motions(here: pytest.MonkeyPatch) -> None:
+    """Draw the motions that a kit has, three of ten: each picture takes a quarter of a second."""
+    every = motions._moving
+    here.setattr(motions, "_moving", lambda traces: [each for each in every(traces) if each.name in handout._MOTIONS])
 
 
 def _hand_in(place: Path) -> None:
@@ -277,9 +301,6 @@ def imugrade(command: Command, folder: Path, scene: Scene) -> None:
         words[words.index("--cluster") + 1] = scene.cluster().address
     if command.words[1] in ("check", "ci", "repro"):
         folder = where_a_student_is(command, folder)
-    if "--watch" in words:
-        watch(words, folder)
-        return
     if words[0] == "review":
         review(words, folder)
         return
@@ -292,9 +313,10 @@ def imugrade(command: Command, folder: Path, scene: Scene) -> None:
         if words[0] == "grade":
             at = words.index("-o") + 1
             words[at] = one_secret(folder, words[at], here)
-        code, out, err = run(words)
+        watches = "--watch" in words
+        code, out, err = run(words, InterruptedOnceChecked() if watches else None)
         assert code == 0, err
-        OUTCOMES[words[0]](Done(words, folder, out, err))
+        (watched if watches else OUTCOMES[words[0]])(Done(words, folder, out, err))
 
 
 def hand_in_what_does_not_run(folder: Path) -> None:
@@ -327,9 +349,9 @@ def subcommands(words: tuple[str, ...]) -> list[str]:
     return names
 
 
-def run(words: list[str]) -> tuple[int, str, str]:
+def run(words: list[str], output: io.StringIO | None = None) -> tuple[int, str, str]:
     """The command in this process: its exit code, stdout and stderr."""
-    with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
+    with redirect_stdout(output or io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
         code = cli.main(words)
     return code, out.getvalue(), err.getvalue()
 
@@ -342,19 +364,20 @@ def where_a_student_is(command: Command, folder: Path) -> Path:
     return folder / ("kit" if command.document.startswith("the students'") else "my_lab")
 
 
-def watch(words: list[str], folder: Path) -> None:
-    """Ended by Ctrl-C once it has answered, as its first line says."""
-    line = [sys.executable, "-m", "grader", *words]
-    with subprocess.Popen(line, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        told = []
-        for answer in process.stdout:
-            told.append(answer)
-            if len(told) == 4:  # "checking …" twice, what was checked when, and the first line of the result
-                process.send_signal(signal.SIGINT)
-        assert process.wait(60) == 0, told
-    assert told[0].endswith("checking …\n")
-    assert "Ctrl-C ends" in "".join(told)
+class InterruptedOnceChecked(io.StringIO):
+    """Output of `check --watch`, ended by Ctrl-C once it has answered, as its first line says."""
+
+    def write(self, text: str) -> int:
+        written = super().write(text)
+        # "checking …" twice, what was checked when, and the first line of the result
+        if self.getvalue().count("\n") == 4:
+            signal.raise_signal(signal.SIGINT)
+        return written
+
+
+def watched(done: Done) -> None:
+    assert done.out.splitlines()[0].endswith("checking …")
+    assert "Ctrl-C ends" in done.out
 
 
 def review(words: list[str], folder: Path) -> None:
@@ -486,7 +509,8 @@ OUTCOMES: Mapping[str, Callable[[Done], None]] = {
     "doctor": examined,
     "traces": traced,
 }
-LEAVE_NOTHING = ("check", "ci", "doctor", "explain", "repro", "traces", "--help")
+LEAVE_NOTHING = ("check", "ci", "doctor", "explain", "kit", "repro", "review", "traces", "--help")
+"""What they write is read by no other documented command."""
 
 
 # --- other programs ---------------------------------------------------------------------------------------------------
@@ -573,9 +597,17 @@ def bash(command: Command, _folder: Path, _scene: Scene) -> None:
 
 
 def plugin(command: Command, folder: Path, _scene: Scene) -> None:
-    """`pytest --imugrade` passes in the folder of a sound submission."""
-    done = _done(["-m", *command.words], folder if "my_lab" in command.words else folder / "my_lab")
-    assert done.returncode == 0, done.stdout
+    """`pytest --imugrade` passes in the folder of a sound submission. It checks in this process, as the other commands do."""
+
+    def check(line: list[str], **_: object) -> subprocess.CompletedProcess[bytes]:
+        code, _out, err = run(line[line.index("check") :])
+        return subprocess.CompletedProcess(line, code, stderr=err.encode())
+
+    with pytest.MonkeyPatch.context() as here, redirect_stdout(io.StringIO()) as out:
+        here.chdir(folder if "my_lab" in command.words else folder / "my_lab")
+        here.setattr(items.subprocess, "run", check)
+        code = pytest.main([*command.words[1:]])
+    assert code == 0, out.getvalue()
 
 
 PROGRAMS: Mapping[str, Callable[[Command, Path, Scene], None]] = {
