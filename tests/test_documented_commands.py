@@ -527,8 +527,9 @@ def python(command: Command, folder: Path, scene: Scene) -> None:
     if module == "pip":
         pip(Command(command.document, ("pip", *words)), folder, scene)
     elif module == "venv":
-        _lines(["-m", "venv", "--without-pip", *words], folder)  # what pip then does is its own
-        assert (folder / words[0] / "pyvenv.cfg").is_file()
+        offline = [word for word in words if word != "--upgrade-deps"]  # it asks the package index, as CI does
+        _lines(["-m", "venv", "--without-pip", *offline], folder)  # what pip then does is its own
+        assert (folder / offline[0] / "pyvenv.cfg").is_file()
     elif module == "pytest":
         pytest_arguments(words)
     else:
