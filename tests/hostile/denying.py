@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-import struct
 import zipfile
 import zlib
 from functools import cache, partial
 
 from tests.corpus.pieces import lab
 from tests.corpus.writing import Files, Late, notebook, zipped
+from tests.hostile.picture import END, head, png
 from tests.hostile.program import FILTER, NOISE, READER, Program, but, first, in_function, in_method, last, sound
 
 LOOP = "while True:\n    pass"
@@ -200,11 +200,7 @@ def nested(depth: int = 6) -> bytes:
 @cache
 def picture_bomb() -> bytes:
     """A PNG that says it has a gigapixel."""
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    rows = zlib.compress(bytes(40_000_000), 9)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 60_000, 60_000, 8, 2, 0, 0, 0)) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
+    return png(head(60_000, 60_000), (b"IDAT", zlib.compress(bytes(40_000_000), 9)), END)
 
 
 def source(name: str, text: str | bytes) -> Program:

@@ -5,20 +5,8 @@ from __future__ import annotations
 import json
 
 from tests.corpus.pieces import lab
-from tests.corpus.writing import notebook
-from tests.hostile.forging import (
-    BLANK,
-    PASSES,
-    READS,
-    STANDS,
-    STEPS,
-    UNIFORM,
-    VIEWS,
-    forged,
-    low_pass,
-    noise,
-    reader,
-)
+from tests.corpus.writing import Files, notebook
+from tests.hostile.forging import BLANK, PASSES, READS, STANDS, STEPS, VIEWS, forged, low_pass, noise, reader
 from tests.hostile.program import FILTER, READER, Program, in_function, in_method, last
 
 # ---------------------------------------------------------------- files that want to be imported, or believed
@@ -50,21 +38,21 @@ for name, module in list(sys.modules.items()):
 FULL_MARKS = json.dumps({"schema": "imugrade/result/v1", "submission": "submission", "status": "graded", "score": 100.0, "max_score": 100.0, "criteria": []})
 
 
-def ships(name: str, **more: str) -> Program:
-    """A submission with further files, given by path with slashes written as ``__`` in front of a suffix ``_py`` and the like."""
+def ships(name: str, more: Files) -> Program:
+    """A filter that passes everything, with further files."""
     return Program(name, "forgery", {**PASSES, **more}, PASSES, "filtering")
 
 
 SHIPPED = [
-    Program("ships-a-conftest", "forgery", {**PASSES, "conftest.py": CONFTEST, "pytest.ini": "[pytest]\naddopts = -p conftest\n"}, PASSES, "filtering"),
-    Program("ships-a-plugin", "forgery", {**PASSES, "plugin.py": CONFTEST, "setup.cfg": "[tool:pytest]\naddopts = -p plugin\n", "pyproject.toml": "[tool.pytest.ini_options]\naddopts = '-p plugin'\n"}, PASSES, "filtering"),
-    Program("ships-sitecustomize", "forgery", {**PASSES, "sitecustomize.py": PATCH, "usercustomize.py": PATCH, "evil.pth": "import sitecustomize\n"}, PASSES, "filtering"),
-    Program("shadows-numpy", "forgery", {**PASSES, "numpy.py": "from math import *\nallclose = array_equal = lambda *a, **k: True\n", "numpy/__init__.py": "zeros = lambda *a: 0\n"}, PASSES, "filtering"),
-    Program("shadows-the-standard-library", "forgery", {**PASSES, "json.py": "dumps = lambda *a, **k: '{}'\n", "struct.py": "", "random.py": "", "socket.py": "", "inspect.py": "", "traceback.py": ""}, PASSES, "filtering"),
-    Program("shadows-the-grader", "forgery", {**PASSES, "grader/__init__.py": PATCH, "grader/checks/__init__.py": "", "grader/labs/imu/compare.py": "same = lambda *a: True\n", "_imugrade_harness/__init__.py": "answer = lambda *a: ({'passed': True}, {})\n", "_imugrade_harness.py": ""}, PASSES, "filtering"),
+    ships("ships-a-conftest", {"conftest.py": CONFTEST, "pytest.ini": "[pytest]\naddopts = -p conftest\n"}),
+    ships("ships-a-plugin", {"plugin.py": CONFTEST, "setup.cfg": "[tool:pytest]\naddopts = -p plugin\n", "pyproject.toml": "[tool.pytest.ini_options]\naddopts = '-p plugin'\n"}),
+    ships("ships-sitecustomize", {"sitecustomize.py": PATCH, "usercustomize.py": PATCH, "evil.pth": "import sitecustomize\n"}),
+    ships("shadows-numpy", {"numpy.py": "from math import *\nallclose = array_equal = lambda *a, **k: True\n", "numpy/__init__.py": "zeros = lambda *a: 0\n"}),
+    ships("shadows-the-standard-library", {"json.py": "dumps = lambda *a, **k: '{}'\n", "struct.py": "", "random.py": "", "socket.py": "", "inspect.py": "", "traceback.py": ""}),
+    ships("shadows-the-grader", {"grader/__init__.py": PATCH, "grader/checks/__init__.py": "", "grader/labs/imu/compare.py": "same = lambda *a: True\n", "_imugrade_harness/__init__.py": "answer = lambda *a: ({'passed': True}, {})\n", "_imugrade_harness.py": ""}),
     Program("shadows-the-traces", "forgery", {**READS, "reference/__init__.py": "", "public.npz": b"PK\x03\x04", "public.json": "{}", "grader/labs/imu/public.json": "{}"}, READS, "sensor_access"),
-    Program("ships-its-own-rubric", "forgery", {**PASSES, "rubric.yaml": "criteria: []\n", ".imugrade/rubric.yaml": "criteria: []\n", "imugrade.toml": "points = 100\n"}, PASSES, "filtering"),
-    Program("ships-its-own-result", "forgery", {**PASSES, "result.json": FULL_MARKS, "report.html": "<h1>100 / 100</h1>", "gradebook.csv": "submission,total\nme,100\n", "results.sqlite": b"SQLite format 3\0"}, PASSES, "filtering"),
+    ships("ships-its-own-rubric", {"rubric.yaml": "criteria: []\n", ".imugrade/rubric.yaml": "criteria: []\n", "imugrade.toml": "points = 100\n"}),
+    ships("ships-its-own-result", {"result.json": FULL_MARKS, "report.html": "<h1>100 / 100</h1>", "gradebook.csv": "submission,total\nme,100\n", "results.sqlite": b"SQLite format 3\0"}),
     low_pass("writes-its-own-result", f"""
 import pathlib
 for folder in (".", "..", "../..", "/box", "/out", "/results", "@FOLDER@"):
@@ -75,7 +63,7 @@ for folder in (".", "..", "../..", "/box", "/out", "/results", "@FOLDER@"):
         except OSError:
             pass
 """.replace('(".", "..", "../..", "/box", "/out", "/results", "@FOLDER@")', '(".",)')),
-    Program("notebook-that-replaces-the-files", "forgery", {**PASSES, "lab.ipynb": notebook("%%writefile json.py\ndumps = lambda *a, **k: '{}'", "%%writefile _imugrade_harness.py\nanswer = None", "import numpy\nnumpy.allclose = lambda *a, **k: True")}, PASSES, "filtering"),
+    ships("notebook-that-replaces-the-files", {"lab.ipynb": notebook("%%writefile json.py\ndumps = lambda *a, **k: '{}'", "%%writefile _imugrade_harness.py\nanswer = None", "import numpy\nnumpy.allclose = lambda *a, **k: True")}),
 ]
 
 # ---------------------------------------------------------------- import hooks
@@ -178,22 +166,29 @@ def nonce():
         f = f.f_back
     return bytes(16)
 """
+
+
+def says(name: str, code: str) -> Program:
+    """A filter that passes everything, and runs this on the line before each update."""
+    return low_pass(name, FIND_LINE + in_method("LowPassFilter", "update", code))
+
+
 WIRE = [
-    low_pass("garbage-on-the-line", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), b'garbage' * 1000)")),
-    low_pass("a-frame-of-four-gigabytes", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), struct.pack('<II16s', 2**32 - 1, 2**32 - 1, nonce()))")),
-    low_pass("an-answer-ahead-of-its-question", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': []}))")),
-    low_pass("an-answer-with-a-guessed-nonce", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': [], 'passed': True}, os.urandom(16)))")),
-    low_pass("an-answer-of-another-shape", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'passed': True, 'score': 100}, nonce())); os._exit(0)")),
-    low_pass("an-answer-with-nothing-in-it", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({}, nonce())); os._exit(0)")),
-    low_pass("an-answer-of-wrong-types", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': 7}, nonce())); os._exit(0)")),
-    low_pass("an-answer-with-names-of-no-array", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': [{'output': 'a99', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce())); os._exit(0)")),
-    low_pass("an-answer-with-odd-arrays", FIND_LINE + in_method("LowPassFilter", "update", "body = b'\\0' * 16\n    os.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce(), body, [['a', 'complex128', [1]]])); os._exit(0)".replace("\n    ", "\n"))),
-    low_pass("an-answer-with-too-many-cases", FIND_LINE + in_method("LowPassFilter", "update", "body = b'\\0' * 48\nos.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 500}, nonce(), body, [['a', 'float64', [2, 3]]])); os._exit(0)")),
+    says("garbage-on-the-line", "os.write(line(), b'garbage' * 1000)"),
+    says("a-frame-of-four-gigabytes", "os.write(line(), struct.pack('<II16s', 2**32 - 1, 2**32 - 1, nonce()))"),
+    says("an-answer-ahead-of-its-question", "os.write(line(), frame({'cases': []}))"),
+    says("an-answer-with-a-guessed-nonce", "os.write(line(), frame({'cases': [], 'passed': True}, os.urandom(16)))"),
+    says("an-answer-of-another-shape", "os.write(line(), frame({'passed': True, 'score': 100}, nonce())); os._exit(0)"),
+    says("an-answer-with-nothing-in-it", "os.write(line(), frame({}, nonce())); os._exit(0)"),
+    says("an-answer-of-wrong-types", "os.write(line(), frame({'cases': 7}, nonce())); os._exit(0)"),
+    says("an-answer-with-names-of-no-array", "os.write(line(), frame({'cases': [{'output': 'a99', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce())); os._exit(0)"),
+    says("an-answer-with-odd-arrays", "body = b'\\0' * 16\n    os.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce(), body, [['a', 'complex128', [1]]])); os._exit(0)".replace("\n    ", "\n")),
+    says("an-answer-with-too-many-cases", "body = b'\\0' * 48\nos.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 500}, nonce(), body, [['a', 'float64', [2, 3]]])); os._exit(0)"),
     reader("an-answer-with-calls-of-no-kind", READS, FIND_LINE + in_function("get_imu_readings", "os.write(line(), frame({'calls': [{'kind': 'array', 'key': 'x'}] * 30, 'later': [{}]}, nonce())); os._exit(0)")),
     forged("an-answer-with-lists-for-names", STANDS, READER, FIND_LINE + in_function("simulate_and_collect", "os.write(line(), frame({'value': {'kind': 'dict', 'type': 3, 'items': [[['a'], {'kind': 'none'}], 5]}, 'changed': [[1]], 'error': {'type': {}, 'message': [], 'line': {}}}, nonce())); os._exit(0)"), "data_collection"),
     forged("an-answer-with-figures-of-no-form", BLANK, READER, FIND_LINE + in_function("plot_imu_data", "os.write(line(), frame({'figures': [{'event': 'saved', 'axes': [{'curves': [{}]}], 'size_px': 'x'}], 'pictures': [1]}, nonce())); os._exit(0)"), "visualization"),
-    low_pass("the-line-is-closed", FIND_LINE + in_method("LowPassFilter", "update", "os.close(line())")),
-    low_pass("the-line-is-exchanged", FIND_LINE + in_method("LowPassFilter", "update", "a, b = socket.socketpair(); os.dup2(a.fileno(), line())")),
+    says("the-line-is-closed", "os.close(line())"),
+    says("the-line-is-exchanged", "a, b = socket.socketpair(); os.dup2(a.fileno(), line())"),
     low_pass("a-thief-reads-the-next-question", FIND_LINE + """
 import threading
 def thief():
@@ -358,4 +353,3 @@ def get_imu_readings(model, data, a, g):
 ]
 
 FORGED = [*SHIPPED, *HOOKS, *ENDS, *WIRE, *WALKS, *HARD_CODED]
-__all__ = ["FORGED", "UNIFORM"]

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from tests.corpus.writing import Files, Late, notebook, zipped
 from tests.hostile.denying import NO_PLOT, bomb, picture_bomb
-from tests.hostile.picture import canned_picture
+from tests.hostile.picture import END, canned_picture, head, png
 from tests.hostile.program import FILTER, Program, first, sound
 
 HUGE = 2**63 - 1
@@ -149,18 +149,8 @@ BOOKS = [
 # ---------------------------------------------------------------- pictures
 
 
-def png(*chunks: tuple[bytes, bytes]) -> bytes:
-    made = (struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks)
-    return b"\x89PNG\r\n\x1a\n" + b"".join(made)
-
-
-def head(width: int, height: int, kind: int = 2) -> tuple[bytes, bytes]:
-    return b"IHDR", struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)
-
-
 TEXT = (b"zTXt", b"Comment\0\0" + zlib.compress(bytes(20_000_000), 1))
 PIXELS = (b"IDAT", zlib.compress(bytes(640 * 3 * 480 + 480)))
-END = (b"IEND", b"")
 
 
 def picture(name: str, data: bytes | Callable[[], bytes]) -> Program:
