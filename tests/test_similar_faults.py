@@ -45,11 +45,30 @@ class Cousin:
 
 
 def _address(name: str, changes: Changes, named: str, got: str, hint: str) -> Cousin:
-    return Cousin(name, READER, changes, {"sensor_access.follows_address": 6.0}, (named,), got, hint)
+    return Cousin(name, READER, changes, {"sensor_access.follows_address": 6.0}, (named,) if named else (), got, hint)
 
 
-def _count(name: str, count: str, named: tuple[str, ...], hint: str) -> Cousin:
-    return Cousin(name, READER, {COUNT: count}, {"data_collection.sample_count": 2.0}, named, " samples", hint)
+def _count(name: str, count: str, named: tuple[str, ...]) -> Cousin:
+    return Cousin(name, READER, {COUNT: count}, {"data_collection.sample_count": 2.0}, named, " samples", BOTH)
+
+
+def _label(name: str, right: str, wrong: str, got: str, hint: str) -> Cousin:
+    return Cousin(
+        name,
+        READER,
+        {right: wrong},
+        {"visualization.axis_labels_with_units": 1.0},
+        ("no-units",),
+        f"“{wrong}” on the y axis, {got}",
+        hint,
+    )
+
+
+def _curve(
+    name: str, right: str, wrong: str, got: str, hint: str = "Compare key, column, label and unit of each curve"
+) -> Cousin:
+    changes = {f"imu_data['{right}'][:, 2]": wrong}
+    return Cousin(name, READER, changes, {"visualization.curves_match_data": 4.0}, ("wrong-data-plotted",), got, hint)
 
 
 def _alias(name: str, changes: Changes, *named: str, hint: str) -> Cousin:
@@ -57,184 +76,77 @@ def _alias(name: str, changes: Changes, *named: str, hint: str) -> Cousin:
 
 
 BY_IDS = "Compute both places from the ids that are given, with model.sensor_adr[id]"
+NO_ADDRESSES = "The id and 3 * id are not addresses"
 BOTH = "int(duration_seconds / model.opt.timestep)"
-CURVES, LABELS = "visualization.curves_match_data", "visualization.axis_labels_with_units"
+STEP = "        mujoco.mj_step(model, data)\n"
+ALL_OF_FILTERING = {
+    "filtering.follows_recursion": 6.0, "filtering.starts_from_first_measurement": 3.0, "filtering.passes_constant": 3.0,
+    "filtering.reduces_noise": 3.0, "filtering.preserves_signal": 2.0, "filtering.instances_independent": 3.0,
+}  # fmt: skip
 COUSINS = [
     # what is looked up in sensordata
-    Cousin(
+    _address(
         "the sizes up to the sensor's own, added up",
-        READER,
-        {
-            ACCEL: "accel_adr = int(np.cumsum(model.sensor_dim)[accel_sensor_id])",
-            GYRO: "gyro_adr = int(np.cumsum(model.sensor_dim)[gyro_sensor_id])",
-        },
-        {"sensor_access.follows_address": 6.0},
-        (),
-        "accel = ",
-        "start each slice at model.sensor_adr[id]",
+        {ACCEL: "accel_adr = int(np.cumsum(model.sensor_dim)[accel_sensor_id])", GYRO: "gyro_adr = int(np.cumsum(model.sensor_dim)[gyro_sensor_id])"},
+        "", "accel = ", "start each slice at model.sensor_adr[id]",
     ),
-    _address(
-        "the id",
-        {ACCEL: "accel_adr = accel_sensor_id", GYRO: "gyro_adr = gyro_sensor_id"},
-        "sensor-id-as-address",
-        "accel = ",
-        "The id and 3 * id are not addresses",
-    ),
-    _address(
-        "three times the id",
-        {ACCEL: "accel_adr = 3 * accel_sensor_id", GYRO: "gyro_adr = 3 * gyro_sensor_id"},
-        "sensor-id-as-address",
-        "accel = ",
-        "The id and 3 * id are not addresses",
-    ),
+    _address("the id", {ACCEL: "accel_adr = accel_sensor_id", GYRO: "gyro_adr = gyro_sensor_id"}, "sensor-id-as-address", "accel = ", NO_ADDRESSES),
+    _address("three times the id", {ACCEL: "accel_adr = 3 * accel_sensor_id", GYRO: "gyro_adr = 3 * gyro_sensor_id"}, "sensor-id-as-address", "accel = ", NO_ADDRESSES),
     _address("the gyroscope's id", {GYRO: "gyro_adr = gyro_sensor_id"}, "sensor-id-as-address", "gyro = ", "3 * id"),
-    _address(
-        "right behind the accelerometer", {GYRO: "gyro_adr = accel_adr + 3"}, "hard-coded-address", "gyro = ", BY_IDS
-    ),
+    _address("right behind the accelerometer", {GYRO: "gyro_adr = accel_adr + 3"}, "hard-coded-address", "gyro = ", BY_IDS),
     _address(
         "the torso by name",
-        {
-            ACCEL: "accel_adr = model.sensor('torso_accelerometer').adr[0]",
-            GYRO: "gyro_adr = model.sensor('torso_gyroscope').adr[0]",
-        },
-        "hard-coded-address",
-        "accel = ",
-        BY_IDS,
+        {ACCEL: "accel_adr = model.sensor('torso_accelerometer').adr[0]", GYRO: "gyro_adr = model.sensor('torso_gyroscope').adr[0]"},
+        "hard-coded-address", "accel = ", BY_IDS,
     ),
     # how many rows there are
-    Cousin(
-        "whole seconds",
-        READER,
-        {COUNT: "n_steps = int(duration_seconds)"},
-        {"data_collection.matches_truth": 6.0},
-        (),
-        "only the first rows: 1",
-        BOTH,
-    ),
-    _count("always as many", "n_steps = 1500", ("ignores-duration",), BOTH),
-    _count("a hundred a second", "n_steps = int(duration_seconds * 100)", ("ignores-duration",), BOTH),
-    _count("half of them", "n_steps = int(duration_seconds / dt) // 2", (), BOTH),
+    Cousin("whole seconds", READER, {COUNT: "n_steps = int(duration_seconds)"}, {"data_collection.matches_truth": 6.0}, (), "only the first rows: 1", BOTH),
+    _count("always as many", "n_steps = 1500", ("ignores-duration",)),
+    _count("a hundred a second", "n_steps = int(duration_seconds * 100)", ("ignores-duration",)),
+    _count("half of them", "n_steps = int(duration_seconds / dt) // 2", ()),
     # what labels say
-    Cousin(
-        "metres per second",
-        READER,
-        {"Acceleration (m/s²)": "Acceleration (m/s)"},
-        {LABELS: 1.0},
-        ("no-units",),
-        "“Acceleration (m/s)” on the y axis, which names no unit of acceleration",
-        "Name the right unit in each axis label",
-    ),
-    Cousin(
-        "radians",
-        READER,
-        {"Angular Velocity (rad/s)": "Angular Velocity (rad)"},
-        {LABELS: 1.0},
-        ("no-units",),
-        "“Angular Velocity (rad)” on the y axis, which names no unit of angular velocity",
-        "rad of an angle",
-    ),
+    _label("metres per second", "Acceleration (m/s²)", "Acceleration (m/s)", "which names no unit of acceleration", "Name the right unit in each axis label"),
+    _label("radians", "Angular Velocity (rad/s)", "Angular Velocity (rad)", "which names no unit of angular velocity", "rad of an angle"),
     # what curves show
-    Cousin(
-        "the other sensor's key",
-        READER,
-        {"imu_data['angular_velocity'][:, 2]": "imu_data['acceleration'][:, 2]"},
-        {CURVES: 4.0},
-        ("wrong-data-plotted",),
-        "no curve that shows angular velocity z",
-        "Compare key, column, label and unit of each curve",
-    ),
-    Cousin(
-        "one column twice",
-        READER,
-        {"imu_data['angular_velocity'][:, 2]": "imu_data['angular_velocity'][:, 1]"},
-        {CURVES: 4.0},
-        ("wrong-data-plotted",),
-        "no curve that shows angular velocity z",
-        "Compare key, column, label and unit of each curve",
-    ),
-    Cousin(
-        "a scaled curve",
-        READER,
-        {"imu_data['acceleration'][:, 2]": "2 * imu_data['acceleration'][:, 2]"},
-        {CURVES: 4.0},
-        ("wrong-data-plotted",),
-        "no curve that shows acceleration z; 1 curve shows other numbers",
-        "Draw the recorded numbers unchanged",
+    _curve("the other sensor's key", "angular_velocity", "imu_data['acceleration'][:, 2]", "no curve that shows angular velocity z"),
+    _curve("one column twice", "angular_velocity", "imu_data['angular_velocity'][:, 1]", "no curve that shows angular velocity z"),
+    _curve(
+        "a scaled curve", "acceleration", "2 * imu_data['acceleration'][:, 2]",
+        "no curve that shows acceleration z; 1 curve shows other numbers", "Draw the recorded numbers unchanged",
     ),
     # a reading that changes
     Cousin(
-        "a view",
-        READER,
-        {"gyro_adr:gyro_adr+3].copy()": "gyro_adr:gyro_adr+3]"},
-        {"sensor_access.reading_is_a_copy": 3.0},
-        ("view-not-copy",),
-        "after data.sensordata had changed and the function had been called again",
-        "add .copy() to each slice",
+        "a view", READER, {"gyro_adr:gyro_adr+3].copy()": "gyro_adr:gyro_adr+3]"}, {"sensor_access.reading_is_a_copy": 3.0}, ("view-not-copy",),
+        "after data.sensordata had changed and the function had been called again", "add .copy() to each slice",
     ),
     # how the push is made
     Cousin(
-        "a push before every step",
-        READER,
-        {
-            "        mujoco.mj_step(model, data)\n\n        times": "        data.qvel[0] = 0.5\n        mujoco.mj_step(model, data)\n        times"
-        },
-        {"data_collection.applies_push": 3.0},
-        ("wrong-perturbation",),
-        "qpos, qvel or a force set 599 times while the simulation runs, first before step 2",
-        "once, after the reset and before the loop",
+        "a push before every step", READER, {f"{STEP}\n        times": f"        data.qvel[0] = 0.5\n{STEP}        times"},
+        {"data_collection.applies_push": 3.0}, ("wrong-perturbation",),
+        "qpos, qvel or a force set 599 times while the simulation runs, first before step 2", "once, after the reset and before the loop",
     ),
     # whose array is whose
     _alias("keeps the input", KEEPS_INPUT, "aliased-input", hint="Store measurement.copy() as the first state"),
     _alias(
-        "keeps the input and changes it in place",
-        KEEPS_INPUT | IN_PLACE,
-        "mutates-input",
-        "aliased-input",
+        "keeps the input and changes it in place", KEEPS_INPUT | IN_PLACE, "mutates-input", "aliased-input",
         hint="Do not change the arrays that you are given. Store measurement.copy()",
     ),
     _alias(
-        "keeps the input and returns it",
-        KEEPS_INPUT | GIVES_STATE,
-        "aliased-output",
-        "aliased-input",
+        "keeps the input and returns it", KEEPS_INPUT | GIVES_STATE, "aliased-output", "aliased-input",
         hint="Return self.value.copy(). Then the caller can change the output without changing the filter (Step 6). Store",
     ),
-    _alias(
-        "all three",
-        KEEPS_INPUT | IN_PLACE | GIVES_STATE,
-        "aliased-output",
-        "mutates-input",
-        "aliased-input",
-        hint="Return self.value.copy()",
-    ),
+    _alias("all three", KEEPS_INPUT | IN_PLACE | GIVES_STATE, "aliased-output", "mutates-input", "aliased-input", hint="Return self.value.copy()"),
     # the state of another filter, told with its numbers
     Cousin(
-        "a state in the class",
-        FILTER,
-        {"self.value": "LowPassFilter.value"},
-        {"filtering.instances_independent": 3.0},
-        ("shared-state",),
-        " when there is a second filter, too",
-        "Keep the state in self.value and set it in __init__",
+        "a state in the class", FILTER, {"self.value": "LowPassFilter.value"}, {"filtering.instances_independent": 3.0}, ("shared-state",),
+        " when there is a second filter, too", "Keep the state in self.value and set it in __init__",
     ),
     # nothing written
     Cousin(
-        "pass in place of a method's body",
-        FILTER,
-        {UPDATE: "        pass\n"},
-        {
-            "filtering.follows_recursion": 6.0,
-            "filtering.starts_from_first_measurement": 3.0,
-            "filtering.passes_constant": 3.0,
-            "filtering.reduces_noise": 3.0,
-            "filtering.preserves_signal": 2.0,
-            "filtering.instances_independent": 3.0,
-        },
-        ("wrong-return-type",),
-        "None",
-        "it is still to be written, or a return statement is missing",
+        "pass in place of a method's body", FILTER, {UPDATE: "        pass\n"}, ALL_OF_FILTERING, ("wrong-return-type",),
+        "None", "it is still to be written, or a return statement is missing",
     ),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("cousin", COUSINS, ids=lambda cousin: cousin.name)

@@ -83,7 +83,6 @@ def _own_time_step(self: Any, dt: float) -> None:
 
 TILT: list[tuple[Any, list[Row]]] = [
     (checks.check_returns_roll_and_pitch, [
-        ("sound", Tilt, None),
         ("off by a degree", _tilted(shift=math.radians(1)), (0.0, [])),
         ("off by a turn", _tilted(shift=2 * math.pi), None),
         ("the pitch off at first", _tilted(update=_off_at_first), (0.0, [])),
@@ -93,7 +92,6 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("raises", _tilted(update=lambda *_: 1 / 0), "raised"),
     ]),
     (checks.check_settles_at_tilt, [
-        ("sound", Tilt, None),
         ("never", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
         ("further off with each update", Growing, (0.0, [])),
         ("in degrees", _tilted(**_DEGREES), (0.0, ["degrees-not-radians"])),
@@ -105,20 +103,17 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
     (checks.check_beats_gyroscope_alone, [
-        ("sound", Tilt, None),
         ("the gyroscope alone", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
         ("little else", _tilted(alpha=0.999), (0.5, [])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
     (checks.check_beats_accelerometer_alone, [
-        ("sound", Tilt, None),
         ("without the gyroscope", _tilted(gain=0.0), (0.0, ["accel-only"])),
         ("weights exchanged", _tilted(alpha=0.02), (0.0, ["weights-swapped"])),
         ("more of it than is good", _tilted(alpha=0.7), (0.5, [])),
         ("a time step of its own", _tilted(__init__=_own_time_step), None),
     ]),
     (checks.check_holds_when_steep, [
-        ("sound", Tilt, None),
         ("the gyroscope in degrees", _tilted(gain=math.degrees(1)), (0.0, [])),
         ("the accelerometer alone", _tilted(alpha=0.0), (0.0, ["accel-only"])),
         ("half the turn", _tilted(gain=0.5), (0.5, [])),
@@ -200,13 +195,11 @@ def _fewer_for_axes(samples: Any, rate: float) -> Any:
 
 ALLAN: list[tuple[Any, list[Row]]] = [
     (checks.check_returns_times_and_deviations, [
-        ("sound", deviation, None),
         ("the deviations alone", lambda s, r: deviation(s, r)[1], (0.0, ["wrong-return-type"])),
         ("one that is no number", _changed(lambda t, a: (t, np.where(np.arange(len(a)) == 3, np.nan, a))), (0.5, ["not-finite"])),
         ("raises", _raises, "raised"),
     ]),
     (checks.check_averaging_times, [
-        ("sound", deviation, None),
         ("four of them, each twice", lambda s, r: tuple(np.repeat(x[::9], 2) for x in deviation(s, r)), (0.5, [])),
         ("half a sample", _changed(lambda t, a: (t * 0.4, a)), (0.5, [])),
         ("nothing", lambda *_: None, "skipped"),
@@ -218,7 +211,6 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("four of them", lambda s, r: tuple(x[::9] for x in deviation(s, r)), (0.5, [])),
     ]),
     (checks.check_matches_definition, [
-        ("sound", deviation, None),
         ("the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
         ("without the half", _changed(lambda t, a: (t, a * 2**0.5)), (0.0, ["allan-factor-missing"])),
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
@@ -229,7 +221,6 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("in samples, which is another check's", _changed(lambda t, a: (t * 80, a)), None),
     ]),
     (checks.check_shows_kinds_of_noise, [
-        ("sound", deviation, None),
         ("the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
         ("a trend taken off", _detrended, (0.0, [])),
@@ -239,7 +230,6 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("the same for every record", lambda s, r: (deviation(s, r)[0], deviation(s, r)[0] ** -0.5), (0.0, [])),
     ]),
     (checks.check_takes_three_axes, [
-        ("sound", deviation, None),
         ("one axis of three", _one_axis, (0.0, [])),
         ("the first for all", _same_for_all, (0.0, [])),
         ("off by a ten-millionth for more than one axis", _a_little_more_for_axes, (0.0, [])),
@@ -304,7 +294,6 @@ def _at_first(empty: type) -> Callable[[Any, Any], Any]:
 
 IMUS: list[tuple[Any, list[Row]]] = [
     (checks.check_finds_every_place, [
-        ("sound", every, None),
         ("none at first", _at_first(dict), (0.0, ["imu-missing"])),
         ("those of the lab", _those_of_the_lab, (0.5, ["imu-missing"])),
         ("the torso alone", lambda m, d: {"torso": every(m, d).get("torso")}, (0.0, ["imu-missing"])),
@@ -317,7 +306,6 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("raises in another model", _elsewhere(_raises), "raised"),
     ]),
     (checks.check_matches_truth, [
-        ("sound", every, None),
         ("those of the lab", _those_of_the_lab, None),
         ("the first for all", _first_for_all, (0.0, ["same-imu-repeated"])),
         ("the gyroscope first", _changing(lambda _p, r: r[::-1]), (0.0, [])),
@@ -331,7 +319,6 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("a list", lambda m, d: list(every(m, d).values()), "skipped"),
     ]),
     (checks.check_readings_are_copies, [
-        ("sound", every, None),
         ("views", _views, (0.0, [])),
         ("a view of one", lambda m, d: {p: r if p == "head" else every(m, d)[p] for p, r in _views(m, d).items()}, (0.0, [])),
         ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), None),
@@ -376,13 +363,11 @@ _WRONG = (_T, np.cos(40 * _T))
 
 LIVE: list[tuple[Any, list[Row]]] = [
     (checks.check_returns, [
-        ("sound", _seen(), None),
         ("less", _seen(simulated=0.89), (0.5, [])),
         ("nothing", _seen(simulated=0.0), (0.0, [])),
         ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
     ]),
     (checks.check_grows_while_stepping, [
-        ("sound", _seen(), None),
         ("four times", _seen((0.1, 0.3, 0.5, 0.7)), None),
         ("three times", _seen((0.1, 0.4, 0.7)), (0.5, [])),
         ("twice, and at the end", _seen((0.2, 0.6, 1.0)), (0.5, [])),
@@ -391,7 +376,6 @@ LIVE: list[tuple[Any, list[Row]]] = [
         ("at the end", _seen((0.5, 1.0, 1.0, 1.0, 1.0)), (0.0, [])),
     ]),
     (checks.check_shows_true_data, [
-        ("sound", _seen(), None),
         ("nothing", _seen(()), "skipped"),
         ("wrong ones, and then right ones", _seen(curves=[_WRONG] * 30 + [(_T, truth()["watched"]["pushed"][:, 0])] * 24), None),
         ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
@@ -401,19 +385,20 @@ LIVE: list[tuple[Any, list[Row]]] = [
 ]  # fmt: skip
 
 
-def _cases(rows: list[tuple[Any, list[Row]]], student: Callable[[Any], Student]) -> list[Case]:
+def _cases(rows: list[tuple[Any, list[Row]]], student: Callable[[Any], Student], sound: Any) -> list[Case]:
+    """Return a case for each row, and one of a sound part for each check."""
     return [
         Case(name, check, lambda part=part: student(part), marked)  # type: ignore[misc]
         for check, its in rows
-        for name, part, marked in its
+        for name, part, marked in [("sound", sound, None), *its]
     ]
 
 
 CASES = [
-    *_cases(TILT, lambda kind: FakeStudent(ComplementaryFilter=kind)),
-    *_cases(ALLAN, lambda function: FakeStudent(allan_deviation=function)),
-    *_cases(IMUS, lambda function: FakeStudent(read_all_imus=function)),
-    *_cases(LIVE, Watched),
+    *_cases(TILT, lambda kind: FakeStudent(ComplementaryFilter=kind), Tilt),
+    *_cases(ALLAN, lambda function: FakeStudent(allan_deviation=function), deviation),
+    *_cases(IMUS, lambda function: FakeStudent(read_all_imus=function), every),
+    *_cases(LIVE, Watched, _seen()),
 ]
 
 

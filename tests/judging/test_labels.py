@@ -34,21 +34,10 @@ def test_a_unit_is_known_however_it_is_written(unit: str | None, text: str) -> N
 
 
 TIMES = {
-    "s": [
-        "Time (s)",
-        "Time [s]",
-        "t / s",
-        "time_s",
-        "Time in s",
-        "Time, s",
-        "seconds",
-        "t [sec]",
-        "Time (s.)",
-        r"$t\,[s]$",
-    ],
+    "s": ["Time (s)", "Time [s]", "t / s", "time_s", "Time in s", "Time, s", "seconds", "t [sec]", "Time (s.)", r"$t\,[s]$"],
     "ms": ["Time (ms)", "t / ms", "time_ms", "milliseconds", "Time [ms]", "Time in ms", "Time (ms) since the start"],
     "": ["Time", "x", "Angular velocity (rad)", ""],
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("unit", "text"), [(unit, text) for unit, texts in TIMES.items() for text in texts])
@@ -83,26 +72,13 @@ def test_a_name_of_one_sensor_is_a_word_for_it_alone(sensor: int, text: str, onl
 
 AXES: dict[int | None, list[str]] = {
     0: [
-        "x",
-        "X",
-        "ax",
-        "a_x",
-        "accel x",
-        "gyro_x",
-        "x-axis",
-        "wx",
-        "X axis (raw)",
-        "Acc-X",
-        "lin x",
-        "rate x",
-        r"$a_x$",
-        "$\\omega_x$",
+        "x", "X", "ax", "a_x", "accel x", "gyro_x", "x-axis", "wx", "X axis (raw)", "Acc-X", "lin x", "rate x", r"$a_x$", "$\\omega_x$",
         "Roll",
     ],
     1: ["y", "ay", "omega_y", "GyrY", "filtered y", "fy", "Pitch"],
     2: ["z", "gz", "ang z", "Achse Z", "f z", "Yaw"],
     None: ["", "x and y", "xyz", "exact", "magnitude", "a", "max"],
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("axis", "text"), [(axis, text) for axis, texts in AXES.items() for text in texts])

@@ -128,22 +128,12 @@ def test_the_search_of_the_doctor_finds_a_copy_where_one_is_shown(
 ) -> None:
     """Three copies that the sandbox must not show, shown all the same: by name, by content, and within an archive."""
     folder = checkout / ".venv/lib/python3/site-packages"
+    shown = tuple(str(folder / name) for name in ("grader", "stray", "imugrade-0.1.0-py3-none-any.whl"))
     visible = surroundings.visible
-
-    def careless(extra: tuple[Path, ...] = ()) -> tuple[str, ...]:
-        return (
-            *visible(extra),
-            str(folder / "grader"),
-            str(folder / "stray"),
-            str(folder / "imugrade-0.1.0-py3-none-any.whl"),
-        )
-
     assert one_copy.search(best.isolation_level).found == ()
-    monkeypatch.setattr(surroundings, "visible", careless)
+    monkeypatch.setattr(surroundings, "visible", lambda extra=(): (*visible(extra), *shown))
     found = one_copy.search(best.isolation_level).found
-    assert str(folder / "grader/__init__.py") in found
-    assert str(folder / "stray/filters.py") in found
-    assert str(folder / "imugrade-0.1.0-py3-none-any.whl") in found
+    assert {f"{shown[0]}/__init__.py", f"{shown[1]}/filters.py", shown[2]} <= set(found)
     assert not [path for path in found if not path.startswith(str(folder))]
 
 
@@ -152,32 +142,17 @@ def test_the_search_of_the_doctor_finds_a_copy_where_one_is_shown(
 
 def test_no_whole_folder_of_libraries_or_packages_is_shown() -> None:
     shown = set(surroundings.visible())
-    whole = {
-        "/",
-        "/usr",
-        "/lib",
-        "/usr/lib",
-        "/usr/local/lib",
-        "/nix/store",
-        sys.prefix,
-        f"{sys.prefix}/lib",
-        sysconfig.get_path("purelib"),
-    }
-    assert not shown & whole
+    system = {"/", "/usr", "/lib", "/usr/lib", "/usr/local/lib", "/nix/store"}
+    assert not shown & system
+    assert not shown & {sys.prefix, f"{sys.prefix}/lib", sysconfig.get_path("purelib")}
     assert not [path for path in shown if path.endswith((".pth", ".egg-link"))]
 
 
 def test_what_lies_in_the_folder_of_the_standard_library_and_is_no_part_of_it_is_hidden(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in (
-        "os.py",
-        "json/__init__.py",
-        "lib-dynload/_csv.so",
-        "_sysconfigdata__x.py",
-        "site-packages/numpy.py",
-        "reference/filters.py",
-    ):
+    own = ("os.py", "json/__init__.py", "lib-dynload/_csv.so", "_sysconfigdata__x.py")
+    for name in (*own, "site-packages/numpy.py", "reference/filters.py"):
         write(tmp_path, name, "")
     monkeypatch.setattr(surroundings, "_standard", lambda: (str(tmp_path),))
     beside = [Path(path).name for path in surroundings.hidden() if path.startswith(str(tmp_path))]
