@@ -116,22 +116,10 @@ class Renamed(Sound):
         super().__init__(model, data, accel_id, gyro_id, a_std, gyro_noise_std, accel_bias, gyro_bias)
 
 
-class Walking(Sound):
-    """Noise that adds up."""
-
-    def begin(self) -> None:
-        self.sums = [np.zeros(3), np.zeros(3)]
-
-    def drawn(self, which: int) -> Any:
-        return super().noise(which)
-
-    def noise(self, which: int) -> Any:
-        self.sums[which] = self.sums[which] + self.drawn(which)
-        return self.sums[which]
-
-
 class Remembering(Sound):
-    """Each read keeps half of the noise before."""
+    """Each read keeps a share of the noise before."""
+
+    keeps = 0.5
 
     def begin(self) -> None:
         self.last = [np.zeros(3), np.zeros(3)]
@@ -140,8 +128,14 @@ class Remembering(Sound):
         return super().noise(which)
 
     def noise(self, which: int) -> Any:
-        self.last[which] = 0.5 * self.last[which] + self.drawn(which)
+        self.last[which] = self.keeps * self.last[which] + self.drawn(which)
         return self.last[which]
+
+
+class Walking(Remembering):
+    """Noise that adds up."""
+
+    keeps = 1.0
 
 
 class OfLongMemory(Sound):
