@@ -81,7 +81,7 @@ def seen(figure: Figure) -> float:
 
 # --- in the open ---------------------------------------------------------------------------------------------------------
 
-GREY = (128, 128, 128)
+GREY, PALE = (128, 128, 128), (230, 230, 230)
 IN_THE_OPEN: dict[str, Figure] = {
     "on white": Canvas().draw().figure(curve()),
     "on a dark ground": Canvas(DARK).draw().figure(curve()),
@@ -134,28 +134,18 @@ NOT_THERE: dict[str, Figure] = {
     "all but through": Canvas().draw(opacity=0.02).figure(curve(alpha=0.02)),
     "all but through, over something of its colour": Canvas().draw().figure(curve(alpha=0.02)),
     "fainter than anyone sees": Canvas().draw(opacity=0.02, thick=1).figure(curve(width=0.05)),
-    "grey, and fainter than anyone sees": Canvas()
-    .draw(colour=(230, 230, 230), opacity=0.2, thick=1)
-    .figure(curve(colour=(230, 230, 230), width=0.5)),
+    "grey, and fainter than anyone sees": Canvas().draw(colour=PALE, opacity=0.2, thick=1).figure(curve(colour=PALE, width=0.5)),
     "too faint for its stroke": Canvas().draw(opacity=0.2).figure(curve()),
     "behind a tint of its colour": Canvas().draw().fill(WHITE).fill((255, 140, 140), 0.55).figure(curve()),
-    "behind a picture of its colours": Canvas()
-    .draw()
-    .fill(WHITE)
-    .fill((255, 200, 200), 0.4, 0.9, 0.2, 0.7)
-    .figure(curve()),
+    "behind a picture of its colours": Canvas().draw().fill(WHITE).fill((255, 200, 200), 0.4, 0.9, 0.2, 0.7).figure(curve()),
     "in a panel that is switched off": Canvas().draw().figure(curve(), visible=False),
-    "in a panel that is no wider than a stroke": Canvas()
-    .draw()
-    .figure(curve(), position=(LEFT, LOW, LEFT + 0.029, HIGH)),
-    "in a panel that is no higher than a stroke": Canvas()
-    .draw()
-    .figure(curve(), position=(LEFT, LOW, RIGHT, LOW + 0.029)),
+    "in a panel that is no wider than a stroke": Canvas().draw().figure(curve(), position=(LEFT, LOW, LEFT + 0.029, HIGH)),
+    "in a panel that is no higher than a stroke": Canvas().draw().figure(curve(), position=(LEFT, LOW, RIGHT, LOW + 0.029)),
     "in a panel beyond the picture": Canvas().draw().figure(curve(), position=(1.1, LOW, 1.9, HIGH)),
     "of no numbers": Canvas().draw().figure(curve(np.full(400, np.nan))),
     "of no points": Canvas().draw().figure(curve(Y[:0], x=X[:0])),
     "of too many colours to tell, on a blank picture": Canvas().figure(curve(inks=())),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("figure", NOT_THERE.values(), ids=NOT_THERE)
