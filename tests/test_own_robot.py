@@ -300,10 +300,7 @@ def test_a_mesh_becomes_what_it_weighs_and_what_it_touches_with(tmp_path: Path) 
 # --- kits -------------------------------------------------------------------------------------------------------------
 
 
-def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv(recording.CACHE_VARIABLE, str(tmp_path / "cache"))
+def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(tmp_path: Path) -> None:
     rover(tmp_path, head='<include file="more.xml"/>')
     (tmp_path / "more.xml").write_text('<mujoco><option timestep="0.004"/></mujoco>')
     give.student(LAB, tmp_path / "kit", rubric_for(tmp_path, "./rover.xml", "force", "rates"))
@@ -319,6 +316,7 @@ def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(
     work = exchanged(tmp_path / "kit" / "work", "force", "rates", "rover.xml")
     program = [sys.executable, "-c", "from grader.cli import main; main()", "check", str(work), "--json", "result.json"]
     environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed"), "PYTHONSAFEPATH": "1"}
+    environment[recording.CACHE_VARIABLE] = str(tmp_path / "cache")  # an empty one
     done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert '"score": 100.0' in (tmp_path / "result.json").read_text(encoding="utf-8")
