@@ -98,13 +98,11 @@ def canvas(students: Sequence[Student], root: Path) -> Path:
         late = "LATE_" if student.number % 4 == 3 else ""
         sortable = re.sub(r"[^\w]", "", f"{student.last}, {student.first}".lower())
         files = {"lab.zip": zipped(student.files)} if student.number % 3 == 2 else student.files
-        for at, (name, content) in enumerate(files.items()):
-            assert isinstance(content, (str, bytes))
+        for at, (name, content) in enumerate(_contents(files)):
             again = re.sub(r"(\.\w+)$", r"-1\1", name) if student.number % 5 == 4 else name
             flat = re.sub(r'[\x00/\\:*?"<>|]+', "_", again)
-            members[f"{sortable}_{late}{student.canvas}_{90_000 + 100 * student.number + at}_{flat}"] = as_bytes(
-                content
-            )
+            number = 90_000 + 100 * student.number + at
+            members[f"{sortable}_{late}{student.canvas}_{number}_{flat}"] = content
     return _archive(root / "robotics-lab-04-01_submissions.zip", members)
 
 
@@ -126,9 +124,8 @@ def moodle_unzipped(students: Sequence[Student], root: Path) -> Path:
 
 def _moodle(students: Sequence[Student], middle: str) -> Iterator[tuple[str, bytes]]:
     for student in students:
-        for name, content in student.files.items():
-            assert isinstance(content, (str, bytes))
-            yield f"{student.name.replace('_', ' ')}_{student.moodle}_{middle}{name}", as_bytes(content)
+        for name, content in _contents(student.files):
+            yield f"{student.name.replace('_', ' ')}_{student.moodle}_{middle}{name}", content
 
 
 def gradescope(students: Sequence[Student], root: Path) -> Path:
@@ -144,9 +141,8 @@ def gradescope(students: Sequence[Student], root: Path) -> Path:
             ":status": "processed",
             ":results": {"tests": []},
         }
-        for name, content in student.files.items():
-            assert isinstance(content, (str, bytes))
-            members[f"assignment_99_export/{folder}/{name}"] = as_bytes(content)
+        for name, content in _contents(student.files):
+            members[f"assignment_99_export/{folder}/{name}"] = content
     members["assignment_99_export/submission_metadata.yml"] = yaml.safe_dump(metadata, allow_unicode=True).encode()
     return _archive(root / "assignment_99_export.zip", members)
 
@@ -155,19 +151,8 @@ def classroom50(students: Sequence[Student], root: Path) -> Path:
     """`gh teacher download`: clones, and a `scores.csv` beside them."""
     with open(_made(root) / "scores.csv", "w", encoding="utf-8", newline="") as stream:
         table = csv.writer(stream)
-        table.writerow(
-            [
-                "username",
-                "first_name",
-                "last_name",
-                "email",
-                "section",
-                "score",
-                "max_score",
-                "datetime",
-                "submission_tag",
-            ]
-        )
+        names = ("username", "first_name", "last_name", "email", "section", "score", "max_score", "datetime")
+        table.writerow([*names, "submission_tag"])
         for s in students:
             when = "2026-11-20T21:00:00Z"
             table.writerow([s.login, s.first, s.last, s.email, "B", "", "", when, "submit/x"])
@@ -183,15 +168,15 @@ def git(students: Sequence[Student], root: Path) -> Path:
 
 
 SHAPES: dict[str, Callable[[Sequence[Student], Path], Path]] = {
-    "folders": folders,
-    "canvas": canvas,
-    "moodle": moodle,
-    "moodle_flat": moodle_flat,
-    "moodle_unzipped": moodle_unzipped,
-    "gradescope": gradescope,
-    "classroom50": classroom50,
-    "git": git,
+    shape.__name__: shape
+    for shape in (folders, canvas, moodle, moodle_flat, moodle_unzipped, gradescope, classroom50, git)
 }
+
+
+def _contents(files: Files) -> Iterator[tuple[str, bytes]]:
+    for name, content in files.items():
+        assert isinstance(content, (str, bytes))
+        yield name, as_bytes(content)
 
 
 def _clone(folder: Path, files: Files) -> None:
@@ -201,9 +186,8 @@ def _clone(folder: Path, files: Files) -> None:
 
 
 def _tree(folder: Path, files: Files) -> None:
-    for name, content in files.items():
-        assert isinstance(content, (str, bytes))
-        _put(folder / name, as_bytes(content))
+    for name, content in _contents(files):
+        _put(folder / name, content)
 
 
 def _put(path: Path, data: bytes) -> None:
@@ -246,10 +230,8 @@ def moodle_worksheet(students: Sequence[Student]) -> bytes:
     lines = [head]
     for s in students:
         name = s.name.replace('"', '""')
-        status = "Submitted for grading"
-        lines.append(
-            f'"Participant {s.moodle}","{name}",{s.email},"{status}",,100.00,Yes,"Friday, 20 November 2026, 9:00 PM",-,'
-        )
+        facts = '"Submitted for grading",,100.00,Yes,"Friday, 20 November 2026, 9:00 PM",-,'
+        lines.append(f'"Participant {s.moodle}","{name}",{s.email},{facts}')
     lines.append('"Participant 9999","Never There",never@example.edu,"No submission",,100.00,Yes,-,-,')
     return b"\xef\xbb\xbf" + "".join(f"{line}\r\n" for line in lines).encode()
 
@@ -283,13 +265,9 @@ def moodle_import(before: bytes, data: bytes) -> dict[str, float]:
     grades: dict[str, float] = {}
     for row in new:
         assert {"Identifier", "Grade", "Last modified (grade)"} <= set(row)
-        number = row["Identifier"].removeprefix("Participant ")
-        if (
-            row["Grade"].strip()
-            and row["Grade can be changed"] == "Yes"
-            and 0 <= float(row["Grade"]) <= float(row["Maximum grade"])
-        ):
-            grades[number] = float(row["Grade"])
+        number, grade = row["Identifier"].removeprefix("Participant "), row["Grade"].strip()
+        if grade and row["Grade can be changed"] == "Yes" and 0 <= float(grade) <= float(row["Maximum grade"]):
+            grades[number] = float(grade)
     return grades
 
 
@@ -300,11 +278,8 @@ def moodle_feedback(data: bytes) -> dict[str, bytes]:
         for name in archive.namelist():
             for part in name.split("/"):
                 words = part.split("_", 4)
-                if (
-                    len(words) >= 4
-                    and words[1].isdigit()
-                    and f"{words[2]}_{words[3]}" in ("assignsubmission_file", "assignfeedback_file")
-                ):
+                kind = "_".join(words[2:4])
+                if kind in ("assignsubmission_file", "assignfeedback_file") and words[1].isdigit():
                     assert words[1] not in taken
                     taken[words[1]] = archive.read(name)
     return taken
@@ -332,37 +307,24 @@ def marks_from(
         Runs `imugrade` with these arguments.
     """
     made = out / "upload.csv"
+
+    def export(name: str, *more: object) -> bytes:
+        run("export", out, "--format", name, *more, "-o", made)
+        return made.read_bytes()
+
     if shape == "canvas":
         (out / "gradebook-export.csv").write_bytes(canvas_gradebook(students))
-        run(
-            "export",
-            out,
-            "--format",
-            "canvas",
-            "--template",
-            out / "gradebook-export.csv",
-            "--column",
-            "4711",
-            "-o",
-            made,
-        )
-        scores = canvas_import(made.read_bytes())
+        scores = canvas_import(export("canvas", "--template", out / "gradebook-export.csv", "--column", "4711"))
         return {s.sid: scores[s.canvas] for s in students}
     if shape.startswith("moodle"):
         before = moodle_worksheet(students)
         (out / "worksheet.csv").write_bytes(before)
-        run("export", out, "--format", "moodle", "--template", out / "worksheet.csv", "-o", made)
-        grades = moodle_import(before, made.read_bytes())
+        grades = moodle_import(before, export("moodle", "--template", out / "worksheet.csv"))
         return {s.sid: grades.get(s.moodle) for s in students}
+    name = "gradescope" if shape == "gradescope" else "csv"
+    rows = list(csv.DictReader(io.StringIO(export(name).decode("utf-8-sig"))))
     if shape == "gradescope":
-        run("export", out, "--format", "gradescope", "-o", made)
-        rows = {
-            row["SID"]: row["Total Score"] for row in csv.DictReader(io.StringIO(made.read_text(encoding="utf-8-sig")))
-        }
-        return {s.sid: float(rows[s.sid]) for s in students}
-    run("export", out, "--format", "csv", "-o", made)
-    totals = {
-        row["id"].rpartition("-")[2]: row["total"]
-        for row in csv.DictReader(io.StringIO(made.read_text(encoding="utf-8")))
-    }
+        points = {row["SID"]: row["Total Score"] for row in rows}
+        return {s.sid: float(points[s.sid]) for s in students}
+    totals = {row["id"].rpartition("-")[2]: row["total"] for row in rows}
     return {s.sid: float(totals[s.login]) for s in students}

@@ -46,24 +46,23 @@ class Given:
 @pytest.fixture(autouse=True)
 def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """No platform's variables, a submission in the working folder, 14 of 20 points."""
-    for name in (
-        *ID,
+    others = (
         "GITHUB_ACTIONS",
         "GITLAB_CI",
         "GITHUB_STEP_SUMMARY",
         "GITHUB_WORKSPACE",
         "IMUGRADE_SEED",
         "IMUGRADE_DEBUG",
-    ):
+    )
+    for name in (*ID, *others):
         monkeypatch.delenv(name, raising=False)
     (tmp_path / "imu_reader.py").write_text("\ndef get_imu_readings():\n    pass\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(job, "Marker", Given)
     monkeypatch.setattr(job, "open_sandbox_for", lambda lab, files, isolation_level: None)
     monkeypatch.setattr(Given, "isolation", LEVELS[0])
-    monkeypatch.setattr(
-        Given, "answer", result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost()), raising=False
-    )
+    answer = result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost())
+    monkeypatch.setattr(Given, "answer", answer, raising=False)
 
 
 @pytest.fixture
@@ -164,21 +163,14 @@ def test_hidden_scenarios_are_graded_with_in_a_private_job_of_the_instructors(na
     assert cli.main(["ci", "--format", name, "--traces", secret, "--private"]) == 0
 
 
-def test_a_private_job_needs_isolation_as_any_other(
-    monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(Given, "isolation", NO_ISOLATION)
-    assert cli.main(["ci", "--format", "junit", "--traces", secret, "--private"]) == 2
-    assert "this machine cannot keep students' code from reading them" in capsys.readouterr().err
-
-
+@pytest.mark.parametrize("more", [("--format", "gradescope"), ("--format", "junit", "--private")])
 def test_hidden_scenarios_are_refused_where_nothing_isolates_the_code(
-    monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
+    more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(Given, "isolation", NO_ISOLATION)
-    assert cli.main(["ci", "--format", "gradescope", "--traces", secret]) == 2
+    assert cli.main(["ci", *more, "--traces", secret]) == 2
     assert "this machine cannot keep students' code from reading them" in capsys.readouterr().err
-    assert cli.main(["ci", "--format", "gradescope", "--traces", secret, "--trust-submissions"]) == 0
+    assert cli.main(["ci", *more, "--traces", secret, "--trust-submissions"]) == 0
 
 
 def test_a_seed_in_the_environment_does_not_bring_hidden_scenarios_into_ci(

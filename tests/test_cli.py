@@ -329,12 +329,17 @@ def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> Non
 # --- doctor and traces ------------------------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def unrecorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The doctor records nothing, which takes a second."""
+    monkeypatch.setattr("grader.commands.machine.try_recording", lambda _: None)
+
+
+@pytest.mark.usefixtures("unrecorded")
 def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     full, _, landlock, none = LEVELS
-    tried = [
-        LevelResult(full, False, "no user namespaces"),
-        *(LevelResult(level, True, "") for level in (landlock, none)),
-    ]
+    works = [LevelResult(level, True, "") for level in (landlock, none)]
+    tried = [LevelResult(full, False, "no user namespaces"), *works]
     monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(21_894, ()))
     code, out, err = run("doctor")
@@ -345,6 +350,7 @@ def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, mo
     assert f"imugrade {grader.__version__}" in told
 
 
+@pytest.mark.usefixtures("unrecorded")
 def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     tried = [LevelResult(level, True, "") for level in (LEVELS[0], NO_ISOLATION)]
     monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)

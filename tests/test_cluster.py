@@ -246,10 +246,7 @@ def test_a_cluster_without_workers_is_refused(site: Site) -> None:
 
 @pytest.mark.parametrize(
     ("address", "reason"),
-    [
-        ("tcp://127.0.0.1:1", "nothing came within 0.5 s"),
-        ("nowhere", "missing port number in address 'nowhere'"),
-    ],
+    [("tcp://127.0.0.1:1", "nothing came within 0.5 s"), ("nowhere", "missing port number in address 'nowhere'")],
 )
 def test_an_address_where_no_scheduler_is_is_refused(
     monkeypatch: pytest.MonkeyPatch, address: str, reason: str

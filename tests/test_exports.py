@@ -6,7 +6,6 @@ import csv
 import io
 import zipfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -227,73 +226,31 @@ def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_colu
 
 def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
     ann = Person("Lee, Ann", sid="s1", email="ann@example.edu", section="B")
-    group = final_grade(
-        "g",
-        ann,
-        Person('=CMD("x")', sid="s2"),
-        number="77",
-        submitted="2026-11-20T21:00:00+00:00",
-        late=Lateness("x", 3725, 1, 8.0),
-    )
+    odd = Person('=CMD("x")', sid="s2")
+    when = "2026-11-20T21:00:00+00:00"
+    group = final_grade("g", ann, odd, number="77", submitted=when, late=Lateness("x", 3725, 1, 8.0))
     rows = list(csv.reader(io.StringIO(gradescope_csv(class_of(group)))))
+    shared = ["79.5", "100", "Graded", "77", when, "01:02:05", "", ""]
     assert rows == [
         list(COLUMNS),
-        [
-            "Ann",
-            "Lee",
-            "s1",
-            "ann@example.edu",
-            "B",
-            "79.5",
-            "100",
-            "Graded",
-            "77",
-            "2026-11-20T21:00:00+00:00",
-            "01:02:05",
-            "",
-            "",
-        ],
-        [
-            "",
-            '\'=CMD("x")',
-            "s2",
-            "",
-            "",
-            "79.5",
-            "100",
-            "Graded",
-            "77",
-            "2026-11-20T21:00:00+00:00",
-            "01:02:05",
-            "",
-            "",
-        ],
+        ["Ann", "Lee", "s1", "ann@example.edu", "B", *shared],
+        ["", '\'=CMD("x")', "s2", "", "", *shared],
     ]
 
 
 @pytest.mark.parametrize(
-    ("name", "first", "last"),
-    [
-        ("Jane Doe", "Jane", "Doe"),
-        ("Doe, Jane", "Jane", "Doe"),
-        ("Plato", "", "Plato"),
-    ],
+    ("name", "first", "last"), [("Jane Doe", "Jane", "Doe"), ("Doe, Jane", "Jane", "Doe"), ("Plato", "", "Plato")]
 )
 def test_a_name_is_split_where_it_says_so(name: str, first: str, last: str) -> None:
     row = next(csv.DictReader(io.StringIO(gradescope_csv(class_of(final_grade("a", Person(name)))))))
     assert (row["First Name"], row["Last Name"]) == (first, last)
 
 
+CELLS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0\r"), max_size=5)
+
+
 @given(
-    st.lists(
-        st.lists(
-            st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0\r"), max_size=5),
-            min_size=2,
-            max_size=4,
-        ),
-        min_size=1,
-        max_size=4,
-    ),
+    st.lists(st.lists(CELLS, min_size=2, max_size=4), min_size=1, max_size=4),
     st.sampled_from(",;\t"),
     st.sampled_from(["\n", "\r\n"]),
     st.booleans(),
@@ -303,10 +260,8 @@ def test_any_table_is_taken_apart_and_put_together_again_without_a_change(
 ) -> None:
     """But for a bare carriage return, which Python's writer leaves without quotes and no reader can place."""
     table = [["Student", "ID", "Name", "Section"], *table]
-    text = io.StringIO()
-    csv.writer(
-        text, delimiter=delimiter, lineterminator=end, quoting=csv.QUOTE_ALL if marked else csv.QUOTE_MINIMAL
-    ).writerows(table)
+    text, quoting = io.StringIO(), csv.QUOTE_ALL if marked else csv.QUOTE_MINIMAL
+    csv.writer(text, delimiter=delimiter, lineterminator=end, quoting=quoting).writerows(table)
     data = (b"\xef\xbb\xbf" if marked else b"") + text.getvalue().encode()
     sheet = read_sheet(data, "t.csv")
     assert sheet.data() == data
@@ -316,18 +271,18 @@ def test_any_table_is_taken_apart_and_put_together_again_without_a_change(
 # ---- the command ----
 
 
-@contextmanager
-def graded(out: Path) -> Iterator[Path]:
+def graded(out: Path) -> Path:
     with Store(out) as store:
         store.keep(Key("alice", "s", "r", "t", "0"), result())
-    yield out
+    return out
 
 
 def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_for(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     nothing = result(check("skipped", 0.0), name="bob", status="unreadable")
-    with graded(tmp_path / "out") as out, Store(out) as store:
+    out = graded(tmp_path / "out")
+    with Store(out) as store:
         store.keep(Key("bob", "s", "r", "t", "0"), nothing)
         a_csv = ["export", str(out), "-f", "csv", "-o", str(tmp_path / "a.csv")]
         assert cli.main(a_csv) == 2
@@ -356,6 +311,5 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
 def test_an_export_that_makes_no_sense_is_one_line(
     arguments: list[str], line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with graded(tmp_path / "out") as out:
-        assert cli.main(["export", str(out), *arguments]) == 2
+    assert cli.main(["export", str(graded(tmp_path / "out")), *arguments]) == 2
     assert capsys.readouterr().err == f"imugrade: {line}\n"

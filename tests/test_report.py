@@ -29,9 +29,7 @@ from tests.fake_results import HOSTILE, check, lost, result
 from tests.pages import Page
 
 HOSTILE_RESULT = result(
-    lost(title=HOSTILE, message=f"Expected  {HOSTILE}\nGot  {HOSTILE}", hint=HOSTILE),
-    name=HOSTILE,
-    notes=(HOSTILE,),
+    lost(title=HOSTILE, message=f"Expected  {HOSTILE}\nGot  {HOSTILE}", hint=HOSTILE), name=HOSTILE, notes=(HOSTILE,)
 )
 
 

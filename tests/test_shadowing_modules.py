@@ -14,9 +14,10 @@ from tests.shadowing_modules import write_shadowing_modules
 
 COMMAND = str(Path(sys.executable).with_name("imugrade"))
 #: What Python itself reads before the first line of a program that is called by `-m`, in one version or another.
-READ_BEFORE = frozenset(
-    "__future__ collections contextlib functools grader importlib keyword operator pkgutil reprlib runpy types warnings".split()
-)
+READ_BEFORE = frozenset([
+    "__future__", "collections", "contextlib", "functools", "grader", "importlib", "keyword", "operator", "pkgutil", "reprlib", "runpy",
+    "types", "warnings",
+])  # fmt: skip
 
 
 def called(command: list[str], cwd: Path) -> subprocess.CompletedProcess[str]:

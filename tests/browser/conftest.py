@@ -17,6 +17,7 @@ from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
 from grader.report.pages import index_page, report_page
+from tests.desk import Desk
 from tests.examples import FOLDER
 from tests.fake_results import HOSTILE, check, lost, result
 
@@ -79,24 +80,29 @@ def complaints(page: Page) -> list[tuple[str, list[str]]]:
 
 
 class Watched:
-    """Pages that are opened from disk, without a network; what goes wrong in them is written down."""
+    """Pages of a browser; what goes wrong in them is written down, and so is each address that does not begin as it may.
 
-    def __init__(self, browser: Browser, out: Path) -> None:
-        self._browser, self._out = browser, out
+    `first` is an address that is opened before each page, and `options` are those of every page.
+    """
+
+    def __init__(self, browser: Browser, home: str, may: tuple[str, ...], first: str = "", **options: object) -> None:
+        self._browser, self._home, self._may, self._first, self._options = browser, home, may, first, options
         self.troubles: list[str] = []
 
     def open(self, path: str, **options: object) -> Page:
-        context = self._browser.new_context(offline=True, **options)  # type: ignore[arg-type]
+        context = self._browser.new_context(**self._options, **options)  # type: ignore[arg-type]
         page = context.new_page()
         page.on("console", lambda message: self.troubles.append(message.text))
         page.on("pageerror", lambda error: self.troubles.append(str(error)))
         page.on("dialog", lambda dialog: self.troubles.append(dialog.message))
-        page.on("request", lambda request: self._local(request.url))
-        page.goto((self._out / path).as_uri())
+        page.on("request", lambda request: self._note(request.url))
+        if self._first:
+            page.goto(self._first)
+        page.goto(self._home + path)
         return page
 
-    def _local(self, url: str) -> None:
-        if not url.startswith("file:"):
+    def _note(self, url: str) -> None:
+        if not url.startswith(self._may):
             self.troubles.append(url)
 
     def close(self) -> None:
@@ -104,9 +110,14 @@ class Watched:
             context.close()
 
 
+def at_the_desk(browser: Browser, desk: Desk) -> Watched:
+    return Watched(browser, desk.origin, (f"{desk.origin}/", "data:"), first=desk.keys.first_address)
+
+
 @pytest.fixture
 def watched(browser: Browser, out: Path) -> Iterator[Watched]:
-    pages = Watched(browser, out)
+    """Pages that are opened from disk, without a network."""
+    pages = Watched(browser, f"{out.as_uri()}/", ("file:",), offline=True)
     yield pages
     pages.close()
     assert pages.troubles == []

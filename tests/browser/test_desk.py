@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
 from grader.engine.findings import Where
 from grader.people.final_grade import HandIn, Lateness, Person
-from tests.browser.conftest import CHROMIUM, complaints
+from tests.browser.conftest import CHROMIUM, Watched, at_the_desk, complaints
 from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class
 from tests.test_desk import ADDRESS, HOSTILE_FILES, MISTAKE, NASTY, TITLES
 
@@ -46,44 +46,18 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
         yield opened
 
 
-class Visit:
-    """Somebody at the desk; what goes wrong in the browser is written down, and so is whatever leaves this machine's desk."""
-
-    def __init__(self, browser: Browser, desk: Desk) -> None:
-        self._browser, self._desk = browser, desk
-        self.troubles: list[str] = []
-
-    def open(self, path: str, **options: object) -> Page:
-        context = self._browser.new_context(**options)  # type: ignore[arg-type]
-        page = context.new_page()
-        page.on("console", lambda message: self.troubles.append(message.text))
-        page.on("pageerror", lambda error: self.troubles.append(str(error)))
-        page.on("dialog", lambda dialog: self.troubles.append(dialog.message))
-        page.on("request", lambda request: self._own(request.url))
-        page.goto(self._desk.keys.first_address)
-        page.goto(self._desk.origin + path)
-        return page
-
-    def _own(self, url: str) -> None:
-        if not url.startswith((f"{self._desk.origin}/", "data:")):
-            self.troubles.append(url)
-
-    def close(self) -> None:
-        for context in self._browser.contexts:
-            context.close()
-
-
 @pytest.fixture
-def visit(browser: Browser, desk: Desk) -> Iterator[Visit]:
-    visiting = Visit(browser, desk)
-    yield visiting
-    visiting.close()
-    assert [
-        each for each in visiting.troubles if "status of 400" not in each
-    ] == []  # a page that is asked for and not there
+def visit(browser: Browser, desk: Desk) -> Iterator[Watched]:
+    pages = at_the_desk(browser, desk)
+    yield pages
+    pages.close()
+    troubles = [
+        each for each in pages.troubles if "status of 400" not in each
+    ]  # a page that is asked for and not there
+    assert troubles == []
 
 
-def test_axe_finds_nothing_to_complain_of(visit: Visit, desk: Desk) -> None:
+def test_axe_finds_nothing_to_complain_of(visit: Watched, desk: Desk) -> None:
     page = visit.open("/", bypass_csp=True)
     told = {}
     for path in PAGES:
@@ -92,7 +66,7 @@ def test_axe_finds_nothing_to_complain_of(visit: Visit, desk: Desk) -> None:
     assert {path: found for path, found in told.items() if found} == {}
 
 
-def test_a_phone_needs_no_sideways_scrolling(visit: Visit, desk: Desk) -> None:
+def test_a_phone_needs_no_sideways_scrolling(visit: Watched, desk: Desk) -> None:
     page = visit.open("/", viewport=PHONE, has_touch=True)
     wide = {}
     for path in PAGES:
@@ -101,7 +75,7 @@ def test_a_phone_needs_no_sideways_scrolling(visit: Visit, desk: Desk) -> None:
     assert {path: width for path, width in wide.items() if width > PHONE["width"]} == {}
 
 
-def test_a_doubtful_case_is_decided_without_a_mouse(visit: Visit, desk: Desk) -> None:
+def test_a_doubtful_case_is_decided_without_a_mouse(visit: Watched, desk: Desk) -> None:
     page = visit.open("/submission/ada")
     page.keyboard.press("n")
     expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
@@ -120,7 +94,7 @@ def test_a_doubtful_case_is_decided_without_a_mouse(visit: Visit, desk: Desk) ->
     assert desk.book.on_thread(lambda: desk.book.history("bob"))[-1].points == 4.5
 
 
-def test_nothing_that_a_student_wrote_runs(visit: Visit) -> None:
+def test_nothing_that_a_student_wrote_runs(visit: Watched) -> None:
     for path in ("/class", "/submission/evil", f"/what-if?weight:{ADDRESS}=14"):
         page = visit.open(path)
         expect(page.locator("body")).to_contain_text("<script>alert(1)</script>")
@@ -129,7 +103,7 @@ def test_nothing_that_a_student_wrote_runs(visit: Visit) -> None:
         )
 
 
-def test_without_scripts_everything_can_still_be_decided(visit: Visit) -> None:
+def test_without_scripts_everything_can_still_be_decided(visit: Watched) -> None:
     page = visit.open("/submission/cyd", java_script_enabled=False)
     form = page.locator("#override-filtering")
     form.locator("summary").click()
@@ -139,7 +113,7 @@ def test_without_scripts_everything_can_still_be_decided(visit: Visit) -> None:
     expect(page.locator("#override-filtering .given")).to_contain_text("19, automatic 20, by prof: untidy")
 
 
-def test_the_class_page_searches_filters_and_sorts_and_a_student_is_found_from_every_page(visit: Visit) -> None:
+def test_the_class_page_searches_filters_and_sorts_and_a_student_is_found_from_every_page(visit: Watched) -> None:
     page = visit.open("/class")
     names = page.locator("#submissions tbody tr:visible th a")
     expect(names).to_have_count(6)

@@ -9,8 +9,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, expect
 
-from tests.browser.conftest import CHROMIUM
-from tests.browser.test_desk import Visit
+from tests.browser.conftest import CHROMIUM, at_the_desk
 from tests.class_commands import column
 from tests.desk import Desk
 from tests.test_desk_repairs import SENTENCE, desk, out  # noqa: F401 - fixtures
@@ -24,7 +23,7 @@ def test_a_file_is_opened_edited_previewed_saved_and_the_repair_undone(
     desk: Desk,  # noqa: F811 - a fixture
     out: Path,  # noqa: F811 - a fixture
 ) -> None:
-    visit = Visit(browser, desk)
+    visit = at_the_desk(browser, desk)
     page = visit.open("/", bypass_csp=True)
     page.get_by_role("link", name="Repair").first.click()
     text = page.get_by_role("textbox", name="filters.py")
