@@ -16,7 +16,6 @@ import yaml
 from tests.corpus.pieces import FILTER_INCREMENT, tidy
 from tests.corpus.writing import Files, as_bytes, zipped
 
-ROOT = Path(__file__).parent.parent
 _ODD = (
     ("Jürgen", "Müßig"),
     ("Anna \"Ann\"", "Lee"),

@@ -56,11 +56,12 @@ def test_points_by_hand_are_told_listed_and_kept_apart_from_the_marks(run: Run, 
     words = (*PART, "--points", 18, "--comment", "shown in the lab hour", "--author", "prof")
     assert run("adjust", out, "alice", *words) == (0, "alice sensor_access 18, final 18\n", "")
     assert (out / "submissions" / "alice" / "result.json").read_bytes() == before
-    table = (out / "gradebook.csv").read_text()
-    assert (
-        table
-        == "id,name,sensor_access,total,adjusted,final,status\nalice,alice,14,14,18,18,graded\nbob,bob,20,20,20,20,graded\n"
+    rows = (
+        "id,name,sensor_access,total,adjusted,final,status",
+        "alice,alice,14,14,18,18,graded",
+        "bob,bob,20,20,20,20,graded",
     )
+    assert (out / "gradebook.csv").read_text().splitlines() == list(rows)
     (line,) = run("adjust", out)[1].splitlines()
     when = line.split()[3]
     assert line == f"alice sensor_access 18  {when} by prof: shown in the lab hour"
@@ -76,11 +77,8 @@ def test_the_same_again_changes_nothing_and_withdrawing_brings_the_automatic_poi
     ):
         assert run("adjust", out, "alice", *wish)[1] == f"alice sensor_access {told}, final 18\n"
     for told in ("withdrawn", "withdrawn (as before)"):
-        assert run("adjust", out, "alice", *WISH[:-1], "--withdraw") == (
-            0,
-            f"alice sensor_access {told}, final 14\n",
-            "",
-        )
+        line = f"alice sensor_access {told}, final 14\n"
+        assert run("adjust", out, "alice", *WISH[:-1], "--withdraw") == (0, line, "")
     assert [line.split()[2] for line in run("adjust", out)[1].splitlines()] == ["18", "18", "18", "withdrawn"]
     assert "adjusted" not in (out / "gradebook.csv").read_text()
 
@@ -92,24 +90,20 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
         "bob,sensor_access,21,x\nbob,sensor_access,1.005,x\nbob,sensor_access,nan,x\nbob,sensor_access,1,\nbob,sensor_access,,x\n"
     )
     code, _, err = run("adjust", out, "--csv", table)
-    assert (code, err.splitlines()) == (
-        2,
-        [
-            f"imugrade: {table}:3: there is no submission alicia (did you mean alice?)",
-            f"imugrade: {table}:4: there is no criterion sensoraccess (did you mean sensor_access?)",
-            f"imugrade: {table}:5: points must be a number from 0 to 20, not 21",
-            f"imugrade: {table}:6: points must be a number from 0 to 20, not 1.005",
-            f"imugrade: {table}:7: points must be a number from 0 to 20, not nan",
-            f"imugrade: {table}:8: say why in a comment of at most 2000 characters",
-            f"imugrade: {table}:9: bob has no adjustment of sensor_access to withdraw",
-        ],
-    )
+    assert code == 2
+    assert err.replace(f"imugrade: {table}:", "").splitlines() == [
+        "3: there is no submission alicia (did you mean alice?)",
+        "4: there is no criterion sensoraccess (did you mean sensor_access?)",
+        "5: points must be a number from 0 to 20, not 21",
+        "6: points must be a number from 0 to 20, not 1.005",
+        "7: points must be a number from 0 to 20, not nan",
+        "8: say why in a comment of at most 2000 characters",
+        "9: bob has no adjustment of sensor_access to withdraw",
+    ]
     assert run("adjust", out)[1] == ""
     table.write_text('id,criterion,points,comment\nalice,sensor_access,18,ok\nbob,sensor_access,19.5,"a, ""b"""\n')
-    assert (
-        run("adjust", out, "--csv", table)[1]
-        == "alice sensor_access 18, final 18\nbob sensor_access 19.5, final 19.5\n"
-    )
+    told = "alice sensor_access 18, final 18\nbob sensor_access 19.5, final 19.5\n"
+    assert run("adjust", out, "--csv", table)[1] == told
 
 
 @pytest.mark.parametrize(
@@ -163,16 +157,8 @@ def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(
     roster.write_text(
         'id,name,section,submitted,due\nalice,"Müller, A.",B,2026-11-21T13:00Z,\nbob,Bob,A,2026-11-25T12:00Z,2026-11-30T00:00Z\nx,Gone,A,,\n'
     )
-    given = (
-        "grade",
-        tmp_path / "class",
-        "-o",
-        out,
-        "--rubric",
-        rubric_with(tmp_path / "rubric.yaml", LATE),
-        "--roster",
-        roster,
-    )
+    rubric = rubric_with(tmp_path / "rubric.yaml", LATE)
+    given = ("grade", tmp_path / "class", "-o", out, "--rubric", rubric, "--roster", roster)
     code, _, err = run(*given, "--change")
     change = "another late policy, a roster: 1 of 2 scores change, mean of graded 17.0 to 10.0"
     assert (code, err) == (0, f"imugrade: {change}\nimugrade: in the roster, no submission: Gone\n")

@@ -16,7 +16,7 @@ import pytest
 
 from grader.course.class_grading import GradingSettings, settings_on_record
 from grader.desk.editing import as_bytes, editable
-from grader.desk.repair_jobs import Job, RepairJobs
+from grader.desk.repair_jobs import RepairJobs
 from grader.labs.imu.lab import LAB
 from tests import class_commands
 from tests.class_commands import column, commands
@@ -72,18 +72,23 @@ def fields(page: str) -> dict[str, str]:
     return {**found, "text": re.search(r'name="text"[^>]*>\n(.*?)</textarea>', form, re.DOTALL)[1]}  # type: ignore[index]
 
 
+def ended(desk: Desk, address: str) -> str:
+    """The page of a job when it has ended."""
+    for _ in range(100):
+        page = desk.get(address).text
+        if "data-reload" not in page:
+            return page
+    raise AssertionError("the job does not end")
+
+
 def sent(desk: Desk, id_: str, **form: object) -> str:
     """The page after a form, when the job has ended."""
     answer = desk.post(f"/submission/{id_}/repair", form)
     if answer.status != 303:
         return answer.text
-    address = answer.headers["location"]
-    for _ in range(100):
-        page = desk.get(address).text
-        if "data-reload" not in page:
-            desk.book.settled()
-            return page
-    raise AssertionError("the job does not end")
+    page = ended(desk, answer.headers["location"])
+    desk.book.settled()
+    return page
 
 
 def previewed(desk: Desk, id_: str = "ada", text: str = f"{FIXED}\n") -> str:
@@ -144,27 +149,22 @@ def test_the_same_repair_is_offered_to_the_same_file_with_the_same_error(desk: D
     assert column(out / "gradebook.csv", "total") == {"ada": "95", "bob": "95", "cyd": "97", "dan": "94"}
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"deduct": "x"}, "Enter points from 0 to 100, with at most two decimals."),
-        ({"deduct": "101"}, "Enter points from 0 to 100, with at most two decimals."),
-        ({"deduct": "nan"}, "Enter points from 0 to 100, with at most two decimals."),
-        ({"comment": ""}, "Say what you changed. The student reads this."),
-        ({"comment": "x" * 2001}, "At most 2000 characters."),
-    ],
-)
-def test_an_error_stands_beside_its_field_and_what_was_typed_stays(
-    desk: Desk, out: Path, given: dict[str, str], said: str
-) -> None:
-    page = saved(desk, previewed(desk), **{"comment": "kept <b>", "deduct": "3", **given})
-    (name,) = given
-    assert f'<span class="error" id="error-{name}">{said}</span>' in page
-    assert f'aria-invalid="true" aria-describedby="error-{name}"' in page
-    assert fields(page)["text"] == "# 1\n"
-    assert ("kept &lt;b&gt;" in page) == (name != "comment")
-    assert ('value="3"' in page) == (name != "deduct")
-    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+def test_an_error_stands_beside_its_field_and_what_was_typed_stays(desk: Desk, out: Path) -> None:
+    preview, points = previewed(desk), "Enter points from 0 to 100, with at most two decimals."
+    for name, typed, said in (
+        ("deduct", "x", points),
+        ("deduct", "101", points),
+        ("deduct", "nan", points),
+        ("comment", "", "Say what you changed. The student reads this."),
+        ("comment", "x" * 2001, "At most 2000 characters."),
+    ):
+        page = saved(desk, preview, **{"comment": "kept <b>", "deduct": "3", name: typed})
+        assert f'<span class="error" id="error-{name}">{said}</span>' in page
+        assert f'aria-invalid="true" aria-describedby="error-{name}"' in page
+        assert fields(page)["text"] == "# 1\n"
+        assert ("kept &lt;b&gt;" in page) == (name != "comment")
+        assert ('value="3"' in page) == (name != "deduct")
+        assert column(out / "gradebook.csv", "total")["ada"] == "94"
 
 
 def test_an_unchanged_file_and_a_worse_one_are_not_saved(desk: Desk) -> None:
@@ -201,10 +201,7 @@ def test_the_desk_answers_while_a_preview_runs_and_says_what_is_going_on(desk: D
     assert fields(page)["text"] == "# 1\n"
     assert desk.get("/class").status == 200
     wait.unlink()
-    for _ in range(100):
-        if "Sum of 100" in words(desk.get(address).text):
-            return
-    raise AssertionError("the preview does not end")
+    assert "Sum of 100" in words(ended(desk, address))
 
 
 def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk) -> None:
@@ -236,9 +233,3 @@ def test_a_browser_changes_no_byte_of_a_file_that_nobody_edited(content: bytes) 
 )
 def test_what_a_browser_cannot_keep_is_not_edited_in_it(path: str, content: bytes, why: str) -> None:
     assert why in editable(path, content).why
-
-
-def kept(desk: Desk, job: Job) -> int:
-    """The number of a job that never begins."""
-    desk.book.jobs._jobs[99] = job
-    return 99

@@ -29,7 +29,6 @@ from tests.corpus.writing import write
 from tests.examples import FOLDER
 from tests.fake_results import lost, result
 
-ROOT = Path(__file__).parent.parent
 FAULTY = {
     "imu_reader.py": IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id"),
     "noisy_imu.py": NOISY,
@@ -70,11 +69,7 @@ def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("check_id", "files", "said"),
     [
-        (
-            "filtering.follows_recursion",
-            filters_alone(0.5),
-            "output: row 1 is the first that differs, of 60: yours",
-        ),
+        ("filtering.follows_recursion", filters_alone(0.5), "output: row 1 is the first that differs, of 60: yours"),
         (
             "data_collection.matches_truth",
             {"imu_reader.py": IMU_READER.replace("angular_velocities[i] = gyro", "angular_velocities[i] = -gyro")},
@@ -100,10 +95,8 @@ def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
     silent = {id_ for id_, questions in asked.items() if not questions}
     assert silent == {id_ for id_ in judgements if id_.startswith("realtime_visualization.")}
     kinds = {each.op: each for questions in asked.values() for each in questions}
-    noise, biases = (
-        kinds["noise"],
-        {"biases": np.zeros((1, 2, 3))},
-    )  # twins are asked only where something is to be told apart
+    # twins are asked only where something is to be told apart
+    noise, biases = kinds["noise"], {"biases": np.zeros((1, 2, 3))}
     twins = {**noise.fields, "twins": [dict.fromkeys(("accel_noise_std", "gyro_noise_std"), 0.1)], "states": [0]}
     kinds.setdefault("noise_twins", replace(noise, op="noise_twins", fields=twins, arrays={**noise.arrays, **biases}))
     assert set(kinds) == set(WRITTEN)

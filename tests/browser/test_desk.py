@@ -51,9 +51,8 @@ def visit(browser: Browser, desk: Desk) -> Iterator[Watched]:
     pages = at_the_desk(browser, desk)
     yield pages
     pages.close()
-    troubles = [
-        each for each in pages.troubles if "status of 400" not in each
-    ]  # a page that is asked for and not there
+    # a page that is asked for and not there
+    troubles = [each for each in pages.troubles if "status of 400" not in each]
     assert troubles == []
 
 
