@@ -7,23 +7,21 @@ import tarfile
 import zipfile
 
 from tests.corpus.writing import Link, tarred, zipped
-from tests.hostile.program import FILTER, Program, in_method, last, sound
+from tests.hostile.program import FILTER, Program, in_method, indented, last, sound
 
 
 def tries(name: str, code: str, *, keeps: bool = True) -> Program:
     """An attempt in the filter, which goes on as if nothing had been; what fails must cost nothing."""
-    body = "try:\n" + "\n".join("    " + line for line in code.strip("\n").split("\n")) + "\nexcept Exception:\n    pass"
-    guarded = "if not hasattr(LowPassFilter, 'tried'):\n    LowPassFilter.tried = True\n" + "\n".join("    " + line for line in body.split("\n"))
-    files = last(sound(), FILTER, in_method("LowPassFilter", "update", guarded))
+    guarded = f"try:\n{indented(code)}\nexcept Exception:\n    pass"
+    once = f"if not hasattr(LowPassFilter, 'tried'):\n    LowPassFilter.tried = True\n{indented(guarded)}"
+    files = last(sound(), FILTER, in_method("LowPassFilter", "update", once))
     return Program(name, "escape", files, only="filtering", keeps=("filtering",) if keeps else ())
-
-
-LEAK = "raise RuntimeError('leak: ' + found)"
 
 
 def leaks(name: str, code: str) -> Program:
     """An attempt to read; what is found is carried out in an exception's words."""
-    files = last(sound(), FILTER, in_method("LowPassFilter", "update", "found = ''\ntry:\n" + "\n".join("    " + line for line in code.strip("\n").split("\n")) + f"\nexcept Exception:\n    pass\nif found: {LEAK}"))
+    reading = f"found = ''\ntry:\n{indented(code)}\nexcept Exception:\n    pass\nif found: raise RuntimeError('leak: ' + found)"
+    files = last(sound(), FILTER, in_method("LowPassFilter", "update", reading))
     return Program(name, "escape", files, only="filtering")
 
 

@@ -57,15 +57,18 @@ def last(files: Files, path: str, attack: str) -> Files:
     return {**files, path: str(files[path]) + "\n\n\n" + attack.strip("\n") + "\n"}
 
 
+def indented(code: str) -> str:
+    return "\n".join("    " + line for line in code.strip("\n").split("\n"))
+
+
 def in_method(cls: str, method: str, attack: str) -> str:
     """Code that lets a class run the attack each time before a method; ``self``, ``args`` are in its reach."""
-    body = "\n".join("    " + line for line in attack.strip("\n").split("\n"))
     return f"""
 _sound = {cls}.{method}
 
 
 def _attacking(self, *args, **kwargs):
-{body}
+{indented(attack)}
     return _sound(self, *args, **kwargs)
 
 
@@ -75,13 +78,12 @@ def _attacking(self, *args, **kwargs):
 
 def in_function(name: str, attack: str) -> str:
     """Code that lets a function run the attack each time before it does its work."""
-    body = "\n".join("    " + line for line in attack.strip("\n").split("\n"))
     return f"""
 _sound_{name} = {name}
 
 
 def {name}(*args, **kwargs):
-{body}
+{indented(attack)}
     return _sound_{name}(*args, **kwargs)
 """
 

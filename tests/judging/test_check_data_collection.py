@@ -323,21 +323,8 @@ def _late(t: float) -> Any:
     return stamped(lambda time, _dt: np.where(np.arange(len(time)) == 7, t, time))
 
 
-SOUND = Recorder
-FIXED = of(steps=lambda *_: 600)
-HUNDRED_HERTZ = of(steps=lambda _s, _m, duration: round(duration / 0.002))
-SHORT = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) - 20)
-ONE_MORE = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) + 1)
-WHOLE_SECONDS = counting(lambda duration, dt: int(duration) / dt)
-NO_RESET = of(begin=lambda *_: None)
-POSE = of(begin=_in_pose(2, 0.05))
 NO_PUSH = of(push=lambda *_: None)
-HALF = of(push=_pushed(0, 0.25))
-LATER = of(push=lambda *_: None, step=_later)
-NEVER = of(step=_constant)
-TWO_STEPS = of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2))
 COUNTED = telling(lambda t, a, g, _m: (np.arange(len(t)) * 0.002, a, g))
-WITHOUT_GYRO = of(returned=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a})
 WITHOUT_TIME = of(returned=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
 
 _NOT_REACHED = dict.fromkeys((TIME, TRUTH, RESET, PUSH), "skipped")
@@ -350,7 +337,7 @@ _LENGTH, _ALTERED, _EMPTY = (0.0, ["ignores-duration"]), (0.0, ["rows-altered"])
 _KEPT, _WORLD = (0.0, ["no-reset"]), (0.0, ["modifies-model"])
 
 KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
-    ("sound", SOUND, {}),
+    ("sound", Recorder, {}),
     # the form
     ("other keys", of(returned=lambda _s, t, a, g, _m: {"t": t, "acc": a, "gyro": g}), {NAMED: _KEYS}),
     ("a tuple", of(returned=lambda _s, t, a, g, _m: (t, a, g)), {NAMED: _FORM}),
@@ -363,7 +350,7 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("nothing", of(returned=lambda *_: None), {**_NOT_REACHED, NAMED: _FORM, COUNT: (0.0, [])}),
     ("no stamp under its name", of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}), {NAMED: _FORM}),
     ("nothing under all names", of(returned=lambda *_: {key: [] for key in KEYS}), {**_NOT_REACHED, NAMED: (0.0, []), COUNT: (0.0, [])}),
-    ("without the gyroscope", WITHOUT_GYRO, {NAMED: _KEYS, TRUTH: (0.5, [])}),
+    ("without the gyroscope", of(returned=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a}), {NAMED: _KEYS, TRUTH: (0.5, [])}),
     ("without the accelerometer", of(returned=lambda _s, t, _a, g, _m: {"time": t, "angular_velocity": g}), {NAMED: _KEYS, TRUTH: (0.5, [])}),
     ("one axis of the gyroscope", telling(lambda t, a, g, _m: (t, a, g[:, 2])), {NAMED: (0.0, ["wrong-return-type"]), TRUTH: (0.5, [])}),
     ("without time", WITHOUT_TIME, {NAMED: _KEYS}),
@@ -371,17 +358,17 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("raises", of(begin=_raises), dict.fromkeys((NAMED, COUNT, TIME, TRUTH, RESET, PUSH), "raised")),
     ("raises with another time step", of(begin=_raises_with_another_time_step), dict.fromkeys((COUNT, TIME, RESET), "raised")),
     # how many rows there are
-    ("one more", ONE_MORE, {}),
+    ("one more", counting(lambda duration, dt: duration / dt + 1), {}),
     ("one less", counting(lambda duration, dt: duration / dt - 1), {}),
     ("two less", counting(lambda duration, dt: duration / dt - 2), {COUNT: (0.0, [])}),
     ("two more", counting(lambda duration, dt: duration / dt + 2), {COUNT: (0.0, [])}),
-    ("twenty too few", SHORT, {COUNT: (0.0, [])}),
-    ("always as many", FIXED, {COUNT: _LENGTH}),
-    ("whole seconds", WHOLE_SECONDS, {COUNT: _LENGTH}),
-    ("at a fixed rate", HUNDRED_HERTZ, {COUNT: (0.0, ["hard-coded-timestep"])}),
+    ("twenty too few", counting(lambda duration, dt: duration / dt - 20), {COUNT: (0.0, [])}),
+    ("always as many", of(steps=lambda *_: 600), {COUNT: _LENGTH}),
+    ("whole seconds", counting(lambda duration, dt: int(duration) / dt), {COUNT: _LENGTH}),
+    ("at a fixed rate", counting(lambda duration, _dt: duration / 0.002), {COUNT: (0.0, ["hard-coded-timestep"])}),
     ("fifty a second", FiftyHertz, {COUNT: (0.0, ["fixed-rate"])}),
     ("every second", Skipping, {COUNT: (0.0, ["samples-skipped"])}),
-    ("two steps a row, for twice the time", TWO_STEPS, {TRUTH: (0.0, ["samples-skipped"])}),
+    ("two steps a row, for twice the time", of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2)), {TRUTH: (0.0, ["samples-skipped"])}),
     # the stamps
     ("before each step", Before, {TRUTH: (0.5, ["read-before-step"])}),
     ("stamps half a step too late", stamped(lambda t, dt: t + dt / 2), {TIME: _HALF_A_STEP}),
@@ -413,28 +400,28 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("noise, and one number that is none", telling(_noisy_with_a_gap), {TRUTH: (0.0, ["not-finite"])}),
     ("no numbers in one", telling(lambda t, a, g, _m: (t, a * np.nan, g)), {TRUTH: (0.0, ["not-finite"])}),
     ("no numbers", telling(lambda t, a, g, _m: (t, a * np.nan, g * np.nan)), {**_UNKNOWN, TRUTH: (0.0, ["not-finite"])}),
-    ("no simulation", NEVER, {**_UNKNOWN, TRUTH: (0.0, ["nothing-simulated"])}),
+    ("no simulation", of(step=_constant), {**_UNKNOWN, TRUTH: (0.0, ["nothing-simulated"])}),
     ("a recording of the hidden run", telling(_recorded_as_it_was), {COUNT: _LENGTH, TIME: _USUAL, RESET: "skipped"}),
     ("a recording, altered", telling(_recorded), {COUNT: _LENGTH, TIME: _USUAL, TRUTH: _ALTERED, RESET: "skipped"}),
     ("another gravity for the run", _for_the_run(_heavier), {TRUTH: _WORLD}),
     ("its own time step, put back", _for_the_run(_own_timestep), {COUNT: _LENGTH, TIME: _STAMPED, TRUTH: _WORLD}),
     # the reset
-    ("no reset", NO_RESET, {RESET: _KEPT}),
+    ("no reset", of(begin=lambda *_: None), {RESET: _KEPT}),
     ("until the time, without a reset", UntilTime, {RESET: _KEPT}),
     ("a reset of all but the pose", of(begin=_keeps_pose), {RESET: _KEPT}),
-    ("another pose", POSE, {RESET: _KEPT}),
+    ("another pose", of(begin=_in_pose(2, 0.05)), {RESET: _KEPT}),
     ("another gravity", of(begin=_heavier), {RESET: _WORLD}),
     ("another time step", of(begin=_own_timestep), {RESET: _WORLD}),
     ("another gravity and time step", of(begin=_other_gravity_and_timestep), {RESET: _WORLD}),
     ("lists that stay", Keeping, {RESET: (0.0, ["keeps-old-rows"])}),
     # the push
     ("a rollout", Rollout, {}),
-    ("a rollout with half of it", both(Rollout, HALF), {PUSH: _PUSHED}),
+    ("a rollout with half of it", both(Rollout, of(push=_pushed(0, 0.25))), {PUSH: _PUSHED}),
     ("no push", NO_PUSH, {PUSH: (0.0, ["no-perturbation"])}),
     ("no push, of altered rows", both(telling(lambda t, a, g, _m: (t, a * 1.01, g)), NO_PUSH), {TRUTH: (0.0, []), PUSH: (0.0, ["no-perturbation"])}),
     ("a later push, in a model that is changed for the run", _for_the_run(_heavier, push=lambda *_: None, step=_later), {TRUTH: _WORLD, PUSH: _PUSHED}),
     *((f"a push of {by} on {which}", of(push=_pushed(which, by)), {PUSH: _PUSHED}) for which, by in [(0, 0.25), (0, 0.4), (0, 1.0), (0, -0.5), (1, 0.5), (2, 0.5), (3, 0.5)]),
-    ("a later push", LATER, {PUSH: _PUSHED}),
+    ("a later push", of(push=lambda *_: None, step=_later), {PUSH: _PUSHED}),
     ("one more push", of(step=_later), {PUSH: _PUSHED}),
     ("three other velocities beside it", of(push=_with_velocities), {PUSH: _PUSHED}),
     ("two other velocities beside it", of(push=_with_three_velocities), {PUSH: _PUSHED}),

@@ -308,7 +308,6 @@ def _raises(self: Any) -> Any:
 CHECKS = (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)
 SILENT = of(noise=lambda _s, _i: np.zeros(3))
 UNIFORM: Any = of(noise=lambda s, i: s.rng.uniform(-1, 1, 3) * s.stds[i] * 3**0.5)
-CUT = of(noise=lambda s, i: np.clip(Sound.noise(s, i), -2 * s.stds[i], 2 * s.stds[i]))
 NOTHING_GIVEN = of(bias=_nothing_given)
 SHIFTED = of(noise=lambda s, i: Sound.noise(s, i) + 0.8 * s.stds[i])
 
@@ -368,7 +367,7 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     # its law
     ("a Laplace law of a fixed size", of(noise=lambda s, i: s.rng.laplace(0, (0.1, 0.01)[i], 3)), _NOT_NORMAL | {SIZE: (0.0, ["std-ignored"])}),
     ("a uniform law of the gyroscope", of(noise=lambda s, i: UNIFORM.noise(s, i) if i else Sound.noise(s, i)), _NOT_NORMAL),
-    ("cut off, twice", _larger(CUT), {SIZE: (0.0, [])}),
+    ("cut off, twice", _larger(of(noise=lambda s, i: np.clip(Sound.noise(s, i), -2 * s.stds[i], 2 * s.stds[i]))), {SIZE: (0.0, [])}),
     ("jumps now and then", Jumping, _NOT_NORMAL),
     ("rounded", of(one=lambda s, i: Sound.one(s, i).round(3)), {WHITE: (0.0, ["precision-lost"])}),
     ("a mean below zero", of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]), {WHITE: (0.0, ["noise-not-zero-mean"])}),
