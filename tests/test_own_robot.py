@@ -122,7 +122,7 @@ def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
 
 
 def test_under_a_secret_the_robot_moves_otherwise(wheel_of_robots: Path, cache: Path) -> None:
-    other = OTHERS["dog"]
+    other = OTHERS["humanoid"]
     model = Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
     public, hidden = (bundles.obtain(seed, cache, model)["push"] for seed in (None, SECRET))
     n = min(len(public["time"]), len(hidden["time"]))

@@ -182,10 +182,8 @@ def test_a_message_keeps_its_plain_sentences_and_its_further_lines() -> None:
         words.Line("Expected", "no exception"),
         words.Line("Got", "ValueError: no\nEvil  x\nGot       nothing"),
     )
-    assert (
-        raised.message
-        == "Expected  no exception\nGot       ValueError: no\n          Evil  x\n          Got       nothing"
-    )
+    message = "Expected  no exception\nGot       ValueError: no\n          Evil  x\n          Got       nothing"
+    assert raised.message == message
     plain = check("skipped", 0.0, said="Needs a reader.")
     assert words.row(plain, "filtering", LabName()).lines == (words.Line("", "Needs a reader."),)
     assert plain.message == "Needs a reader."
@@ -349,8 +347,6 @@ def test_a_long_class_page_offers_to_show_all_rows() -> None:
 
 def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
     other = replace(result(), provenance={**result().provenance, "rubric_sha256": "f" * 64})
-    assert (
-        "These results are not comparable: the class was graded with 2 rubrics."
-        in Page(index({"a": result(), "b": other})).text
-    )
+    told = "These results are not comparable: the class was graded with 2 rubrics."
+    assert told in Page(index({"a": result(), "b": other})).text
     assert "not comparable" not in index({"a": result(), "b": result()})
