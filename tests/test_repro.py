@@ -37,6 +37,12 @@ FAULTY = {
 TRAP = "import sys\nsys.modules['grader'] = sys.modules['pytest'] = None  # as where nobody has installed us\n"
 
 
+@pytest.fixture(autouse=True)
+def _one_sandbox(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Use the sandbox of the other tests: to open one takes longer than the calls."""
+    monkeypatch.setattr(repeating, "open_sandbox_for", lambda *_: sandboxes.Lasting(sandboxes.shared()))
+
+
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("lab")
@@ -79,9 +85,8 @@ def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None
     ],
 )  # fmt: skip
 def test_the_first_row_that_differs_stands_beside_the_expected_one(
-    check_id: str, files: dict[str, str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    check_id: str, files: dict[str, str], said: str, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(repeating, "open_sandbox_for", lambda *_: sandboxes.Lasting(sandboxes.shared()))
     own = write(files, tmp_path / "own")
     shown = ran(repeating.write(load(LAB), check_id, own, own / ".imugrade"), tmp_path)
     assert said in shown
