@@ -15,8 +15,9 @@ from typing import Any
 import pytest
 
 from grader.course.class_grading import GradingSettings, settings_on_record
+from grader.course.pool import Pool
+from grader.desk import repair_jobs
 from grader.desk.editing import as_bytes, editable
-from grader.desk.repair_jobs import RepairJobs
 from grader.labs.imu.lab import LAB
 from tests import class_commands
 from tests.class_commands import column, commands
@@ -44,6 +45,23 @@ class Open:
         return class_commands._result(submission, self._rubric, self._traces)
 
 
+class PoolHere:
+    """Stands in for the pool of one marker process, which takes half a second to start, where the process is not asked about."""
+
+    def __init__(self, open_marker: Open, *_: object) -> None:
+        self._open_marker = open_marker
+
+    def __enter__(self) -> PoolHere:
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def run(self, submissions: Iterator[Any], cpu_s: float | None = None) -> Iterator[tuple[Any, Any]]:
+        with self._open_marker() as marker:
+            for each in submissions:
+                yield each, marker.mark(each, cpu_s)
+
+
 @pytest.fixture
 def out(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Path:
     for id_, content in {"ada": STOPS, "bob": STOPS, "cyd": "# 0.5", "dan": STOPS}.items():
@@ -56,12 +74,13 @@ def out(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
 
 
 @pytest.fixture
-def desk(out: Path) -> Iterator[Desk]:
+def desk(out: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
+    monkeypatch.setattr(repair_jobs, "Pool", PoolHere)
     with desk_over(out) as opened:
         made = settings_on_record(LAB, out, None)
         fake = GradingSettings(made.rubric, made.traces, Open(made.rubric, made.traces, out.parent / "seen"))
         opened.book.jobs.close()
-        opened.book.jobs = RepairJobs(lambda: fake)
+        opened.book.jobs = repair_jobs.RepairJobs(lambda: fake)
         yield opened
 
 
@@ -190,7 +209,10 @@ def test_a_repair_is_undone_at_the_desk(desk: Desk, out: Path) -> None:
     assert SENTENCE in desk.get("/").text
 
 
-def test_the_desk_answers_while_a_preview_runs_and_says_what_is_going_on(desk: Desk, out: Path) -> None:
+def test_the_desk_answers_while_another_process_makes_a_preview_and_says_what_is_going_on(
+    desk: Desk, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(repair_jobs, "Pool", Pool)
     wait = out.parent / "wait"
     wait.touch()
     form = fields(desk.get("/submission/ada?edit=filters.py").text)
@@ -202,6 +224,7 @@ def test_the_desk_answers_while_a_preview_runs_and_says_what_is_going_on(desk: D
     assert desk.get("/class").status == 200
     wait.unlink()
     assert "Sum of 100" in words(ended(desk, address))
+    assert str(os.getpid()) not in (out.parent / "seen").read_text().split()
 
 
 def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk) -> None:
@@ -209,7 +232,7 @@ def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk) -> None:
         return settings_on_record(LAB, Path("nowhere"), None)
 
     desk.book.jobs.close()
-    desk.book.jobs = RepairJobs(refused)
+    desk.book.jobs = repair_jobs.RepairJobs(refused)
     assert "Traceback" not in previewed(desk)
 
 
