@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 from grader.engine.grader import Marker
 from grader.engine.recording import CACHE_VARIABLE
@@ -36,6 +37,9 @@ from tests.recordings.marker import COMPARED, Counts, RecordedMarker, without_ch
 from tests.sandboxes import Opened
 
 HERE = Path(__file__).parent
+settings.register_profile("short", max_examples=15, deadline=None, derandomize=True)
+settings.register_profile("long", max_examples=750, deadline=None)
+settings.load_profile("short")
 SECRET = "a secret that must not leave 4711"
 FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_cluster")
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""

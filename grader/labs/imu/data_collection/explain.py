@@ -277,8 +277,9 @@ class Explained:
     def goes_on(self) -> bool:
         """Return whether a run continues from the state of an earlier run, or starts in a pose that is not the reset pose."""
         later, left_at = self.facts.later, self.facts.left_at
-        stamps = later.series.time if later is not None else None
-        if stamps is not None and len(stamps) > 0 and abs(stamps[0] - left_at) < 0.5 * left_at:
+        begins = _first_stamp(later)
+        after = begins - _first_stamp(self.facts.push)  # the stamps of both runs may begin late
+        if all(abs(each - left_at) < 0.5 * left_at for each in (begins, after)):
             return True
         claims = [self.push_claim, *([_claim_of(self.later, later)] if later is not None else [])]
         poses = [self.facts.start if claim is None else claim.qpos for claim in claims]
@@ -311,6 +312,12 @@ class Explained:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"
         return self.push_claim.push if self.push_claim is not None else ""
+
+
+def _first_stamp(run: Run | None) -> float:
+    """Return the first time stamp in seconds; NaN if there is none."""
+    time = run.series.time if run is not None else None
+    return float(time[0]) if time is not None and len(time) else np.nan
 
 
 def _claim_of(origin: RowOrigin | None, run: Run) -> Claim | None:
