@@ -534,7 +534,7 @@ _SHAPE, _ROWS = (0.0, ["wrong-return-type"]), (0.0, ["rows-altered"])
     [
         (lambda t: t[::2], slice(None), 0.5, [_SHAPE, None, None, _ROWS, None, None]),
         (_two_of_three, slice(None), 0.5, [_SHAPE, None, None, _ROWS, None, None]),
-        (_two_of_three, slice(7, None), 1.0, [_SHAPE, (0.0, []), None, (0.5, []), None, None]),
+        (_two_of_three, slice(7, None), 1.0, [_SHAPE, None, None, (0.5, []), None, None]),
         (_two_of_three, slice(0, 50), 0.5, [_SHAPE, (0.0, ["ignores-duration"]), None, _ROWS, None, None]),
         (lambda t: t[:0], slice(None), 1.0, [_SHAPE, None, None, None, None, None]),
         (lambda t: t, slice(0), 1.0, [_SHAPE, None, None, "skipped", "skipped", "skipped"]),

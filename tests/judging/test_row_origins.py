@@ -199,10 +199,12 @@ def test_rows_follow_a_simulation_whatever_is_done_to_their_numbers() -> None:
     assert not measure.follows(true[:19], true, leaning[:19], leaning)
 
 
-@pytest.mark.parametrize(("left_at", "goes_on"), [(_DT, True), (3 * _DT, False)])
-def test_a_run_goes_on_where_its_first_stamp_is_near_to_where_time_was_left(left_at: float, goes_on: bool) -> None:
-    run = _taken(slice(None), time=_STAMPS)
-    facts = Facts(run, run, np.zeros(3), np.zeros(3), _DT, left_at)
+@pytest.mark.parametrize(("begins", "later", "goes_on"), [(0, 9, True), (0, 2, False), (9, 9, False), (2000, 2009, False)])
+def test_a_run_goes_on_if_it_begins_where_time_was_left_and_the_first_one_did_not(
+    begins: int, later: int, goes_on: bool
+) -> None:
+    push, other = (_taken(slice(None), time=_STAMPS + late * _DT) for late in (begins, later))
+    facts = Facts(push, other, np.zeros(3), np.zeros(3), _DT, left_at=10 * _DT)
     assert Explained(facts, RowOrigin(), RowOrigin()).goes_on is goes_on
 
 

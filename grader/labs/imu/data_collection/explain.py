@@ -261,7 +261,7 @@ class Explained:
 
     @property
     def model_left_changed(self) -> str:
-        return ", ".join(self.facts.later.series.changed) if self.facts.later is not None else ""
+        return ", ".join(dict.fromkeys(name for run in self.facts.runs for name in run.series.changed))
 
     @property
     def rows_left(self) -> int:
@@ -481,6 +481,7 @@ _COUNTS = ("ignores-duration", "hard-coded-timestep", "fixed-rate", "samples-ski
 _PREDICTS = {
     "ends-early": frozenset({COUNT, RESET}),
     "only-last-row": frozenset({COUNT, TIME, RESET}),
+    "first-steps-missing": frozenset({COUNT}),
 }
 
 REASONS: tuple[Reason[Explained], ...] = (

@@ -318,15 +318,15 @@ def rows_left(series: Collection, before: Collection | None = None) -> int:
     Parameters
     ----------
     before
-        The earlier recording in the same process. None for the first one: then the recording itself is searched for a second
-        start with the same rows, as a run on import leaves them.
+        The earlier recording in the same process; None for the first one. If its rows are not there, the recording itself is
+        searched for a second start with the same rows, as a run on import leaves them.
     """
     if series.time is None or series.acceleration is None or series.angular_velocity is None:
         return 0
     n = min(len(series.time), len(series.acceleration), len(series.angular_velocity))
-    if before is not None:
-        kept = len(before.time) if before.time is not None else 0
-        return kept if 0 < kept < n and _alike(series, before, slice(kept), slice(kept)) else 0
+    kept = len(before.time) if before is not None and before.time is not None else 0
+    if before is not None and 0 < kept < n and _alike(series, before, slice(kept), slice(kept)):
+        return kept
     starts = np.flatnonzero(series.time[:n] == series.time[0])
     second, last = (int(starts[1]), int(starts[-1])) if len(starts) > 1 else (0, 0)
     shared = min(second, n - last)
@@ -346,13 +346,14 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
     """Return whether rows (n, 3) change with the simulation, whatever linear map and offset the code applies to them.
 
     A least-squares fit to the first run gives this map. It has to predict the rows of the other run with an error below half of
-    the change between the runs. Stored rows do not change, so they fail. Rows in any order pass if nearly all numbers of
-    the other simulation occur in them.
+    the change between the runs. Stored rows do not change, so they fail. Rows in any order, late or repeated, pass if nearly all
+    their numbers occur in the other simulation.
     """
     n, m = min(len(rows), len(true)), min(len(other_rows), len(other_true), len(rows), len(true))
     if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):
         return False
-    if share_among(other_true[:m], other_rows[:m], _SAME_NUMBER) >= _NEARLY_ALL:
+    numbers = np.unique(other_rows)
+    if len(numbers) >= FEWEST_ROWS and share_among(numbers, other_true, _SAME_NUMBER) >= _NEARLY_ALL:
         return True
     first, second = (np.column_stack([one, np.ones(len(one))]) for one in (true[:n], other_true[:m]))
     treatment = np.linalg.lstsq(first, rows[:n], rcond=None)[0]
@@ -362,7 +363,7 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
 
 
 _NEARLY_ALL = 0.9
-"""Share of the true numbers that have to occur in the rows."""
+"""Share of the rows' numbers that have to occur in the simulation."""
 _SAME_NUMBER = 1e-7
 """m/s². Largest difference of equal numbers. Among some thousand values within 20 m/s², a wrong number is that close to one of
 them once in ten thousand."""
