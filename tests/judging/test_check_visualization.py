@@ -385,6 +385,7 @@ KINDS: list[Kind] = [
     scripts("compared without noise, which is charged", None, compared(noise=0.0, other=slow), broken=("NoisyIMU",)),
     scripts("no comparison", _NO_COMPARISON),
     scripts("the same twice in a comparison", _NOTHING_COMPARED, compared(other=np.array)),
+    scripts("clean channels, and the same twice in a comparison", _NOTHING_COMPARED, compared("one", "two", noise=0.0, other=slow), compared(other=np.array)),
     scripts("another series in a comparison", _NOTHING_COMPARED, compared(other=lambda x: slow(np.cos(x)), noise=0.1)),
     scripts("another series by a filter that is charged", None, compared(other=np.cos), broken=("LowPassFilter",)),
     scripts("a script that stops before its comparison", (0.0, []), STOPPED),

@@ -199,7 +199,9 @@ def test_rows_follow_a_simulation_whatever_is_done_to_their_numbers() -> None:
     assert not measure.follows(true[:19], true, leaning[:19], leaning)
 
 
-@pytest.mark.parametrize(("begins", "later", "goes_on"), [(0, 9, True), (0, 2, False), (9, 9, False), (2000, 2009, False)])
+@pytest.mark.parametrize(
+    ("begins", "later", "goes_on"), [(0, 9, True), (0, 2, False), (9, 9, False), (2000, 2009, False)]
+)
 def test_a_run_goes_on_if_it_begins_where_time_was_left_and_the_first_one_did_not(
     begins: int, later: int, goes_on: bool
 ) -> None:

@@ -13,7 +13,7 @@ from grader.engine.findings import Raised, Skipped, Unusable
 from grader.engine.hypothesis import Reason
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, SENSORS, Collection, if_nothing
-from grader.labs.imu.compare import SHEETS_NOISE, Array, deviation, vector
+from grader.labs.imu.compare import BOTH, SHEETS_NOISE, Array, deviation, vector
 from grader.labs.imu.data_collection import measure as facts_of
 from grader.labs.imu.data_collection.measure import (
     ATOL_ACCELERATION,
@@ -189,6 +189,13 @@ class Explained:
         """Return whether the sensor with this index (0 accelerometer, 1 gyroscope) has the true rows and shows motion."""
         got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
         return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
+
+    @property
+    def one_is_late(self) -> bool:
+        """Return whether one sensor has its true rows, and the other one each row of the step before."""
+        pairs = zip(self.series.sensors, self.true_rows, (ATOL_ACCELERATION, ATOL_RATE), strict=True)
+        late = [rows is not None and deviation(rows[1:], true).worst <= atol for rows, true, atol in pairs]
+        return any(self.is_right(which) and late[1 - which] for which in BOTH) and not self.plain
 
     @property
     def finite(self) -> bool:
@@ -448,6 +455,7 @@ ROW_FAULTS: tuple[tuple[str, Callable[[Explained], bool]], ...] = (
     ("ends-early", lambda e: e.ends_at_once or (e.push is None and e.is_right(0) and e.is_right(1))),
     ("nothing-simulated", lambda e: not e.series.first_step and (e.push is None or (e.plain and e.stands_still))),
     ("only-last-row", lambda e: e.last_alone and e.plain and e.facts.push.length == 1),
+    ("read-before-step", lambda e: e.one_is_late),
     ("rows-altered", lambda e: e.treated),
     (f"data_collection.{TRUTH}", lambda e: not e.plain),
     ("other-imu", lambda e: _from(e).startswith(OTHER_IMU)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -85,8 +85,13 @@ class Comparison:
     clean: bool = False
 
     @property
+    def noisy(self) -> bool:
+        """Return whether noise is seen in a raw curve, or none is asked for."""
+        return self.clean or any(pair.noisy for pairs in self.saved for pair in pairs)
+
+    @property
     def in_words(self) -> str:
-        return "a figure that is not saved" if self.drawn else self.meant[1] or "no figure of both"
+        return "both curves, and no saved file that shows them" if self.drawn else self.meant[1] or "no figure of both"
 
     @property
     def stop_in_words(self) -> str:
@@ -347,18 +352,28 @@ def _distance(y: Array, other: Array) -> float:
 
 
 def _comparison(student: Student) -> Comparison:
-    """Run the submission's programs until one saves a figure of raw and filtered data."""
+    """Run the submission's programs until one saves a figure of noisy and filtered data.
+
+    A figure without noise counts if no other one is meant to compare: some channel of a robot that comes to rest is smoother than
+    another one, in any plot.
+    """
     drawn, meant = False, (0, "")
     fault: Fault | None = None
+    clean: Comparison | None = None
     charged = _past_the_plot(student)
     for drawing in student.scripts():
         fault = fault or (drawing.fault if drawing.fault != charged else None)
         pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
         if saved := tuple(pair for figure, pair in pairs if pair and figure.is_saved):
-            _note_stopped(student, drawing.fault)
-            return Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
-        drawn = drawn or any(pair for _, pair in pairs)
-        meant = max(meant, *_meant(drawing))
+            found = Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
+            if found.noisy:
+                _note_stopped(student, drawing.fault)
+                return found
+            clean = clean or found
+        drawn = drawn or any(pair for figure, pair in pairs if not figure.is_saved)
+        meant = max(meant, *_meant(figure for figure, pair in pairs if not pair))
+    if clean is not None and meant[0] < 2:
+        return clean
     return Comparison((), drawn, meant, _handed_in(student, COMPARISON), fault)
 
 
@@ -373,9 +388,14 @@ def _past_the_plot(student: Student) -> Fault | None:
 def _note_stopped(student: Student, fault: Fault | None) -> None:
     """Add a note on a statement that stopped in a program and was stepped over, unless the import has noted it.
 
-    A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault.
+    A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault. Nor is an exit.
     """
-    if fault is None or not fault.where or (fault.type == "AttributeError" and student.broken):
+    if (
+        fault is None
+        or not fault.where
+        or fault.type == "SystemExit"
+        or (fault.type == "AttributeError" and student.broken)
+    ):
         return
     if not any(note.startswith(f"{fault.where} ") for note in student.notes):
         why = printable(fault.type or fault.message, 60)
@@ -393,7 +413,7 @@ def _compared(student: Student, figure: Figure) -> Sequence[comparing.Compared]:
     return found or (comparing.named_comparisons(figure) if "LowPassFilter" in student.broken else [])
 
 
-def _meant(drawing: Drawing) -> list[tuple[int, str]]:
+def _meant(figures: Iterable[Figure]) -> list[tuple[int, str]]:
     """Return the curves of each figure that is meant to compare: its file's name says so, or the names of its curves."""
-    meant = (f for f in drawing.figures if f.file_name == COMPARISON or comparing.named_comparisons(f))
+    meant = (f for f in figures if f.file_name == COMPARISON or comparing.named_comparisons(f))
     return [(0, ""), *map(comparing.in_words, meant)]
