@@ -11,7 +11,7 @@ import pytest
 from mujoco import rollout
 
 from grader.labs.imu.data_collection import checks
-from tests.judging.fake_students import Case, FakeStudent, Marked, Row, finding, is_as_marked, marked, truth
+from tests.judging.fake_students import FakeStudent, Marked, Row, finding, is_as_marked, marked, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -506,12 +506,10 @@ class OwnReader(Recorder):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("check", [COUNT, TIME, TRUTH, RESET, PUSH], ids=lambda check: check.check.id)
-def test_rows_that_the_submissions_own_reader_gives_are_the_readers_fault_alone(check: Any) -> None:
-    def student() -> FakeStudent:
-        return FakeStudent(simulate_and_collect=_function(OwnReader()), get_imu_readings=_squaring)
-
-    assert finding(Case("of its own reader", check, student)) is None
+def test_rows_that_the_submissions_own_reader_gives_are_the_readers_fault_alone() -> None:
+    parts = {"simulate_and_collect": _function(OwnReader()), "get_imu_readings": _squaring}
+    row = Row("of its own reader", lambda: FakeStudent(**parts), {})
+    assert [finding(case) for case in row.cases(CHECKS)] == [None] * len(CHECKS)
 
 
 @pytest.mark.quick
