@@ -37,7 +37,7 @@ from tests.recordings.marker import COMPARED, Counts, RecordedMarker, without_ch
 from tests.sandboxes import Opened
 
 HERE = Path(__file__).parent
-settings.register_profile("short", max_examples=15, deadline=None, derandomize=True)
+settings.register_profile("short", max_examples=10, deadline=None, derandomize=True)
 settings.register_profile("long", max_examples=750, deadline=None)
 settings.load_profile("short")
 SECRET = "a secret that must not leave 4711"

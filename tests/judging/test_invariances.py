@@ -91,6 +91,12 @@ def test_rows_that_are_late_lose_points_once_however_late_they_are(late: int) ->
     assert only(found, {"matches_truth"})
 
 
+@given(first=st.integers(2, 100), own_stamps=st.booleans())
+def test_a_recording_without_its_first_steps_loses_points_once(first: int, own_stamps: bool) -> None:
+    found = recorded(lambda t, a, g, _dt: (t[first:] if own_stamps else t[:-first], a[first:], g[first:]))
+    assert only(found, {"matches_truth"})
+
+
 @given(every=st.integers(2, 40))
 def test_thinned_rows_lose_points_once_however_thin_they_are(every: int) -> None:
     found = recorded(lambda t, a, g, _dt: (t[::every], a[::every], g[::every]))

@@ -284,9 +284,10 @@ class Explained:
     def goes_on(self) -> bool:
         """Return whether a run continues from the state of an earlier run, or starts in a pose that is not the reset pose."""
         later, left_at = self.facts.later, self.facts.left_at
-        begins = _first_stamp(later)
-        after = begins - _first_stamp(self.facts.push)  # the stamps of both runs may begin late
-        if all(abs(each - left_at) < 0.5 * left_at for each in (begins, after)):
+        # The stamps of both runs may begin late, by the same time or by as many steps.
+        late = _first_stamp(self.facts.push)
+        in_steps = late * later.timestep / self.facts.push.timestep if later is not None else late
+        if all(abs(_first_stamp(later) - each - left_at) < 0.5 * left_at for each in (0.0, late, in_steps)):
             return True
         claims = [self.push_claim, *([_claim_of(self.later, later)] if later is not None else [])]
         poses = [self.facts.start if claim is None else claim.qpos for claim in claims]
