@@ -344,6 +344,7 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("too much on one axis", _on_one_axis(1.12), {SIZE: (0.0, [])}),
     ("none", SILENT, _NO_NOISE),
     ("none of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i) * (1 - i)), {SIZE: (0.5, ["gyro-not-noisy"])}),
+    ("the std in place of a draw", of(noise=lambda s, i: np.full(3, s.stds[i])), _NO_NOISE),
     ("an offset of each instance in place of a draw", OwnOffset, _NO_NOISE | _UNUSED),
     ("a constant beside the clean reading", of(one=lambda s, i: s.clean(i) + 0.1), _NO_NOISE | _UNUSED | _FIXED),
     ("on no reading of a sensor, of no seed", unseeded(of(clean=lambda *_: np.zeros(3))), _NO_READING),
