@@ -41,6 +41,7 @@ PART: Part[Facts] = Part(
         reason("a", 9, "part.a", "b"),
         reason("b", 1, "precise"),
         reason("b", 1, "cheap"),
+        reason("b", 5, "dear"),
         reason("c", 1, "nothing-there"),
         reason("form", 1, "odd"),
     ),
@@ -123,6 +124,16 @@ def test_what_each_check_is_charged(off: str, fits: str, marked: dict[str, tuple
 def test_a_property_that_could_not_be_measured_says_why_and_nothing_is_charged_there() -> None:
     why = Skipped("an output")
     assert PART.judge(Facts("a form", "cheap odd", {"a": why}), ROWS) == {"part.a": why}
+
+
+def test_a_fault_that_is_charged_where_nothing_could_be_measured_leaves_its_charge_to_the_check_that_saw_it() -> None:
+    why = Skipped("an output")
+    found = PART.judge(Facts("b c", "dear", {"a": why}), ROWS)
+    assert found.pop("part.a") is why
+    assert {name: _short(charge) for name, charge in found.items()} == {
+        "part.b": (0.5, "part.b"),
+        "part.c": (0.0, "part.c"),
+    }
 
 
 def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:

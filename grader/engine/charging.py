@@ -150,9 +150,13 @@ class Part(Generic[Facts]):
         return charges
 
     def _seen_elsewhere(self, name: str, reasons: Mapping[str, Reason[Facts]], at: Mapping[str, str]) -> str:
-        """Return the check that is already charged for the deviation that this check sees too; "" if there is none."""
-        predicted = (at[reason.cause] for reason in reasons.values() if name in map(self._full, reason.predicts))
-        return at[reasons[name].cause] if name in reasons else next(predicted, "")
+        """Return the check that is already charged for the deviation that this check sees too; "" if there is none.
+
+        A fault that belongs to a stopped check is charged nowhere.
+        """
+        predicting = [each for each in reasons.values() if name in map(self._full, each.predicts)]
+        causes = [reasons[name].cause] if name in reasons else [each.cause for each in predicting]
+        return next((at[cause] for cause in causes if cause in at), "")
 
     def _deducts(self, row: Mistake) -> Mapping[str, float]:
         """Return the share of points that a fault deducts from each check of this criterion."""
