@@ -86,6 +86,7 @@ def _furthest_row(found: Explained, numbers: dict[str, object], affected: float)
     beside = "; the other sensor is right" if found.is_right(1 - which) else ""
     words = {
         "key": key,
+        "of": f" under {key!r}" if beside else "",
         "wanted": f"{wanted} {unit} under {key!r} in row {gap.row}",
         "came": f"{came} (RMS difference over all rows {gap.rms:.3g} {unit}{beside})",
     }

@@ -388,21 +388,16 @@ def _past_the_plot(student: Student) -> Fault | None:
 def _note_stopped(student: Student, fault: Fault | None) -> None:
     """Add a note on a statement that stopped in a program and was stepped over, unless the import has noted it.
 
-    A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault. Nor is an exit.
+    A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault.
     """
-    if (
-        fault is None
-        or not fault.where
-        or fault.type == "SystemExit"
-        or (fault.type == "AttributeError" and student.broken)
-    ):
+    if fault is None or not fault.where or (fault.type == "AttributeError" and student.broken):
         return
     if not any(note.startswith(f"{fault.where} ") for note in student.notes):
         why = printable(fault.type or fault.message, 60)
         student.note(
-            f"{fault.where} was stopped when the file was run: {why}. The grader skipped this line and ran the rest",
+            f"{fault.where} was stopped when the file was run: {why}. The grader went on with the line behind it",
             GraderText(
-                "A statement was stopped when a file was run as a script. The grader skipped it and ran the rest"
+                "A statement was stopped when a file was run as a script. The grader went on with the one behind it"
             ),
         )
 
