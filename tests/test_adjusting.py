@@ -56,6 +56,7 @@ def test_points_by_hand_are_told_listed_and_kept_apart_from_the_marks(run: Run, 
     words = (*PART, "--points", 18, "--comment", "shown in the lab hour", "--author", "prof")
     assert run("adjust", out, "alice", *words) == (0, "alice sensor_access 18, final 18\n", "")
     assert (out / "submissions" / "alice" / "result.json").read_bytes() == before
+    assert "override by prof" in (out / "submissions" / "alice" / "report.html").read_text(encoding="utf-8")
     rows = (
         "id,name,sensor_access,total,adjusted,final,status",
         "alice,alice,14,14,18,18,graded",

@@ -20,7 +20,7 @@ from grader.engine.submission_session import SubmissionSession
 from grader.intake import read_submission
 from grader.labs.imu import bundles, charts
 from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
-from grader.labs.imu.charts import filtering, motion, noise
+from grader.labs.imu.charts import filtering, motion, noise, points
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.report import charts as drawing
@@ -205,3 +205,11 @@ def test_the_gain_of_the_sheets_filter_is_found_to_two_percent() -> None:
     assert own.y == pytest.approx(sheet.y, rel=0.02)
     omega = 2 * np.pi * np.array(sheet.x)
     assert sheet.y == pytest.approx(np.abs(0.1 / (1 - 0.9 * np.exp(-1j * omega))), rel=0.01)
+
+
+@pytest.mark.parametrize("n", [1, 200, 201, 399, 1501])
+def test_thinned_errors_keep_the_largest_and_are_no_more_than_asked_for(n: int) -> None:
+    error = np.random.default_rng(n).normal(size=n)
+    kept = points.worst_of_each(error, 200)
+    assert len(kept) <= 200
+    assert np.abs(error).argmax() in kept

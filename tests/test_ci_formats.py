@@ -20,7 +20,7 @@ from markdown_it import MarkdownIt
 from grader.base.errors import GraderError, RequestError
 from grader.engine import rubric
 from grader.engine.findings import Where
-from grader.engine.results import CriterionResult, Result
+from grader.engine.results import CriterionResult, Result, Status
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms import github
@@ -245,13 +245,14 @@ def test_another_parser_reads_the_same_points_and_outcomes_from_junit() -> None:
             assert (float(told[f"{name}.score"]), told[f"{name}.outcome"]) == (row.points, row.outcome)
 
 
-def test_a_check_that_needs_another_is_skipped_and_an_empty_submission_has_one_failure_instead_of_one_a_check() -> None:
+@pytest.mark.parametrize("status", ["empty", "unreadable"])
+def test_a_check_that_needs_another_is_skipped_and_what_cannot_be_graded_has_one_failure(status: Status) -> None:
     row = check("skipped", 0.0)
     assert as_jenkins_reads(junit(result(row), AT))[0].get("skipped") == "1"
-    empty = as_jenkins_reads(junit(result(row, status="empty"), AT))
+    empty = as_jenkins_reads(junit(result(row, status=status), AT))
     assert (empty[0].get("skipped"), empty[0].get("failures")) == ("1", "0")
     (failure,) = empty.findall("testsuite[@name='submission']/testcase/failure")
-    assert (failure.get("message"), failure.get("type")) == (words.STATUS["empty"], "empty")
+    assert (failure.get("message"), failure.get("type")) == (words.STATUS[status], status)
     assert empty.get("failures") == "1"
 
 

@@ -209,6 +209,12 @@ def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_o
     )
 
 
+def test_a_comment_of_a_teacher_is_kept() -> None:
+    teachers = '"Participant 12",J,,,,{},100,Yes,-,"Come to my office"'
+    filled = moodle.fill(worksheet(teachers.format("")), "w.csv", None, class_of(final_grade("a", MOODLE)))
+    assert filled.data == worksheet(teachers.format("87.5"))
+
+
 def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_column() -> None:
     team = class_of(final_grade("Team_Red_4", Person("Team Red", "4", "moodle")))
     rows = ['"Participant 12",J,,,"Team Red",,100,Yes,-,', '"Participant 4",K,,,"Team Blue",,100,Yes,-,']

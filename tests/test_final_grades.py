@@ -18,6 +18,7 @@ from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, 
 from grader.people.identity import Directory, Row
 from grader.people.late_policy import judged
 from grader.platforms.gradebook import gradebook
+from grader.report import words
 from tests.fake_results import check, lost, result
 
 DUE = datetime(2026, 11, 20, 23, 0, tzinfo=timezone.utc)
@@ -76,6 +77,24 @@ def test_an_extension_is_found_by_any_name_of_theirs(who: str) -> None:
     person = {"email": "J@example.edu", "sid": "s1", "key": "101"}
     assert handed_in(4 * 86_400, policy, **person) is None
     assert handed_in(4 * 86_400, replace(POLICY, extensions={"other": DUE + timedelta(days=5)}), **person) is not None
+
+
+def test_of_two_extensions_the_later_one_counts() -> None:
+    extensions = {"Jane": DUE + timedelta(days=1), "jane_1": DUE + timedelta(days=3)}
+    assert handed_in(2.5 * 86_400, replace(POLICY, extensions=extensions)) is None
+
+
+def test_an_hour_that_has_begun_counts_whole_in_words() -> None:
+    late = HandIn(late=Lateness("2026-11-20T23:00+00:00", 25 * 3600 + 1))
+    assert words.late(FinalGrade("jane", result(), late)) == "1 d 2 h"
+
+
+def test_an_override_of_a_check_counts_in_its_criterion_and_in_the_total() -> None:
+    automatic = result(lost(), check(id="sensor_access.matches_truth"))
+    override = Adjustment(automatic.criteria[0].checks[0].id, 2.5, "as told", "prof", "")
+    one = FinalGrade("jane", automatic, adjustments=(override,))
+    assert one.points(automatic.criteria[0]) == automatic.criteria[0].points + 2.5
+    assert one.adjusted == automatic.score + 2.5
 
 
 def test_a_date_of_the_roster_goes_before_every_other() -> None:

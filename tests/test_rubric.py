@@ -390,6 +390,7 @@ OF_ITS_OWN = ("    file: allan_variance.py\n", "    file: allan_variance.py\n   
         ([ONE_LINE, OF_ITS_OWN], [5.0, 7.0, 5.0, 5.0], 10.0),
         ([(ONE_LINE[0], "extra_credit: {each: 5}")], [5.0] * 4, 20.0),
         ([(ONE_LINE[0], "extra_credit: {each: 0, cap: 10}")], [0.0] * 4, None),
+        ([(ONE_LINE[0], "extra_credit: {each: 5, cap: 0}")], [5.0] * 4, 0.0),
     ],
 )
 def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
