@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pytest
 
 from grader.base.errors import Crashed, TimedOut
 from grader.engine.load_report import DeadlyStatements
 from grader.sandbox.wire import Frame
+from tests.test_wall_time import Boxes, Slow, conversation
 
 CRASH, LATE = Crashed("it ended"), TimedOut("no answer", cpu_s=1.0, wall_s=1.0)
 PLACE = json.dumps([["lab.py", 3]]).ljust(100)
@@ -43,3 +45,27 @@ def test_no_process_can_claim_so_many_that_the_next_question_grows_too_long() ->
     for start in range(0, 400, 40):
         endings.learn_overrun(frame(*(overran("lab.py", start + n) for n in range(40))), ())
     assert len(endings.to_skip(())) == 24
+
+
+class Writing(Slow):
+    """A worker that never ends, and has written down a place."""
+
+    def place(self) -> str:
+        return PLACE
+
+
+class Writers(Boxes):
+    def worker(self) -> Slow:
+        return Writing(*self._takes)
+
+
+@pytest.mark.parametrize(("has_seen_data", "skipped"), [(False, [("lab.py", 3)]), (True, [])])
+def test_a_place_that_a_process_wrote_down_after_it_saw_data_is_not_used(
+    has_seen_data: bool, skipped: list[tuple[str, int]]
+) -> None:
+    """The place could hold data: which statement is skipped would tell it to the next process."""
+    session = conversation(Writers(cpu_s=1.0, wall_s=1e6))
+    session._fresh_session().has_seen_data = has_seen_data
+    with pytest.raises(TimedOut):
+        session.ask("load", {"path": "lab.py"})
+    assert [where[:2] for where in session._endings.to_skip(())] == skipped
