@@ -193,9 +193,11 @@ class Explained:
     @property
     def one_is_late(self) -> bool:
         """Return whether one sensor has its true rows, and the other one each row of the step before."""
-        pairs = zip(self.series.sensors, self.true_rows, (ATOL_ACCELERATION, ATOL_RATE), strict=True)
-        late = [rows is not None and deviation(rows[1:], true).worst <= atol for rows, true, atol in pairs]
-        return any(self.is_right(which) and late[1 - which] for which in BOTH) and not self.plain
+        return not self.plain and any(self.is_right(which) and self._is_late(1 - which) for which in BOTH)
+
+    def _is_late(self, which: int) -> bool:
+        rows, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
+        return rows is not None and len(rows) > 1 and deviation(rows[1:], true).worst <= atol
 
     @property
     def finite(self) -> bool:

@@ -365,9 +365,9 @@ def _comparison(student: Student) -> Comparison:
         fault = fault or (drawing.fault if drawing.fault != charged else None)
         pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
         if saved := tuple(pair for figure, pair in pairs if pair and figure.is_saved):
+            _note_stopped(student, drawing.fault)
             found = Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
             if found.noisy:
-                _note_stopped(student, drawing.fault)
                 return found
             clean = clean or found
         drawn = drawn or any(pair for figure, pair in pairs if not figure.is_saved)
@@ -395,10 +395,8 @@ def _note_stopped(student: Student, fault: Fault | None) -> None:
     if not any(note.startswith(f"{fault.where} ") for note in student.notes):
         why = printable(fault.type or fault.message, 60)
         student.note(
-            f"{fault.where} was stopped when the file was run: {why}. The grader went on with the line behind it",
-            GraderText(
-                "A statement was stopped when a file was run as a script. The grader went on with the one behind it"
-            ),
+            f"{fault.where} was stopped when the file was run: {why}. The grader went on with the next line",
+            GraderText("A statement was stopped when a file was run as a script. The grader went on with the next one"),
         )
 
 
