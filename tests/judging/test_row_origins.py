@@ -197,6 +197,8 @@ def test_rows_follow_a_simulation_whatever_is_done_to_their_numbers() -> None:
     assert measure.follows(true[::-1], true, leaning[::-1], leaning)
     assert not measure.follows(true, true, true, leaning)
     assert not measure.follows(true[:19], true, leaning[:19], leaning)
+    assert measure.follows(np.repeat(true, 5, axis=0), true, np.repeat(leaning, 5, axis=0), leaning)
+    assert not measure.follows(np.resize(true[:8], true.shape), true, np.resize(leaning[:8], leaning.shape), leaning)
 
 
 @pytest.mark.parametrize(

@@ -353,7 +353,7 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
     if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):
         return False
     numbers = np.unique(other_rows)
-    if len(numbers) >= FEWEST_ROWS and share_among(numbers, other_true, _SAME_NUMBER) >= _NEARLY_ALL:
+    if len(numbers) >= _ENOUGH * other_true.size and share_among(numbers, other_true, _SAME_NUMBER) >= _NEARLY_ALL:
         return True
     first, second = (np.column_stack([one, np.ones(len(one))]) for one in (true[:n], other_true[:m]))
     treatment = np.linalg.lstsq(first, rows[:n], rcond=None)[0]
@@ -364,6 +364,9 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
 
 _NEARLY_ALL = 0.9
 """Share of the rows' numbers that have to occur in the simulation."""
+_ENOUGH = 0.1
+"""Share of the simulation's numbers that the rows have to hold. Rows that are stored five times hold a fifth; a few steps that are
+simulated and repeated to the end are no recording."""
 _SAME_NUMBER = 1e-7
 """m/s². Largest difference of equal numbers. Among some thousand values within 20 m/s², a wrong number is that close to one of
 them once in ten thousand."""
