@@ -133,7 +133,7 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
     run = Run(target)
     with tempfile.TemporaryFile() as said:
         process = subprocess.Popen(command(students, out, 2), cwd=ROOT, stdout=said, stderr=said)
-        run.hit = _kill_one(process, target, chance)
+        run.hit = _kill_one(process, target, chance, out)
         seen = below(process.pid)
         code = _wait(process)
         run.runs = 1
@@ -178,18 +178,22 @@ def _wait(process: subprocess.Popen[bytes]) -> int | None:
         return None
 
 
-def _kill_one(process: subprocess.Popen[bytes], target: str, chance: random.Random) -> bool:
-    """Wait for a process of the kind, then for a random while, then kill one; False where the run was over before."""
-    wait = chance.uniform(0.0, 3.0 if target == "grader" else 1.0)
+def _kill_one(process: subprocess.Popen[bytes], target: str, chance: random.Random, out: Path) -> bool:
+    """Wait for a process of the kind, then for a random moment, then kill one; False where the run was over before.
+
+    The grader is killed when a random number of results is on record: the next run has to go on from there.
+    """
+    wanted = chance.randrange(5) if target == "grader" else 0
+    wait = chance.uniform(0.0, 0.1 if target == "grader" else 1.0)
     first_seen = None
     while process.poll() is None:
-        alive = kinds(process.pid)[target] if first_seen is None or time.monotonic() - first_seen >= wait else []
-        if alive and first_seen is None:
-            first_seen = time.monotonic()
-        elif alive:
+        waited = first_seen is not None and time.monotonic() - first_seen >= wait
+        if waited and (alive := kinds(process.pid)[target]):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(chance.choice(alive), signal.SIGKILL)
                 return True
+        if first_seen is None and recorded(out) >= wanted and kinds(process.pid)[target]:
+            first_seen = time.monotonic()
         time.sleep(0.005)
     return False
 

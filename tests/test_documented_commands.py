@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import functools
 import importlib
 import inspect
 import io
@@ -30,6 +31,7 @@ import pytest
 import typer.main
 
 from grader import cli
+from grader.commands import machine
 from grader.course import classroom, pool
 from grader.engine import lab_sandbox
 from grader.engine.rubric import load, shipped
@@ -96,6 +98,7 @@ def _share_a_sandbox(here: pytest.MonkeyPatch) -> None:
     one = sandboxes.shared()
     here.setattr(lab_sandbox, "Sandbox", lambda *_, **__: sandboxes.Lasting(one))
     here.setattr(classroom, "mark_all", _mark_all)
+    here.setattr(machine, "examine", functools.cache(machine.examine))  # five documents examine this machine
 
 
 def _mark_all(

@@ -26,7 +26,7 @@ def called(command: list[str], cwd: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize(
     "words",
-    [["check", "../lab"], ["grade", "../lab", "-o", "../out"], ["traces", "list"], ["doctor"]],
+    [["check", "../lab"], ["grade", "../lab", "-o", "../out"], ["traces", "list"]],
     ids=lambda words: words[0],
 )  # fmt: skip
 def test_the_command_imports_nothing_from_the_folder_that_it_is_called_in(tmp_path: Path, words: list[str]) -> None:
