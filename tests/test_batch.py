@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.course import classroom
+from grader.course import unmarked
+from grader.course.grade_request import GradeRequest
 from grader.course.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
 from grader.course.warnings import remarks
 from grader.engine import rubric
@@ -149,8 +150,8 @@ def gone(pid: int, within_s: float = 10.0) -> bool:
 
 
 def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_list(tmp_path: Path) -> None:
-    order = classroom.GradeRequest((tmp_path,), tmp_path / "out", rubric.load(LAB), bundles.shipped())
-    stopped = classroom.stopped(submission("alice"), order, "no end within 600 s")
+    order = GradeRequest((tmp_path,), tmp_path / "out", rubric.load(LAB), bundles.shipped())
+    stopped = unmarked.stopped(submission("alice"), order, "no end within 600 s")
     assert (stopped.status, stopped.score, stopped.max_score) == ("graded", 0.0, 100.0)
     rows = [check for criterion in stopped.criteria for check in criterion.checks]
     assert {(row.outcome, row.points) for row in rows} == {("timeout", 0.0)}

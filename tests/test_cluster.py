@@ -18,7 +18,8 @@ import pytest
 from distributed import Client
 
 from grader.base.errors import GraderError, RequestError
-from grader.course import classroom, cluster, cluster_worker
+from grader.course import classroom, cluster, cluster_worker, submissions
+from grader.course.grade_request import GradeRequest
 from grader.course.pool import KILLED, Bounds, Outcome, Unmarked
 from grader.course.record import Store
 from grader.engine import rubric
@@ -130,12 +131,12 @@ class Killer(threading.Thread, Nobody):
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory: pytest.TempPathFactory) -> classroom.GradeRequest:
+def here(tmp_path_factory: pytest.TempPathFactory) -> GradeRequest:
     """A class that was graded on this machine."""
     root = tmp_path_factory.mktemp("here")
     students = hand_in(root / "class", full=False)
-    order = classroom.GradeRequest((students,), root / "out", rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
-    classroom.grade_class(order, classroom.find(order), Nobody())
+    order = GradeRequest((students,), root / "out", rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
+    classroom.grade_class(order, submissions.find(order), Nobody())
     return order
 
 
@@ -146,11 +147,11 @@ def assert_same(there: Path, here: Path) -> None:
 
 
 def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
-    site: Site, here: classroom.GradeRequest, tmp_path: Path
+    site: Site, here: GradeRequest, tmp_path: Path
 ) -> None:
     site.staff(2)
     order = replace(here, out=tmp_path / "there")
-    found = classroom.find(order)
+    found = submissions.find(order)
     with site.client() as client:
         killer = Killer(client)
         outcome = classroom.grade_class(replace(order, cluster=site.address), found, killer)
@@ -164,10 +165,10 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
 
 
 def test_a_scheduler_is_killed_midway_and_the_same_command_on_another_one_ends_with_the_results_of_this_machine(
-    site: Site, here: classroom.GradeRequest, tmp_path: Path
+    site: Site, here: GradeRequest, tmp_path: Path
 ) -> None:
     order = replace(here, out=tmp_path / "there")
-    found = classroom.find(order)
+    found = submissions.find(order)
     with closing(Site(tmp_path)) as first:
         first.staff(1)
         with pytest.raises(GraderError, match="was lost; give the same command again"):

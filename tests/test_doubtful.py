@@ -12,7 +12,8 @@ import pytest
 from markupsafe import escape
 
 from grader.base.errors import GraderError
-from grader.course import classroom
+from grader.course import classroom, submissions
+from grader.course.grade_request import GradeRequest
 from grader.desk.overviews import queue
 from grader.engine import rubric
 from grader.engine.grader import Marker
@@ -90,10 +91,10 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     for name, files in folders.items():
         write(files, students / name)
-    order = classroom.GradeRequest((students,), made, rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
+    order = GradeRequest((students,), made, rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(classroom, "opener", lambda order: partial(stumbling, order.rubric, order.traces))
-        classroom.grade_class(order, classroom.find(order), Nobody())
+        classroom.grade_class(order, submissions.find(order), Nobody())
     return made
 
 

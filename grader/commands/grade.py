@@ -83,7 +83,8 @@ def grade(
       imugrade grade canvas.zip -o out --roster gradebook.csv
       imugrade grade submissions -o out --only alice --force
     """
-    from grader.course import class_settings, classroom  # noqa: PLC0415
+    from grader.course import class_settings, classroom, submissions  # noqa: PLC0415
+    from grader.course.grade_request import GradeRequest  # noqa: PLC0415
     from grader.labs.imu.hidden_coverage import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
@@ -96,16 +97,16 @@ def grade(
     chosen = class_settings.rubric_of(LAB, known, rubric)
     bundle = LAB.truth(seed, chosen.settings)
     which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
-    request = classroom.GradeRequest(
+    request = GradeRequest(
         tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, isolation_level, cluster,
         one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), class_settings.roster_of(known, roster), which,
         at_least=known.isolation if known and not change else "",
     )  # fmt: skip
-    found = classroom.find(request)
+    found = submissions.find(request)
     for line in found.notices:
         say(line)
     if list_:
-        for line in (*classroom.listing(found), *(f"Not placed: {left}" for left in found.leftovers)):
+        for line in (*submissions.listing(found), *(f"Not placed: {left}" for left in found.leftovers)):
             print(line)
         return 0
     changed = classroom.change(request, found)

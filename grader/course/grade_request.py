@@ -1,0 +1,40 @@
+"""Request of a class run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.course.class_settings import ClassSettings
+from grader.engine.rubric import Rubric
+from grader.engine.traces import Traces
+from grader.people.roster import NO_ROSTER, Roster
+
+
+@dataclass(frozen=True)
+class GradeRequest:
+    """Request of a class run: submissions, output folder, rubric, traces and options.
+
+    An empty `only` grades all; `jobs` None starts one process per core; `cluster` None grades on this machine; `shape` None
+    recognises each path. `change` allows scores on record to change. `at_least` is the weakest isolation level allowed.
+    """
+
+    paths: tuple[Path, ...]
+    out: Path
+    rubric: Rubric
+    traces: Traces
+    jobs: int | None = None
+    only: tuple[str, ...] = ()
+    force: bool = False
+    trusted: bool = False
+    isolation_level: str | None = None
+    cluster: str | None = None
+    shape: str | None = None
+    roster: Roster = NO_ROSTER
+    attempts: str = "latest"
+    change: bool = False
+    at_least: str = ""
+
+    @property
+    def settings(self) -> ClassSettings:
+        return ClassSettings.of(self.rubric, self.roster, self.attempts, self.traces)

@@ -1,0 +1,142 @@
+"""Submissions of a class: found where they lie, with what the roster and the late policy say about them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from grader.base.errors import RequestError
+from grader.base.text import printable
+from grader.course.database import FILE_NAME
+from grader.course.grade_request import GradeRequest
+from grader.course.record import Store
+from grader.engine.rubric import Rubric
+from grader.engine.rubric_nodes import guess_at
+from grader.people import late_policy, roster
+from grader.people.final_grade import HandIn, Person
+from grader.people.identity import PersonLookup
+from grader.platforms.classes import Entry, read_class
+from grader.report import words
+
+
+@dataclass(frozen=True)
+class Class:
+    """Submissions of a class, with the lines to print about them and the mismatches between class and roster.
+
+    `others` are hand-ins on record that are not in the download, with the people that the roster has for them.
+    """
+
+    entries: tuple[Entry, ...]
+    leftovers: tuple[str, ...]
+    notices: tuple[str, ...]
+    absent: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+    doubtful: tuple[str, ...] = ()
+    others: Mapping[str, HandIn] = field(default_factory=dict)
+
+
+def find(request: GradeRequest) -> Class:
+    """Find the submissions of a class, and apply the roster and the late policy to them.
+
+    Raises
+    ------
+    RequestError
+        If there is nothing to grade, an id is unknown, or the roster cannot be read.
+    """
+    listed = request.roster.people
+    known = {each.who.key: each.who.name for each in listed if each.who.key}
+    found = read_class(request.paths, request.rubric.lab.files, request.shape, request.attempts, known)
+    submissions = _without_output_folder(found.entries, request)
+    if not submissions:
+        raise RequestError(
+            f"{_in_words(request.paths)}: no submission found there; give a folder of submissions or an archive"
+        )
+    placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
+    entries = _chosen(
+        submissions, request.only, PersonLookup({id_: each.people for id_, each in placed.hand_ins.items()})
+    )
+    dated = tuple(replace(entry, hand_in=_judged(entry, placed, request.rubric)) for entry in entries)
+    unknown = placed.unknown if listed else ()
+    others = {
+        id_: each for id_, each in _recorded(request.out).items() if id_ not in {entry.id for entry in submissions}
+    }
+    rest = roster.place(placed.absent, others)
+    absent = tuple(
+        words.absentees([each.person for each in rest.absent], (*placed.hand_ins.values(), *rest.hand_ins.values()))
+    )
+    doubtful = (*placed.doubtful, *_contradicting_times(entries, placed))
+    named = {id_: each for id_, each in rest.hand_ins.items() if each != others[id_]}
+    return Class(dated, found.leftovers, found.notices, absent, unknown, doubtful, named)
+
+
+def _recorded(out: Path) -> dict[str, HandIn]:
+    """Return the hand-ins on record, so that a student graded earlier is not reported as absent."""
+    if not (out / FILE_NAME).is_file():
+        return {}
+    with Store.existing(out) as store:
+        return store.hand_ins()
+
+
+def _with_people(entry: Entry) -> HandIn:
+    """Return the hand-in of an entry; if no platform names the people, the submission's name stands for them."""
+    return replace(entry.hand_in, people=entry.hand_in.people or (Person(entry.name, entry.id),))
+
+
+def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
+    """Add the roster's facts to a hand-in and apply the late policy. The platform's time takes precedence over the roster's."""
+    own = placed.due.get(entry.id)
+    hand_in = replace(
+        entry.hand_in,
+        people=placed.hand_ins[entry.id].people,
+        submitted=entry.hand_in.submitted or placed.submitted.get(entry.id, ""),
+        due=own.isoformat() if own else "",
+        grace_days=placed.grace_days.get(entry.id, 0),
+    )
+    return late_policy.judged(hand_in, rubric.late, (entry.id, entry.name))
+
+
+def _contradicting_times(entries: Sequence[Entry], placed: roster.RosterMatch) -> Iterator[str]:
+    """Yield a line for each submission whose times in the roster and on the platform differ."""
+    for entry in entries:
+        by_roster, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
+        if by_roster and known and by_roster != known:
+            yield f"{entry.id}: submitted {known} by the platform, which counts, and {by_roster} by the roster"
+
+
+def listing(found: Class) -> Iterator[str]:
+    """Yield a line for each submission found: its id, people, time and lateness."""
+    for entry in found.entries:
+        hand_in = entry.hand_in
+        people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)
+        late = "late" if hand_in.late else ""
+        yield "  ".join(printable(text, 200) for text in (entry.id, people, hand_in.submitted, late) if text)
+
+
+def _without_output_folder(entries: tuple[Entry, ...], request: GradeRequest) -> tuple[Entry, ...]:
+    """Drop an empty OUT folder from the submissions; refuse an OUT that is a submission or the class folder itself."""
+    out = os.path.realpath(request.out)
+    within = [entry for entry in entries if os.path.realpath(entry.path) == out]
+    if out in map(os.path.realpath, request.paths) or any(entry.read().status != "empty" for entry in within):
+        raise RequestError(
+            f"-o {printable(str(request.out), 500)}: is one of the submissions; choose another folder for the results"
+        )
+    return tuple(entry for entry in entries if entry not in within)
+
+
+def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: PersonLookup) -> list[Entry]:
+    """Return the entries that `--only` names, or all without it; refuse a word that matches no submission."""
+    ids = [entry.id for entry in entries]
+    wanted = {who.by(word): word for word in only}
+    for id_, word in wanted.items():
+        if id_ not in ids:
+            raise RequestError(
+                f"--only {printable(word)}: no submission has this id, name, number or address"
+                f"{guess_at(word, [*ids, *(entry.name for entry in entries)])}; --list shows all"
+            )
+    return [entry for entry in entries if not only or entry.id in wanted]
+
+
+def _in_words(paths: tuple[Path, ...]) -> str:
+    return ", ".join(printable(str(path)) for path in paths[:3]) + (", …" if len(paths) > 3 else "")
