@@ -16,11 +16,12 @@ from grader.base.errors import GraderError, RequestError
 from grader.course import class_settings, cluster, missing_packages, repairs
 from grader.course.class_settings import Change, ClassSettings
 from grader.course.database import FILE_NAME
+from grader.course.decisions import is_reviewed
 from grader.course.grade_request import GradeRequest
 from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import Publisher, publish, publish_class
-from grader.course.record import Key, Store, is_reviewed
+from grader.course.record import Key, Store
 from grader.course.submission_archive import pack
 from grader.course.submissions import Class
 from grader.course.unmarked import stopped, unjudged

@@ -11,30 +11,27 @@ import hashlib
 import json
 from array import array
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import TypeVar
 
-from grader.base.errors import RequestError
-from grader.base.text import printable
 from grader.course import class_settings
 from grader.course.class_settings import ClassSettings
-from grader.course.database import Database, ForeignError, foreign, read
+from grader.course.database import ForeignError, foreign, read
+from grader.course.decisions import Decisions, is_reviewed
 from grader.engine.chart_data import Chart, unpacked
 from grader.engine.marks import fits, marked
 from grader.engine.results import Result, from_dict, to_record
 from grader.engine.rubric import Rubric
 from grader.people.final_grade import (
     NOTHING_KNOWN,
-    Adjustment,
     FinalGrade,
     HandIn,
     hand_in_from_dict,
     hand_in_to_dict,
 )
-from grader.report import words
 
 T = TypeVar("T")
 
@@ -49,7 +46,6 @@ INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader
 SELECT id, submission_sha256, ?, traces_sha256, grader, status, ?, charts, fingerprint FROM results WHERE seq = ?
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader) DO UPDATE SET record = excluded.record
 """
-_ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decision"
 _FORMER = """
 INSERT OR REPLACE INTO former
 SELECT ?, class.id, class.seq, coalesce(hand_ins.record, '') FROM class LEFT JOIN hand_ins ON hand_ins.id = class.id
@@ -69,52 +65,7 @@ class Key:
     grader: str
 
 
-def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a fact in the review queue. A review applies to this fact only."""
-    return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
-
-
-def why_empty(result: Result) -> str:
-    """Return why there is nothing to grade in a submission."""
-    return " ".join(words.notes(result)) or words.STATUS[result.status]
-
-
-def is_reviewed(id_: str, result: Result, reviews: Collection[tuple[str, str, str]]) -> bool:
-    """Return whether a person marked an empty or unreadable submission as reviewed."""
-    return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in reviews
-
-
-class OvertakenError(RequestError):
-    """Another person changed the same submission since the page was loaded."""
-
-
-@dataclass(frozen=True)
-class Review:
-    """Record that a person reviewed an item of the queue, or (`done` False) opened it again. `about` is a digest of the fact."""
-
-    id: str
-    reason: str
-    about: str
-    done: bool
-    author: str
-    at: str
-
-
-@dataclass(frozen=True)
-class RegradeRequest:
-    """A regrade request. `about` is a check or a criterion, "" if the student names none. The text is untrusted."""
-
-    id: str
-    about: str
-    text: str
-    at: str
-    answer: str = ""
-    author: str = ""
-    answered: str = ""
-    number: int = 0
-
-
-class Store(Database):
+class Store(Decisions):
     """The record in `OUT/results.sqlite`."""
 
     def __init__(self, out: Path) -> None:
@@ -300,79 +251,6 @@ class Store(Database):
                 with self._transaction():
                     self._db.execute(_HAND_IN, row)
 
-    def adjust(self, adjustments: Iterable[tuple[str, Adjustment]], seen: int | None = None, what: str = "") -> int:
-        """Append adjustments with the ids of their submissions, all or none. Earlier adjustments stay in the history.
-
-        Parameters
-        ----------
-        seen
-            The number of the last adjustment that the author has seen; None skips the comparison.
-        what
-            The subject of a decision on several submissions, whose number is returned. "" makes no decision and returns 0.
-
-        Raises
-        ------
-        OvertakenError
-            If these submissions have an adjustment later than `seen`.
-        """
-        made = list(adjustments)
-        with self._errors_in_one_line(), self._transaction():
-            if seen is not None:
-                self._refuse_overtaken({id_ for id_, _ in made}, seen)
-            number = self._decision(what, made[0][1]) if what and made else 0
-            rows = [
-                (id_, a.criterion, a.points, a.comment, a.author, a.at, _automatic_points_text(a), a.alone, number)
-                for id_, a in made
-            ]
-            self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", rows)
-        return number
-
-    def _decision(self, what: str, first: Adjustment) -> int:
-        made = self._db.execute(
-            "INSERT INTO decisions (what, author, at) VALUES (?, ?, ?)", (what, first.author, first.at)
-        )
-        return int(made.lastrowid or 0)
-
-    def _refuse_overtaken(self, ids: Set[str], seen: int) -> None:
-        query = "SELECT id, author, at FROM adjustments WHERE seq > ? ORDER BY seq DESC"
-        for id_, author, at in self._db.execute(query, (seen,)):
-            if id_ in ids:
-                raise OvertakenError(
-                    f"{printable(id_, 80)}: {printable(author, 80)} changed something at {at}, after you opened the page"
-                )
-
-    def history(self) -> list[tuple[str, Adjustment]]:
-        """Return every adjustment on record with the id of its submission, oldest first, including withdrawals."""
-        with self._errors_in_one_line():
-            rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
-            return [
-                (
-                    id_,
-                    Adjustment(
-                        criterion,
-                        points,
-                        comment,
-                        author,
-                        at,
-                        *read(_automatic_points, record),
-                        bool(alone),
-                        decision,
-                        seq,
-                    ),
-                )
-                for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
-            ]
-
-    def last_adjustment(self) -> int:
-        """Return the number of the last adjustment on record; 0 if there is none."""
-        with self._errors_in_one_line():
-            return int(self._db.execute("SELECT coalesce(max(seq), 0) FROM adjustments").fetchone()[0])
-
-    def decisions(self) -> dict[int, str]:
-        """Return the subject of each decision on several submissions, by its number."""
-        with self._errors_in_one_line():
-            return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
-
     def page_digest(self, id_: str) -> str:
         """Return the digests that `keep_page_digests` last recorded for a submission; "" if there are none."""
         with self._errors_in_one_line():
@@ -388,13 +266,6 @@ class Store(Database):
         with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
             return {id_: read(_hand_in, record) for id_, record in rows}
-
-    def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
-        """Return the adjustments in force, by id of the submission: the last one of each target, unless it is a withdrawal."""
-        last: dict[str, dict[tuple[str, bool], Adjustment]] = {}
-        for id_, adjustment in self.history():
-            last.setdefault(id_, {})[adjustment.criterion, adjustment.alone] = adjustment
-        return {id_: tuple(a for a in each.values() if not a.withdraws) for id_, each in last.items()}
 
     def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
         """Record submitted files unless they are already on record; `pack` is called only if they are not."""
@@ -428,41 +299,6 @@ class Store(Database):
             for kind, line in self._db.execute("SELECT kind, line FROM told ORDER BY rowid"):
                 found.setdefault(kind, []).append(line)
         return found
-
-    def keep_reviews(self, reviews: Iterable[Review]) -> None:
-        """Record that facts were reviewed, or are open again."""
-        with self._errors_in_one_line(), self._transaction():
-            query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
-            self._db.executemany(query, [astuple(each) for each in reviews])
-
-    def reviews(self) -> dict[tuple[str, str, str], Review]:
-        """Return the last review of each id, reason and fact, without those that were taken back."""
-        with self._errors_in_one_line():
-            rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
-        last = {
-            (id_, reason, about): Review(id_, reason, about, bool(done), *who)
-            for id_, reason, about, done, *who in rows
-        }
-        return {key: review for key, review in last.items() if review.done}
-
-    def keep_regrade_requests(self, requests: Iterable[RegradeRequest]) -> int:
-        """Record regrade requests and return how many are new. A request already on record is left unchanged."""
-        query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
-        with self._errors_in_one_line(), self._transaction():
-            return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in requests)
-
-    def regrade_requests(self) -> list[RegradeRequest]:
-        """Return all regrade requests in the order in which they were recorded."""
-        with self._errors_in_one_line():
-            rows = self._db.execute(
-                "SELECT id, about, text, at, answer, author, answered, number FROM appeals ORDER BY number"
-            )
-            return [RegradeRequest(*row) for row in rows.fetchall()]
-
-    def answer(self, number: int, answer: str, author: str, at: str) -> None:
-        with self._errors_in_one_line(), self._transaction():
-            query = "UPDATE appeals SET answer = ?, author = ?, answered = ? WHERE number = ?"
-            self._db.execute(query, (answer, author, at, number))
 
     def make_current(self, key: Key) -> None:
         """Make a recorded result the submission's present one."""
@@ -500,22 +336,6 @@ def _hand_in_text(hand_in: HandIn) -> str:
 
 def _hand_in(text: str) -> HandIn:
     return hand_in_from_dict(json.loads(text))
-
-
-def _automatic_points_text(adjustment: Adjustment) -> str:
-    """Return the automatic points of the checks that an override replaces, as JSON: ``{check: [points, maximum]}``."""
-    out_of = adjustment.out_of
-    return json.dumps({id_: [points, out_of.get(id_)] for id_, points in adjustment.automatic.items()})
-
-
-def _automatic_points(text: str) -> tuple[dict[str, float | None], dict[str, float]]:
-    """Parse the automatic points that an override replaced: points by check, and maximum by check.
-
-    Records of older versions have ``{check: points}`` and no maximum.
-    """
-    rows = {id_: row if isinstance(row, list) else [row, None] for id_, row in json.loads(text).items()}
-    points = {id_: row[0] for id_, row in rows.items()}
-    return points, {id_: row[1] for id_, row in rows.items() if row[1] is not None}
 
 
 def _blob(record: object) -> bytes:

@@ -15,9 +15,10 @@ from grader import __version__
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course.database import read
+from grader.course.decisions import OvertakenError
 from grader.course.patches import LARGEST, applied, diff_of
 from grader.course.publishing import publish_all, write_class
-from grader.course.record import Key, OvertakenError, Store
+from grader.course.record import Key, Store
 from grader.course.repair_log import (
     MAX_COMMENT,
     LoggedRepair,

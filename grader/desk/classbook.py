@@ -14,8 +14,9 @@ from typing import Any, TypeVar
 from grader.base.errors import RequestError
 from grader.course import class_grading, class_settings
 from grader.course.adjusting import OverrideRequest, RecordedOverride, decide
+from grader.course.decisions import RegradeRequest, Review
 from grader.course.publishing import publish_all, publish_class
-from grader.course.record import RegradeRequest, Review, Store
+from grader.course.record import Store
 from grader.course.regrade import remark
 from grader.course.submission_archive import Kept, unpack
 from grader.desk.repair_jobs import RepairJobs

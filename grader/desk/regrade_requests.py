@@ -15,7 +15,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course.adjusting import targets
-from grader.course.record import RegradeRequest
+from grader.course.decisions import RegradeRequest
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
 from grader.desk.web_requests import MOST_BYTES, WebRequest

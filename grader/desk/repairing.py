@@ -11,8 +11,8 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.course import repairs
+from grader.course.decisions import OvertakenError
 from grader.course.patches import diff_of
-from grader.course.record import OvertakenError
 from grader.course.repair_log import MAX_COMMENT, patched, sha256_of
 from grader.course.repairs import Grading, Preview, RepairRequest
 from grader.desk.classbook import Classbook

@@ -8,8 +8,8 @@ from urllib.parse import quote
 
 from grader.base.text import printable
 from grader.course import missing_packages
+from grader.course.decisions import RegradeRequest, Review, about, why_empty
 from grader.course.groups import Group, similar_group
-from grader.course.record import RegradeRequest, Review, about, why_empty
 from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import NEEDS_REVIEW

@@ -13,7 +13,7 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course import adjusting
 from grader.course.adjusting import ALONE, OverrideRequest
-from grader.course.record import RegradeRequest
+from grader.course.decisions import RegradeRequest
 from grader.desk import repairing
 from grader.desk.classbook import Classbook, now
 from grader.desk.code import SubmittedFiles, defined, named_lines, submitted_files, unshowable
