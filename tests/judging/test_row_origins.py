@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grader.labs.imu.answers import SENSORS, Array, Collection
 from grader.labs.imu.data_collection import measure, row_origins
-from grader.labs.imu.data_collection.explain import Explained, counting_fault, has_timestep
+from grader.labs.imu.data_collection.explained import Explained, counting_fault, has_timestep
 from grader.labs.imu.data_collection.measure import CLAIMED_WORLD, TRUE_WORLD, Claim, Facts, Run
 from grader.labs.imu.data_collection.row_origins import RowOrigin
 

@@ -1,0 +1,338 @@
+"""What is known of a recorder once a simulated run explains each of its recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.labs.imu.answers import KEYS, SENSORS, Collection
+from grader.labs.imu.compare import BOTH, SHEETS_NOISE, Array, deviation, vector
+from grader.labs.imu.data_collection.measure import (
+    ATOL_ACCELERATION,
+    ATOL_RATE,
+    CLAIMED_WORLD,
+    FEWEST_ROWS,
+    TIME_ATOL,
+    TRUE_WORLD,
+    Claim,
+    Facts,
+    Run,
+    all_alike,
+    complete,
+    differ,
+    velocities_in_words,
+)
+from grader.labs.imu.data_collection.row_origins import (
+    RowOrigin,
+    moves,
+    time_error,
+    treatment,
+)
+
+
+@dataclass(frozen=True)
+class Explained:
+    """The facts about a recorder with the explanation of both runs; None for a run without an explanation.
+
+    `push` explains the run with the sheet's push. `later` explains the run that starts with data of an earlier run.
+    """
+
+    facts: Facts
+    push: RowOrigin | None = None
+    later: RowOrigin | None = None
+
+    @property
+    def stopped(self) -> Mapping[str, Exception]:
+        return self.facts.stopped
+
+    @property
+    def series(self) -> Collection:
+        """The recording of the run with the sheet's push."""
+        return self.facts.push.series
+
+    # ---- form
+
+    @property
+    def odd_form(self) -> list[tuple[str, str]]:
+        """Deviations of names, shapes and lengths from the sheet: pairs of a fault's id ("" if it has none) and a sentence."""
+        if self.series.oddities:
+            return [(fault, sentence.removeprefix("got ")) for fault, sentence in self.series.oddities[:3]]
+        arrays = dict(zip(KEYS, (self.series.time, *self.series.sensors), strict=True))
+        sizes = {key: len(each) for key, each in arrays.items() if each is not None and key != self.series.absent}
+        if not sizes:
+            return [("", "all keys, but empty arrays")]
+        if len(sizes) < len(KEYS):
+            return [("wrong-return-type", f"no numbers under {', '.join(sorted(set(KEYS) - set(sizes)))}")]
+        if len(set(sizes.values())) > 1:
+            return [("wrong-return-type", ", ".join(f"{key} has {n} rows" for key, n in sizes.items()))]
+        return []
+
+    # ---- number of rows
+
+    @property
+    def count_off(self) -> Run | None:
+        """The run whose number of rows is not its number of steps, or None. Unfilled rows after the last step do not count."""
+        if all(complete(run.series) and abs(run.series.filled_rows - run.steps) <= 1 for run in self.facts.runs):
+            return None
+        off = [run for run in self.facts.runs if abs(run.length - run.steps) > 1]
+        missing = off[-1].steps - off[-1].length if off else 0
+        if len(off) == 1 and off[0] is self.facts.later and self.goes_on:
+            # a loop until data.time is the duration makes fewer steps where nothing was reset
+            return None if abs(missing - self.facts.left_at / off[0].timestep) <= 1 else off[0]
+        return off[-1] if off else None
+
+    @property
+    def ends_at_once(self) -> bool:
+        """Return whether only the first few rows exist, too few to identify a run by later ones."""
+        few = self.series.filled_rows < min(FEWEST_ROWS, self.facts.push.model_steps // 2)
+        return self.push is not None and self.push.skip == 1 and few
+
+    @property
+    def last_alone(self) -> bool:
+        """Return whether the recording has one filled row only, the reading after the last step."""
+        single = self.push is not None and self.push.skip > 1 and self.facts.push.length == 1
+        return single or self.series.last_alone
+
+    @property
+    def few_rows_follow(self) -> bool:
+        """Return whether a fault that matches_truth reports explains why rows are missing."""
+        return self.ends_at_once or self.last_alone
+
+    def counts_by(self, fault: str) -> bool:
+        """Return whether this fault explains the numbers of rows of both runs."""
+        first, second = self.facts.push, self.facts.later
+        if second is None or not (first.length or second.length) or self.few_rows_follow:
+            return False
+        return fault == counting_fault(first, second, skips=self.push is not None and self.push.skip > 1)
+
+    # ---- time stamps
+
+    @property
+    def stamps(self) -> Array:
+        """Time stamps (n,) in seconds of the filled rows."""
+        assert self.series.time is not None
+        return self.series.time[: (self.series.filled_rows if complete(self.series) else 0) or None]
+
+    @property
+    def stamp_errors(self) -> Array:
+        """The error (n,) of each time stamp in seconds."""
+        return time_error(self.stamps, self.facts.push.timestep, self.push or RowOrigin())
+
+    @property
+    def stamps_off(self) -> float:
+        """The largest error (s) of a time stamp."""
+        return float(np.max(self.stamp_errors))
+
+    @property
+    def keeps_timestep(self) -> Run | None:
+        """The run whose stamps have the time step of another model, as code with a hard-coded one gives; None if there is none."""
+        push, later = self.facts.push, self.facts.later
+        if self.stamps_off > TIME_ATOL:
+            return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
+        if later is None or later.series.time is None:
+            return None
+        time = later.series.time[: later.model_steps - 1]
+        return later if has_timestep(time, later.timestep, push.model_timestep) else None
+
+    @property
+    def stamps_follow(self) -> bool:
+        """Return whether another fault explains wrong stamps: missing or unequal arrays, one filled row, or a repeated push."""
+        if self.series.time is None:
+            return True
+        lengths = {len(rows) for rows in self.series.sensors if rows is not None}
+        if (lengths and len(self.series.time) not in lengths) or (
+            self.series.last_alone and not self.series.time[:-1].any()
+        ):
+            return True
+        claim = self.facts.push.claim
+        return len(self.stamps) > 1 and not np.ptp(self.stamps) and claim is not None and len(claim.set_at) > 0
+
+    # ---- rows
+
+    @property
+    def plain(self) -> bool:
+        """Return whether a simulated run explains the rows with unaltered numbers; rows may be missing or reordered."""
+        return self.push is not None and not self.push.altered
+
+    @property
+    def stands_still(self) -> bool:
+        return all_alike(self.series) and not self.facts.follows
+
+    @property
+    def true_rows(self) -> tuple[Array, Array]:
+        """Acceleration and angular velocity, each (rows, 3), that right code records in the run of this recording."""
+        worlds = self.facts.push.worlds
+        from_truth = self.push is not None and self.push.world == TRUE_WORLD
+        return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
+
+    def is_right(self, which: int) -> bool:
+        """Return whether the sensor with this index (0 accelerometer, 1 gyroscope) has the true rows and shows motion."""
+        got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
+        return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
+
+    @property
+    def one_is_late(self) -> bool:
+        """Return whether one sensor has its true rows, and the other one each row of the step before."""
+        return not self.plain and any(self.is_right(which) and self._is_late(1 - which) for which in BOTH)
+
+    def _is_late(self, which: int) -> bool:
+        rows, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
+        return rows is not None and len(rows) > 1 and deviation(rows[1:], true).worst <= atol
+
+    @property
+    def finite(self) -> bool:
+        return all(rows is None or bool(np.isfinite(rows).all()) for rows in self.series.sensors)
+
+    @property
+    def treated(self) -> bool:
+        """Return whether rounding, or a linear map with an offset, predicts all rows of each altered sensor from the true ones."""
+        keys = self.push.altered if self.push is not None else ()
+        pairs = dict(zip(SENSORS, zip(self.series.sensors, self.true_rows, strict=True), strict=True))
+        known = [(key, got, true) for key, (got, true) in pairs.items() if key in keys and got is not None]
+        return bool(known) and all(treatment(key, got, true) is not None for key, got, true in known)
+
+    @property
+    def nearly(self) -> bool:
+        """Return whether both sensors' rows are off by less than a real sensor's noise."""
+        both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
+        return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
+
+    @property
+    def late(self) -> int:
+        """Number of samples by which rows are late (negative: early); 0 also if each row has the time stamp of its own state."""
+        lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
+        if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
+            return lag
+        if lag == -1:
+            return 0 if abs(series.time[0] - step) < TIME_ATOL else lag
+        at_once = np.abs(series.acceleration[0] - self.true_rows[0][0]).max() <= ATOL_ACCELERATION
+        own = at_once and abs(series.time[0]) < TIME_ATOL and abs(series.time[1] - step) < TIME_ATOL
+        return 0 if own else lag
+
+    @property
+    def first_row_is_zero(self) -> bool:
+        return self.series.acceleration is not None and not self.series.acceleration[0].any()
+
+    @property
+    def skips_steps(self) -> bool:
+        """Return whether rows leave out steps and do not end with the run; if they do, sample_count charges the missing rows."""
+        return (
+            self.push is not None
+            and self.push.skip != 1
+            and not self.push.covers(self.facts.push.length, self.facts.push.model_steps)
+        )
+
+    @property
+    def steps_beyond_rows(self) -> int:
+        """Number of simulation steps minus number of rows."""
+        return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
+
+    @property
+    def model_changed(self) -> str:
+        """The time step or gravity that the code set for the run and restored, in words; "" if none.
+
+        If the code does not restore it, the check starts_from_reset charges that.
+        """
+        claim = self.push_claim
+        if claim is None or not self.plain or self.series.changed:
+            return ""
+        if differ(np.array(claim.timestep), self.facts.push.model_timestep):
+            return f"a time step of {claim.timestep:g} s"
+        other = np.abs(claim.gravity - self.facts.gravity).max() > _GRAVITY_ATOL
+        return f"a gravity of {vector(claim.gravity)} m/s²" if other else ""
+
+    # ---- start of a run
+
+    @property
+    def second_is_empty(self) -> bool:
+        """Return whether the first run has rows, and the second none."""
+        return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
+
+    @property
+    def model_left_changed(self) -> str:
+        return ", ".join(dict.fromkeys(name for run in self.facts.runs for name in run.series.changed))
+
+    @property
+    def rows_left(self) -> int:
+        """Largest number of rows of an earlier run that a recording begins with."""
+        return max(run.left for run in self.facts.runs)
+
+    @property
+    def push_claim(self) -> Claim | None:
+        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if its rows are true."""
+        return _claim_of(self.push, self.facts.push)
+
+    @property
+    def goes_on(self) -> bool:
+        """Return whether a run continues from the state of an earlier run, or starts in a pose that is not the reset pose."""
+        later, left_at = self.facts.later, self.facts.left_at
+        # The stamps of both runs may begin late, by the same time or by as many steps.
+        late = _first_stamp(self.facts.push)
+        in_steps = late * later.timestep / self.facts.push.timestep if later is not None else late
+        if all(abs(_first_stamp(later) - each - left_at) < 0.5 * left_at for each in (0.0, late, in_steps)):
+            return True
+        claims = [self.push_claim, *([_claim_of(self.later, later)] if later is not None else [])]
+        poses = [self.facts.start if claim is None else claim.qpos for claim in claims]
+        if self.without_push and not differ(poses[0], poses[-1]):
+            return False  # moved in the place of a push
+        return any(differ(pose, self.facts.start) for pose in poses) or (
+            self.other_velocities and not self.pushed_apart
+        )
+
+    @property
+    def other_velocities(self) -> bool:
+        """Return whether the run after an earlier one begins with other velocities than the first run."""
+        first = self.series.first_step
+        claim = _claim_of(self.later, self.facts.later) if self.facts.later is not None else None
+        return claim is not None and self.later is not None and bool(first) and differ(claim.qvel, first["qvel"])
+
+    @property
+    def pushed_apart(self) -> bool:
+        """Return whether two runs from a fresh state start with different velocities: the push is random."""
+        return bool(self.facts.velocities) and differ(*self.facts.velocities)
+
+    @property
+    def without_push(self) -> bool:
+        return self.push_claim is not None and self.push_claim.without_push
+
+    @property
+    def another_push(self) -> str:
+        """The start of the run in words; "" if it starts with the sheet's push."""
+        if self.pushed_apart and self.push_claim is not None:
+            first, second = map(velocities_in_words, self.facts.velocities)
+            return f"a recording that starts with {first}, and the next one with {second}"
+        return self.push_claim.push if self.push_claim is not None else ""
+
+
+def _first_stamp(run: Run | None) -> float:
+    """Return the first time stamp in seconds; NaN if there is none."""
+    time = run.series.time if run is not None else None
+    return float(time[0]) if time is not None and len(time) else np.nan
+
+
+def _claim_of(origin: RowOrigin | None, run: Run) -> Claim | None:
+    """Return the start of a run as the worker reports it; None if the rows come from the true run."""
+    return run.claim if origin is None or origin.world != TRUE_WORLD else None
+
+
+_GRAVITY_ATOL = 1e-3
+"""m/s². Code that writes the model's own gravity again with three decimals has not changed it."""
+
+
+def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
+    """Return the fault that the numbers of rows of two runs show; "" for none. `skips`: rows leave out steps."""
+    n, m, a, b = first.length, second.length, first.duration_s, second.duration_s
+    if skips:
+        return "fixed-rate" if abs(n / a - m / b) <= 1 / min(a, b) else "samples-skipped"
+    same_time = abs(n * first.timestep - m * second.timestep) <= max(first.timestep, second.timestep)
+    if n == m or (same_time and abs(n - first.steps) > 1):
+        return "ignores-duration"
+    return "hard-coded-timestep" if abs(n / a - m / b) <= 1 / b else ""
+
+
+def has_timestep(time: Array, timestep: float, usual: float) -> bool:
+    """Return whether stamps are `usual` seconds apart although the run's time step is another."""
+    apart = np.abs(np.diff(time) - usual)
+    return len(apart) > 0 and bool(apart.max() <= TIME_ATOL) and abs(timestep - usual) > TIME_ATOL
