@@ -152,13 +152,6 @@ def test_what_stands_beside_has_columns_after_the_total() -> None:
     )
 
 
-def test_a_hand_in_is_read_back_from_the_record_as_it_was() -> None:
-    person = Person("Jürgen \ud800", "1", "moodle", "s", "e", "B", ("jd",))
-    one = HandIn((person,), "2026-01-01T00:00:00+00:00", Lateness("x", 5, 1, 2.0), "r_", "7")
-    assert grades.hand_in_from_dict(grades.hand_in_to_dict(one)) == one
-    assert grades.hand_in_from_dict(grades.hand_in_to_dict(HandIn())) == HandIn()
-
-
 # ---- who is meant ----
 
 DOE, ROE = Person("doejane", "101", "canvas"), Person("Roe, Bob", "102", "canvas", sid="s2", email="bob@example.edu")

@@ -69,11 +69,6 @@ def test_what_is_written_obeys_the_published_schema(made: Result) -> None:
     VALID.validate(json.loads(to_json(made)))
 
 
-@pytest.mark.parametrize("made", RESULTS, ids=lambda made: made.status)
-def test_a_result_comes_back_from_its_json(made: Result) -> None:
-    assert from_dict(json.loads(to_json(made))) == made
-
-
 def changed(*path: str | int, to: object) -> dict[str, Any]:
     record = to_dict(result(*EVERY_OUTCOME))
     place: Any = record
