@@ -1,8 +1,8 @@
 """Mutants of the judging itself: checks, diagnosis, findings, rubric, recordings; each is looked at without a sandbox.
 
-A mutant meets the unit tests that come to the line it changes (arrays in, findings out), then recorded cases that do. It is killed by a test that
-fails, or by a case that is not judged as the corpus says. Each one runs in a process forked from one that has loaded everything: the
-function that is changed gets its new code there, and where a table or a class is changed all is imported anew.
+A mutant meets recorded cases that come to the line it changes, then the unit tests that do (arrays in, findings out). It is killed by a case
+that is not judged as the corpus says, or by the tests that fail, of which all are named. Each one runs in a process forked from one that
+has loaded everything: the function that is changed gets its new code there, and where a table or a class is changed all is imported anew.
 """
 
 from __future__ import annotations
@@ -12,14 +12,17 @@ import gc
 import importlib.abc
 import importlib.machinery
 import importlib.util
+import json
 import os
 import re
 import resource
 import signal
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence, Set
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
@@ -44,12 +47,10 @@ ROOT = Path(grader.__file__).parents[1]
 _PLACES = (
     "grader/labs/imu/bonuses/*.py",
     "grader/labs/imu/data_collection/*.py",
-    "grader/labs/imu/diagnosis/*.py",
     "grader/labs/imu/filtering/*.py",
     "grader/labs/imu/noise_model/*.py",
     "grader/labs/imu/sensor_access/*.py",
     "grader/labs/imu/visualization/*.py",
-    "grader/labs/imu/recordings.py",
     "grader/engine/charging.py",
     "grader/engine/figures.py",
     "grader/engine/findings.py",
@@ -121,8 +122,20 @@ def is_python(mutant: Mutant) -> bool:
     return True
 
 
-def ends(chosen: Sequence[Mutant], jobs: int, tell: Callable[[Iterator[tuple[Mutant, str]]], None]) -> None:
-    """Tell each mutant with what killed it; "" for a survivor."""
+@dataclass(frozen=True)
+class End:
+    """What killed a mutant: a case of the corpus, or else these tests; neither for a survivor."""
+
+    case: bool = False
+    tests: tuple[str, ...] = ()
+    problem: str = ""
+
+    def __str__(self) -> str:
+        return "cases" if self.case else ", ".join(self.tests) or self.problem
+
+
+def ends(chosen: Sequence[Mutant], jobs: int, tell: Callable[[Iterator[tuple[Mutant, End]]], None]) -> None:
+    """Tell each mutant with what killed it."""
 
     def judge(collected: Collected) -> None:
         judged = _Judged(collected, measured(collected, files(), _verdict, jobs))
@@ -130,9 +143,6 @@ def ends(chosen: Sequence[Mutant], jobs: int, tell: Callable[[Iterator[tuple[Mut
             tell(zip(chosen, pool.map(judged.end_of, chosen), strict=True))
 
     collecting(ROOT, judge)
-
-
-_ENDS = ("", "unit tests", "cases")
 
 
 class _Judged:
@@ -144,22 +154,25 @@ class _Judged:
         _standing()
         gc.freeze()  # what is here now is nothing that a mutant leaves behind
 
-    def end_of(self, mutant: Mutant) -> str:
-        """What killed it; "" for a survivor, and for one that could not be judged, which is said."""
-        child = os.fork()
-        if not child:
-            try:
-                os._exit(_ENDS.index(self._killed_by(mutant)))
-            except BaseException as problem:
-                print(f"{mutant.key}: {type(problem).__name__}: {problem}", file=sys.__stderr__, flush=True)
-                os._exit(len(_ENDS))
-        _, status = os.waitpid(child, 0)
-        if os.WIFSIGNALED(status):
-            return f"signal {signal.Signals(os.WTERMSIG(status)).name}"
-        code = os.WEXITSTATUS(status)
-        return _ENDS[code] if code < len(_ENDS) else ""
+    def end_of(self, mutant: Mutant) -> End:
+        """What killed it; for one that could not be judged the problem is printed, and it counts as a survivor."""
+        with tempfile.TemporaryFile("w+") as told:
+            child = os.fork()
+            if not child:
+                try:
+                    json.dump(asdict(self._killed_by(mutant)), told)
+                    told.flush()
+                    os._exit(0)
+                except BaseException as problem:
+                    print(f"{mutant.key}: {type(problem).__name__}: {problem}", file=sys.__stderr__, flush=True)
+                    os._exit(1)
+            _, status = os.waitpid(child, 0)
+            if os.WIFSIGNALED(status):
+                return End(problem=f"signal {signal.Signals(os.WTERMSIG(status)).name}")
+            told.seek(0)
+            return End() if status else End(**json.load(told))
 
-    def _killed_by(self, mutant: Mutant) -> str:
+    def _killed_by(self, mutant: Mutant) -> End:
         resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 1)
@@ -169,14 +182,12 @@ class _Judged:
         reached = reached or self._reach.of_file(mutant.file)
         tests_s, cases = (_TESTS_S, _CASES) if reasons().of(mutant) else (_ALL_TESTS_S, _MOST_CASES)
         tests = self._first(mutant.file, reached, tests_s)
-        if by_line and put_in_place(mutant):
-            fails = self._collected.fails(tests)
-        else:  # what runs when a module is loaded
+        in_place = bool(by_line) and put_in_place(mutant)
+        if not in_place:  # what runs when a module is loaded
             _change(mutant)
-            fails = bool(tests) and _fails(tests)
-        if fails:
-            return "unit tests"
-        return "cases" if _fails_on_a_case(_sample(reached, cases)) else ""
+        if _in_a_child(lambda: _fails_on_a_case(_sample(reached, cases))):
+            return End(case=True)
+        return End(tests=tuple(self._collected.failing(tests) if in_place else _failing(tests)))
 
     def _reached_by_name(self, mutant: Mutant) -> set[str]:
         """What comes to a line that speaks of what a statement of a module gives a value to."""
@@ -343,12 +354,39 @@ def _change(mutant: Mutant) -> None:
 # ---------------------------------------------------------------- tests and cases anew
 
 
-def _fails(tests: Sequence[str]) -> bool:
-    """Whether a test of what is imported anew says so, or cannot be collected."""
-    options = ["-o", "addopts=", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:faulthandler", "--rootdir", str(ROOT)]
-    code = pytest.main([*options, *(str(ROOT / test) for test in tests)])
-    assert code != pytest.ExitCode.NO_TESTS_COLLECTED
-    return code != pytest.ExitCode.OK
+def _in_a_child(fails: Callable[[], bool]) -> bool:
+    """Whether it fails, in a process of its own, which leaves nothing behind."""
+    child = os.fork()
+    if not child:
+        try:
+            os._exit(fails())
+        finally:
+            os._exit(1)
+    return os.waitpid(child, 0)[1] != 0
+
+
+class _Failed:
+    """The tests that fail, and files that cannot be collected."""
+
+    def __init__(self) -> None:
+        self.names: set[str] = set()
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            self.names.add(report.nodeid)
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        if report.failed:
+            self.names.add(report.nodeid)
+
+
+def _failing(tests: Sequence[str]) -> list[str]:
+    """The tests of what is imported anew that fail, and their files that cannot be collected."""
+    failed = _Failed()
+    options = ["-o", "addopts=", "-q", "-p", "no:cacheprovider", "-p", "no:faulthandler", "--rootdir", str(ROOT)]
+    if tests:
+        pytest.main([*options, *(str(ROOT / test) for test in tests)], plugins=[failed])
+    return sorted(failed.names)
 
 
 def _fails_on_a_case(cases: Sequence[Case]) -> bool:

@@ -74,14 +74,17 @@ class Collected:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         self._failed |= report.failed
 
-    def fails(self, names: Sequence[str]) -> bool:
-        """Whether one of these tests fails; those after it are not run."""
+    def failing(self, names: Sequence[str]) -> list[str]:
+        """Run these tests and return those that fail."""
+        failed = []
         for item, following in pairwise([*(self.items[name] for name in names), None]):
             assert item is not None
+            self._failed = False
+            differences.clear()
             item.ihook.pytest_runtest_protocol(item=item, nextitem=following)
             if self._failed or differences:
-                return True
-        return False
+                failed.append(item.nodeid)
+        return failed
 
 
 def collecting(root: Path, then: Callable[[Collected], None]) -> int:
@@ -163,5 +166,5 @@ def remembering(files: Sequence[str]) -> list[Any]:
 def _runs(
     collected: Collected, tests: Sequence[str], judge: Callable[[Case], object], cases: Sequence[Case]
 ) -> Iterator[tuple[str, Callable[[], object]]]:
-    yield from ((test, lambda test=test: collected.fails([test])) for test in tests)  # type: ignore[misc]
+    yield from ((test, lambda test=test: collected.failing([test])) for test in tests)  # type: ignore[misc]
     yield from ((case.id, lambda case=case: judge(case)) for case in cases)  # type: ignore[misc]
