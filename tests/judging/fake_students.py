@@ -189,8 +189,9 @@ def all_cases() -> list[Case]:
 
 
 def all_words() -> str:
-    """Ask every check about its made-up students, and return the text of `words.yaml`."""
+    """Ask every check about its made-up students and filters, and return the text of `words.yaml`."""
     said = {case.id: told for case in all_cases() if (told := words(finding(case)))}
+    said |= importlib.import_module("tests.judging.test_filtering").all_words()
     return yaml.safe_dump(said, sort_keys=True, width=200, allow_unicode=True)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine import feedback, hidden_feedback
+from grader.engine import hidden_feedback
 from grader.engine.faults import rows
 from grader.engine.findings import Charge, Charged, Fault
 from grader.labs.imu.answers import FilterRun
@@ -19,7 +19,8 @@ from grader.labs.imu.filtering.explain import PART, recursion
 from grader.labs.imu.filtering.measure import Facts, asked, facts, measure
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import FilterCase
-from tests.judging.fake_students import FakeStudent, truth
+from tests.generated import differs
+from tests.judging.fake_students import WORDS, FakeStudent, pinned, truth, words
 
 pytestmark = pytest.mark.quick
 CASES = asked(truth()["filter"])
@@ -216,21 +217,27 @@ def test_numbers_of_chance_are_no_memory() -> None:
     assert found == {OF: (0.0, "does-not-filter"), **NO_FILTER, OWN: (1.0, "not charged")}
 
 
-def test_every_charge_is_told_in_public_and_of_hidden_data() -> None:
-    every = [facts_of(answer) for _, answer, _ in FILTERS]
-    every += [facts(CASES, list({**RAN, **changed}.values())) for _, changed, _ in ANSWERS]
-    every += [facts(CASES, list(RAN.values()), stumbles=FAULT)]
-    for found in every:
-        for charge in PART.judge(found, ROWS).values():
-            if isinstance(charge, Charge) and not charge.see:
-                told, hidden = (
-                    feedback.feedback_on(Charged(charge), None, ROWS),
-                    hidden_feedback.feedback_on(Charged(charge), ROWS),
-                )
-                assert told.expected != told.got, charge
-                assert told.hint, charge
-                assert hidden.hint.startswith(told.hint), charge
-                assert not any(digit in hidden.got.partition(" by ")[0] for digit in "23456789"), hidden.got
+def _charged() -> dict[str, Charged]:
+    """Every charge of these filters and answers, by check and name."""
+    known = {name: facts_of(answer) for name, answer, _ in FILTERS}
+    known |= {name: facts(CASES, list({**RAN, **changed}.values())) for name, changed, _ in ANSWERS}
+    known["stumbles"] = facts(CASES, list(RAN.values()), stumbles=FAULT)
+    judged = ((check, name, charge) for name, each in known.items() for check, charge in PART.judge(each, ROWS).items())
+    return {f"{check}: {name}": Charged(c) for check, name, c in judged if isinstance(c, Charge) and not c.see}
+
+
+def all_words() -> dict[str, dict[str, str]]:
+    return {name: words(charged) for name, charged in _charged().items()}
+
+
+def test_every_charge_is_told_in_the_pinned_words_and_of_hidden_data_without_numbers() -> None:
+    for name, charged in _charged().items():
+        told, hidden = words(charged), hidden_feedback.feedback_on(charged, ROWS)
+        if told != (before := pinned().get(name)):
+            differs(WORDS, f"{name}: expected {before}, got {told}")
+        assert told["expected"] != told["got"], name
+        assert hidden.hint.startswith(told["hint"]), name
+        assert not any(digit in hidden.got.partition(" by ")[0] for digit in "23456789"), hidden.got
 
 
 def test_the_worker_is_asked_every_case_once_and_sound_code_is_charged_nothing() -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from tests.judging import test_filtering
 from tests.judging.fake_students import all_cases, pinned
 
 
 @pytest.mark.quick
 def test_the_words_are_those_of_cases_that_there_are() -> None:
-    assert set(pinned()) <= {case.id for case in all_cases()}
+    assert set(pinned()) <= {*(case.id for case in all_cases()), *test_filtering.all_words()}
 
 
 @pytest.mark.quick
