@@ -16,9 +16,9 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine import feedback
+from grader.engine import feedback, hidden_feedback
 from grader.engine.faults import rows
-from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Size, Skipped
+from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
 from grader.engine.load_report import Loaded
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
@@ -167,16 +167,14 @@ def _elsewhere(found: Charged) -> Marked:
 
 
 def words(found: BaseException | None) -> dict[str, str]:
-    """What a student is told."""
+    """What a student is told, `hidden` of it where the scenario is hidden."""
     if isinstance(found, Charged):
-        said = feedback.feedback_on(found, None, rows(LAB))
-        texts = {"expected": said.expected, "got": said.got, "hint": said.hint, "said": said.said}
+        said, hidden = feedback.feedback_on(found, None, rows(LAB)), hidden_feedback.feedback_on(found, rows(LAB))
+        texts = {"expected": said.expected, "got": said.got, "hint": said.hint, "said": said.said, "hidden": hidden.got}
         return {key: text for key, text in texts.items() if text}
     if isinstance(found, CheckFailed):
-        assert found.off is None or isinstance(found.off, Size)  # a bare sentence reads the same here
-        told = {
-            "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": str(found.hint),
-        }  # fmt: skip
+        hidden = hidden_feedback.feedback_on(found, rows(LAB))
+        told = {"expected": found.expected, "got": found.got, "hint": str(found.hint), "hidden": hidden.got}
         return {key: text for key, text in told.items() if text}
     if isinstance(found, Raised):  # what the exception says is Python's or NumPy's, and differs between versions
         return {"raised": found.fault.type, "while": found.doing}

@@ -74,7 +74,7 @@ def _beats(facts: Tilt, check: str, single: str, factor: float) -> Deviation | N
     if error * factor <= alone:
         return None
     share = 0.5 if error * np.sqrt(factor) <= alone else 1.0
-    return Deviation({"limit": alone / factor, "error": error}, share, Size("the error is off", error, "rad"))
+    return Deviation({"limit": alone / factor, "error": error}, share, Size("the angles are off", error, "rad"))
 
 
 def _off_by(error: float, share: float = 1.0, **numbers: object) -> Deviation:

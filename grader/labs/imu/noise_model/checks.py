@@ -42,7 +42,7 @@ def check_given_bias(facts: Facts) -> Deviation | None:
     gap = np.abs(reads.offset - reads.bias)
     expected, came = distinct_texts(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
     beside = {"silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias)}
-    size = Size("the average is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
+    size = Size("the mean of the reads is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
     affected = len(missing) / 2 if missing else 0.5 if all(s.reads.bias_is_right for s in facts.sensors) else 1.0
     return _of(wrong[0], affected, {"wanted": expected, "came": came, **beside}, size=size)
 

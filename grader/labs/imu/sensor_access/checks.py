@@ -6,7 +6,7 @@ import numpy as np
 
 from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
-from grader.labs.imu.answers import SENSOR_UNITS
+from grader.labs.imu.answers import SENSOR_UNITS, SENSORS
 from grader.labs.imu.compare import SENSOR_NAMES, Array, changes_in_words, deviation, distinct_texts, vector
 from grader.labs.imu.sensor_access.explain import PART, Explained
 from grader.labs.imu.sensor_access.measure import FORM, Visit
@@ -68,4 +68,5 @@ def _off(visit: Visit, sensor: int, true: Array, numbers: dict[str, object], aff
     steps = np.diff(np.unique(got[np.isfinite(got)]))
     grain = float(steps.min(initial=np.inf))
     told = {"wanted": f"{name} ≈ {wanted} {unit}", "got": f"{name} = {came}", "grain": grain}
-    return Deviation({**numbers, **told}, size=Size(f"{name} is off", gap.worst, unit), affected=affected)
+    size = Size(f"the {SENSORS[sensor].replace('_', ' ')} is off", gap.worst, unit)
+    return Deviation({**numbers, **told}, size=size, affected=affected)
