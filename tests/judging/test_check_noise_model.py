@@ -132,6 +132,15 @@ class Remembering(Sound):
         return self.last[which]
 
 
+class Holding(Remembering):
+    """New noise on every tenth read."""
+
+    def noise(self, which: int) -> Any:
+        if self.reads % 10 == 0:
+            self.last[which] = self.drawn(which)
+        return self.last[which]
+
+
 class Walking(Remembering):
     """Noise that adds up."""
 
@@ -371,6 +380,10 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("cut off, twice", _larger(of(noise=lambda s, i: np.clip(Sound.noise(s, i), -2 * s.stds[i], 2 * s.stds[i]))), {SIZE: (0.0, [])}),
     ("jumps now and then", Jumping, _NOT_NORMAL),
     ("rounded", of(one=lambda s, i: Sound.one(s, i).round(3)), {WHITE: (0.0, ["precision-lost"])}),
+    ("rounded so that a small bias is hidden", of(one=lambda s, i: Sound.one(s, i).round(1)), {WHITE: (0.0, ["precision-lost"])}),
+    ("noise rounded to hundredths", of(noise=lambda s, i: Sound.noise(s, i).round(2)), {WHITE: (0.0, ["precision-lost"])}),
+    ("whole numbers", of(one=lambda s, i: np.trunc(Sound.one(s, i))), {SIZE: (0.5, ["precision-lost"])}),
+    ("noise that is held for ten reads", Holding, {WHITE: (0.0, ["noise-correlated"])}),
     ("a mean below zero", of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]), {WHITE: (0.0, ["noise-not-zero-mean"])}),
     ("a mean above zero, of no seed", unseeded(SHIFTED), {GIVEN: (0.0, ["noise-not-zero-mean"])}),
     *((f"one that remembers {lag} reads ago", both(OfLongMemory, lags=(lag,)), _CORRELATED if lag < 4 else {}) for lag in (2, 3, 4)),

@@ -28,7 +28,8 @@ def check_noise_size(facts: Facts) -> Deviation | None:
     reads = sensor.noise
     came = f"{sensor.twins.noise_size():.3g} {unit}" if sensor.drifts else _spread(reads, unit)
     affected = len(wrong) / 2 if reads.still else 1.0  # the noise of the other sensor is there
-    return _of(wrong[0], affected, {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size})
+    numbers = {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size, "grain": explain.grain(facts)}
+    return _of(wrong[0], affected, numbers)
 
 
 @PART.check("noise_model.given_bias", lab_step=5)
@@ -62,10 +63,9 @@ def check_white_and_gaussian(facts: Facts) -> Deviation | None:
     if not (wrong := explain.odd_laws(facts)):
         return None
     noise, raw = facts.sensors[wrong[0]].noise, facts.sensors[wrong[0]].reads
-    grain = max(sensor.reads.grain for sensor in facts.sensors)
     memory = max(sensor.noise.memory for sensor in facts.sensors)
     most = float(np.abs(noise.centred).max()) / noise.std
-    numbers = {"beside": vector(raw.offset[-1] - raw.bias), "grain": grain, "memory": memory}
+    numbers = {"beside": vector(raw.offset[-1] - raw.bias), "grain": explain.grain(facts), "memory": memory}
     return _of(wrong[0], 1.0, {**numbers, "most": most, "ratio": noise.geary})
 
 

@@ -63,6 +63,16 @@ def _has_size(sensor: Sensor) -> bool:
     return sensor.law_is_off and (twins.scales() or not twins.seeded)
 
 
+def grain(facts: Facts) -> float:
+    """Return the step to which readings are rounded; 0 if they are not."""
+    return max(sensor.reads.grain for sensor in facts.sensors)
+
+
+def _lost_in_rounding(facts: Facts) -> bool:
+    """Return whether readings are rounded to steps as large as the noise, for each sensor whose noise has a wrong size."""
+    return bool(sizes_off(facts)) and all(facts.sensors[i].reads.std <= grain(facts) for i in sizes_off(facts))
+
+
 def no_draw(facts: Facts) -> bool:
     """Return whether reads hold no random draw: all are equal, and the std has no effect or a fixed multiple of it is added."""
     beside = np.array([(s.reads.offset - s.reads.bias) / s.reads.std for s in facts.sensors])
@@ -253,8 +263,7 @@ def _is_shared(facts: Facts) -> bool:
 def odd_laws(facts: Facts) -> list[int]:
     """Return the sensors whose noise is not white and normal with zero mean; both if there is no noise or reads are rounded."""
     odd = which(facts, lambda s: s.law_is_off) or off_centre(facts)
-    coarse = any(sensor.reads.grain for sensor in facts.sensors)
-    return odd or ([*BOTH] if coarse or facts.still else [])
+    return odd or ([*BOTH] if grain(facts) or facts.still else [])
 
 
 def off_centre(facts: Facts) -> list[int]:
@@ -302,12 +311,14 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 2, "bias-redrawn", lambda f: f.redrawn),
     Reason(SIZE, 3, "no-noise", no_draw),
     *(Reason(SIZE, 4, fault, _is(_repeated, fault), frozenset({DEFAULT, APART})) for fault in _REPEATED),
+    Reason(SIZE, 5, "precision-lost", _lost_in_rounding),
     Reason(SIZE, 6, "gyro-not-noisy", lambda f: any(s.noise.still for s in f.sensors)),
     Reason(SIZE, 7, "multiplicative-noise", _any(lambda reads: reads.proportional)),
     Reason(SIZE, 8, "std-ignored", lambda f: any(s.silent.restless and not s.drifts for s in f.sensors)),
     *(Reason(SIZE, 9, fault, _spread_is(fault)) for fault in _SPREADS),
     Reason(GIVEN, 0, "swapped-sensors", lambda f: f.exchanged),
     Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged, _WITH_DEFAULT),
+    Reason(GIVEN, 0, "precision-lost", _lost_in_rounding),
     Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),
     Reason(GIVEN, 1, "bias-redrawn", lambda f: f.redrawn and bool(missing_bias(f))),
     *(Reason(GIVEN, 1 + each.cost, each.cause, _is(offset_fault, each.cause), _WITH_DEFAULT) for each in OFFSETS),
@@ -320,9 +331,9 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(DEFAULT, 7, "bias-not-random", _never_random),
     Reason(DEFAULT, 11, "bias-shared", _is_shared),
     *(Reason(LAW, 0, fault, _is(_repeated, fault)) for fault in _REPEATED),
-    Reason(LAW, 1, "precision-lost", lambda f: any(sensor.reads.grain for sensor in f.sensors)),
+    Reason(LAW, 1, "precision-lost", lambda f: grain(f) > 0),
     Reason(LAW, 2, "noise-accumulates", lambda f: any(sensor.accumulates for sensor in f.sensors)),
-    Reason(LAW, 3, "noise-correlated", _any(lambda reads: reads.memory > 0)),
+    Reason(LAW, 3, "noise-correlated", _any(lambda reads: reads.memory > 0), frozenset({SIZE})),
     Reason(LAW, 4, "noise-not-zero-mean", _any(lambda reads: reads.one_signed)),
     Reason(LAW, 5, "noise-clipped", _any(lambda reads: reads.clipped)),
     Reason(

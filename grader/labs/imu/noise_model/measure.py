@@ -34,6 +34,11 @@ Code that adds a counter reaches 2; the sheet's noise at 20 times its size reach
 _CREEPS = 0.3
 """Largest change of a drifting bias per read, as a share of its spread between instances. A bias drawn on every read has 1.4."""
 
+_DEFAULT_BIAS = (0.1, 0.01)
+"""m/s², rad/s. Standard deviations of the sheet's default biases."""
+_HIDDEN = 4.0
+"""Rounding step, in units of a default bias, from which on a bias may disappear: half of the step is two standard deviations."""
+
 _UNKNOWN = np.full((_INSTANCES, 3, 3), np.nan)
 Pair = tuple[Array, Array]
 """One array for the accelerometer, and one for the gyroscope."""
@@ -47,8 +52,8 @@ class Sensor:
     ----------
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and bias
-    default : (instances, reads, 3) reading minus truth, without noise and without a given bias; NaN if they are unknown, or if the
-        model draws a default bias only together with noise
+    default : (instances, reads, 3) reading minus truth, without noise and without a given bias; NaN if they are unknown, if the
+        model draws a default bias only together with noise, or if it rounds readings so coarsely that they hide it
     drifts : whether the bias moves from read to read
     twins : reads of instances with the same seed; `UNSEEDED` if nothing is wrong, as they were not asked for then
     """
@@ -251,14 +256,19 @@ def measure(student: Student, truth: Traces) -> Facts:
         defaults = _default_biases(ask, _without_noise(lambda stds: ask.default_bias(stds, reads=3)), clean)
         if any(np.abs(bias.mean(axis=1)).max() <= TRUTH_ATOL for bias in defaults):
             defaults = _unless_drawn_with_noise(ask, defaults, clean)
+        grain = max(each.grain for each in reads)
+        accel, gyro = (
+            _UNKNOWN if grain >= _HIDDEN * size else bias for bias, size in zip(defaults, _DEFAULT_BIAS, strict=True)
+        )
+        defaults = accel, gyro
     except (Raised, Unusable) as stop:
         stopped["default_bias"] = stop
     drift = [each.drifts or (each.still and _creeps(bias)) for each, bias in zip(silent, defaults, strict=True)]
     right = all(each.size_is_right and each.bias_is_right for each in reads) and not any(drift)
     twins = (UNSEEDED, UNSEEDED) if right else _twins(ask)
-    accel, gyro = map(Sensor, reads, silent, defaults, drift, twins)
+    first, second = map(Sensor, reads, silent, defaults, drift, twins)
     return Facts(
-        sensors=(accel, gyro),
+        sensors=(first, second),
         follows=follows,
         exchanged=ask.exchanged,
         one_twice=refused is None and _is_one_twice(run),

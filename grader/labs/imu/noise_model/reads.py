@@ -129,17 +129,17 @@ class Reads:
 
     @cached_property
     def grain(self) -> float:
-        """Step to which noisy readings are rounded, or the spacing of half precision if they have that; otherwise 0."""
-        readings = self.residual + self.truth[:, None, :]
+        """Step to which readings, or the noise in them, are rounded, or the spacing of half precision if that is larger; else 0."""
+        readings, noise = self.residual + self.truth[:, None, :], self.residual - self.residual[:, :1]
         if self.still:
             return 0.0
         with np.errstate(over="ignore"):  # half precision ends at 65504
             half = readings.astype(np.float16)
-        if np.abs(readings - half).max() < EXACT:
-            return float(np.spacing(np.abs(half).max()))
-        step = _closest(readings)
-        multiples = np.abs(readings - (readings / step).round() * step).max() < EXACT
-        return step if step > _FINEST and multiples else 0.0
+        spacing = float(np.spacing(np.abs(half).max())) if np.abs(readings - half).max() < EXACT else 0.0
+        decimal = _step(noise)
+        if decimal and abs(np.log10(decimal) - round(np.log10(decimal))) > EXACT:
+            decimal = 0.0  # such as noise of two values only
+        return max(spacing, _step(readings), decimal)
 
     @cached_property
     def proportional(self) -> bool:
@@ -200,8 +200,8 @@ class Reads:
 
     @cached_property
     def accumulates(self) -> bool:
-        """Return whether each read adds its noise to that of earlier reads: successive reads are strongly correlated."""
-        return not self.still and bool(min(st.autocorrelation(state, 1).min() for state in self.centred) > 0.9)
+        """Return whether each read adds its noise to that of earlier reads: successive reads differ and are strongly correlated."""
+        return self.restless and bool(min(st.autocorrelation(state, 1).min() for state in self.centred) > 0.9)
 
     @cached_property
     def memory(self) -> float:
@@ -232,6 +232,13 @@ class Reads:
     def paired(self) -> Reads:
         """The reads with `pairs` as their noise, which has the same size and law and no drift."""
         return replace(self, residual=self.bias + self.pairs)
+
+
+def _step(values: Array) -> float:
+    """Return the largest step of which all values are multiples; 0 if it is finer than a rounding that counts."""
+    step = _closest(values)
+    multiples = np.abs(values - (values / step).round() * step).max() < EXACT
+    return step if step > _FINEST and multiples else 0.0
 
 
 def _closest(values: Array) -> float:
@@ -290,12 +297,12 @@ class Twins:
         return float(np.sqrt(np.mean(added**2) / 2))
 
     def scales(self) -> bool:
-        """Return whether most differences of successive reads are `factor` times as large in `scaled` as in `base`."""
+        """Return whether most reads that differ from the one before do so by `factor` times as much in `scaled` as in `base`."""
         if not self.seeded:
             return False
         wanted, came = self.factor * np.diff(self.base, axis=0), np.diff(self.scaled, axis=0)
-        differ, off = (float(np.median(np.abs(each).max(axis=1))) for each in (wanted, came - wanted))
-        return off <= TRUTH_ATOL < differ
+        differ = np.abs(wanted).max(axis=1) > TRUTH_ATOL
+        return bool(differ.any() and np.median(np.abs(came - wanted).max(axis=1)[differ]) <= TRUTH_ATOL)
 
 
 _NOTHING = np.full((1, 3), np.nan)
