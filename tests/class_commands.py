@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,32 +33,18 @@ STOPS = {
 NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)\n"
 
 
-@contextmanager
-def commands(
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    ran: list[str] | None = None,
-    mark: Mark | None = None,
-) -> Iterator[Run]:
-    """Run `imugrade` in this process. A submission keeps of `CHECK` what the comment in its filters.py says; its id is put into `ran`."""
-
-    def mark_all(submissions, opener, jobs: int, bounds: Bounds):  # type: ignore[no-untyped-def] # as the pool has it
-        rubric, traces = opener.args[:2]
-        for each in submissions:
-            (ran if ran is not None else []).append(each.id)
-            yield each, (mark or _result)(each, rubric, traces)
+def in_process(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run `imugrade` in this process; its exit code, stdout and stderr."""
 
     def command(*arguments: object) -> tuple[int, str, str]:
         code = cli.main([str(argument) for argument in arguments])
-        told = capsys.readouterr()
-        return code, told.out, told.err.replace(NO_SEED, "")
+        return code, *capsys.readouterr()
 
-    monkeypatch.delenv("IMUGRADE_SEED", raising=False)
-    monkeypatch.setattr(classroom, "mark_all", mark_all)
-    yield command
+    return command
 
 
-def _result(submission: Submission, rubric: Rubric, traces: Traces) -> Result:
+def result_by_comment(submission: Submission, rubric: Rubric, traces: Traces) -> Result:
+    """A result that keeps of `CHECK` what the comment in filters.py says."""
     if submission.status != "ready":
         made = result_of(Student(submission.id, dict.fromkeys((c.id for c in rubric.checks), 0.0), status="empty"))
     else:
@@ -74,6 +59,30 @@ def _result(submission: Submission, rubric: Rubric, traces: Traces) -> Result:
         "isolation": "full",
     }
     return marked(replace(made, submission=submission.name, provenance=provenance), rubric)
+
+
+def commands(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    ran: list[str] | None = None,
+    mark: Mark = result_by_comment,
+) -> Run:
+    """Run `imugrade` in this process with a made-up marker, which puts the ids into `ran`; nothing is said of a missing seed."""
+
+    def mark_all(submissions, opener, jobs: int, bounds: Bounds):  # type: ignore[no-untyped-def] # as the pool has it
+        rubric, traces = opener.args[:2]
+        for each in submissions:
+            (ran if ran is not None else []).append(each.id)
+            yield each, mark(each, rubric, traces)
+
+    def command(*arguments: object) -> tuple[int, str, str]:
+        code, out, err = run(*arguments)
+        return code, out, err.replace(NO_SEED, "")
+
+    run = in_process(capsys)
+    monkeypatch.delenv("IMUGRADE_SEED", raising=False)
+    monkeypatch.setattr(classroom, "mark_all", mark_all)
+    return command
 
 
 def hand_in(root: Path, **kept: object) -> Path:

@@ -296,7 +296,7 @@ def canvas_feedback(data: bytes) -> dict[tuple[str, str], bytes]:
 
 
 def marks_from(
-    shape: str, students: Sequence[Student], out: Path, run: Callable[..., object]
+    shape: str, students: Sequence[Student], out: Path, run: Callable[..., tuple[int, str, str]]
 ) -> dict[str, float | None]:
     """Export a graded class to its own platform and import it there: final points by student number.
 
@@ -308,7 +308,7 @@ def marks_from(
     made = out / "upload.csv"
 
     def export(name: str, *more: object) -> bytes:
-        run("export", out, "--format", name, *more, "-o", made)
+        assert run("export", out, "--format", name, *more, "-o", made)[0] == 0
         return made.read_bytes()
 
     if shape == "canvas":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -37,9 +36,8 @@ def ran() -> list[str]:
 
 
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str]) -> Iterator[Run]:
-    with commands(monkeypatch, capsys, ran, by_words) as made:
-        yield made
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str]) -> Run:
+    return commands(monkeypatch, capsys, ran, by_words)
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -17,11 +16,10 @@ CAME = "id,name,submitted\nann,Ann A,2026-10-25T19:30+01:00\nbob,Bob B,2026-10-2
 
 
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Iterator[Run]:
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
     monkeypatch.chdir(tmp_path)
     hand_in(tmp_path / "class", ann="1", bob="1.0", cy="1.00")
-    with commands(monkeypatch, capsys) as command:
-        yield command
+    return commands(monkeypatch, capsys)
 
 
 def graded(run: Run, late: str, roster: str) -> dict[str, str]:

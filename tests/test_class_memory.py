@@ -5,7 +5,6 @@ from __future__ import annotations
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -28,13 +27,10 @@ def ran() -> list[str]:
 
 
 @pytest.fixture
-def run(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path
-) -> Iterator[Run]:
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path) -> Run:
     monkeypatch.chdir(tmp_path)
     hand_in(tmp_path / "class", alice=1, bob=0.5, carol=0)
-    with commands(monkeypatch, capsys, ran) as command:
-        yield command
+    return commands(monkeypatch, capsys, ran)
 
 
 def totals(title: str = "total") -> dict[str, float]:

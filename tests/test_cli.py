@@ -23,25 +23,17 @@ from grader.labs.imu import bundles
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 from grader.sandbox.level_choice import LevelResult
 from grader.sandbox.one_copy import Search
+from tests.class_commands import NO_SEED, Run, hand_in, in_process
 from tests.fake_results import FakeMarker, check, fake_marker, lost, result
 
 ROOT = Path(__file__).parent.parent
-Run = Callable[..., tuple[int, str, str]]
-NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)\n"
 
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """The command in this process: its exit code, stdout and stderr."""
     for name in ("IMUGRADE_SEED", "IMUGRADE_DEBUG"):
         monkeypatch.delenv(name, raising=False)
-
-    def command(*arguments: str | Path) -> tuple[int, str, str]:
-        code = cli.main([str(argument) for argument in arguments])
-        told = capsys.readouterr()
-        return code, told.out, told.err
-
-    return command
+    return in_process(capsys)
 
 
 @pytest.fixture
@@ -56,15 +48,7 @@ def marker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FakeMarker:
 
 @pytest.fixture
 def students(tmp_path: Path) -> Path:
-    for name in ("alice", "bob", "carol"):
-        hand_in(tmp_path / "class" / name)
-    return tmp_path / "class"
-
-
-def hand_in(folder: Path, code: str = "alpha = 0.1\n") -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "filters.py").write_text(code)
-    return folder
+    return hand_in(tmp_path / "class", alice=1, bob=1, carol=1)
 
 
 def checked(monkeypatch: pytest.MonkeyPatch, answer: Result | BaseException) -> None:
@@ -156,18 +140,18 @@ def test_watching_checks_again_after_each_save_and_not_in_between(
     def pause(_: float) -> None:
         pauses.append("pause")
         if len(pauses) == 2:
-            hand_in(tmp_path, "alpha = 0.25\n")
+            hand_in(tmp_path, me=0.25)
         if len(pauses) == 4:
             (tmp_path / "__pycache__").mkdir()
             (tmp_path / "__pycache__" / "filters.pyc").touch()
-            hand_in(tmp_path / "venv")
+            hand_in(tmp_path, venv=1)
         if len(pauses) == 5:
             (tmp_path / "report.html").touch()  # our own answer: to look at it would never end
         if len(pauses) == 7:
             raise KeyboardInterrupt
 
     monkeypatch.setattr("grader.commands.checking.time.sleep", pause)
-    hand_in(tmp_path)
+    hand_in(tmp_path, me=1)
     seen: list[int] = []
     with pytest.raises(KeyboardInterrupt):  # noqa: PT012 - each save is seen until then
         for _ in checking.saves(tmp_path, [tmp_path / "sub" / ".." / "report.html"]):
@@ -185,7 +169,7 @@ def test_a_watching_check_says_at_once_that_it_checks_and_is_ended_by_an_interru
         raise KeyboardInterrupt
 
     monkeypatch.setattr(checking, "check_on_save", marked)
-    code, out, err = run("check", hand_in(tmp_path / "me"), "--watch")
+    code, out, err = run("check", hand_in(tmp_path, me=1) / "me", "--watch")
     lines = [re.sub(r"\d\d:\d\d:\d\d", "TIME", line) for line in out.splitlines()]
     assert (code, err) == (0, "")
     assert lines[:3] == ["me  checking …", "me  checking …", "me  checked at TIME; again on every save, Ctrl-C ends"]
@@ -219,7 +203,7 @@ def test_a_second_run_marks_only_what_changed_and_writes_again_what_was_lost_or_
     grade: Run, students: Path, tmp_path: Path, marker: FakeMarker
 ) -> None:
     assert grade("--min-score", "20")[0] == 0
-    hand_in(students / "bob", "alpha = 0.5\n")
+    hand_in(students, bob=0.5)
     record = tmp_path / "out" / "submissions" / "alice" / "result.json"
     before = record.read_bytes()
     record.write_text("{}")
@@ -234,7 +218,7 @@ def test_a_second_run_marks_only_what_changed_and_writes_again_what_was_lost_or_
 def test_a_submission_that_kills_its_markers_is_incomplete_told_and_tried_again(
     grade: Run, students: Path, tmp_path: Path, marker: FakeMarker
 ) -> None:
-    hand_in(students / "kill")
+    hand_in(students, kill=1)
     out = tmp_path / "out"
     code, told, _ = grade()
     assert code == 3

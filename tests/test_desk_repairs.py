@@ -19,8 +19,7 @@ from grader.course.pool import Pool
 from grader.desk import repair_jobs
 from grader.desk.editing import as_bytes, editable
 from grader.labs.imu.lab import LAB
-from tests import class_commands
-from tests.class_commands import column, commands
+from tests.class_commands import column, commands, result_by_comment
 from tests.desk import Desk, desk_over, words
 
 STOPS, FIXED = "stops", "# 1"
@@ -42,7 +41,7 @@ class Open:
             file.write(f"{os.getpid()}\n")
         while self._seen.with_name("wait").exists():
             time.sleep(0.01)
-        return class_commands._result(submission, self._rubric, self._traces)
+        return result_by_comment(submission, self._rubric, self._traces)
 
 
 class PoolHere:
@@ -68,8 +67,7 @@ def out(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
         (tmp_path / "class" / id_).mkdir(parents=True)
         (tmp_path / "class" / id_ / "filters.py").write_bytes(content.encode() + (b"\r\n" if id_ == "dan" else b"\n"))
         (tmp_path / "class" / id_ / "imu_reader.py").write_text(f"# {id_}\n")
-    with commands(monkeypatch, capsys) as command:
-        assert command("grade", tmp_path / "class", "-o", tmp_path / "out")[0] == 0
+    assert commands(monkeypatch, capsys)("grade", tmp_path / "class", "-o", tmp_path / "out")[0] == 0
     return tmp_path / "out"
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import zipfile
-from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,23 +14,17 @@ from hypothesis import strategies as st
 
 from grader import cli
 from grader.base.errors import RequestError
-from grader.course import classroom
-from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Key, Store
-from grader.engine.grader import Marker
-from grader.engine.results import Result
-from grader.intake import Submission
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, points_by_check
 from grader.platforms import canvas, moodle, registry
 from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
 from grader.platforms.sheet import read_sheet
 from tests import classes
+from tests.class_commands import commands
 from tests.fake_results import check, result
 
 FORMATS = registry.names("fill", "write")
-
-Run = Callable[..., object]
 
 
 def final_grade(id_: str, *people: Person, points: float = 87.5, **more: object) -> FinalGrade:
@@ -55,32 +48,18 @@ def canvas_file(*rows: str, head: str = HEAD, points: str = POINTS) -> bytes:
 # ---- in at one end, out at the other ----
 
 
-@pytest.fixture
-def run(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """The command in this process, with one warm marker for all of its runs."""
-
-    def mark_all(
-        submissions: Iterator[Submission], opener: OpenMarker, jobs: int, bounds: Bounds
-    ) -> Iterator[tuple[Submission, Result]]:
-        return ((each, marker.mark(each)) for each in submissions)
-
-    monkeypatch.setattr(classroom, "mark_all", mark_all)
-
-    def command(*arguments: object) -> None:
-        assert cli.main([str(argument) for argument in arguments]) == 0
-
-    return command
-
-
-CLASS = classes.a_class(3, [classes.filters_alone(1.0), classes.filters_alone(0.5)])
+CLASS = classes.a_class(3, [{"filters.py": "# 1\n"}, {"filters.py": "# 0.5\n"}])
 
 
 @pytest.mark.parametrize("shape", classes.SHAPES)
-def test_a_class_in_each_shape_gets_the_same_marks_and_its_reports_back(shape: str, tmp_path: Path, run: Run) -> None:
+def test_a_class_in_each_shape_gets_the_same_marks_and_its_reports_back(
+    shape: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = commands(monkeypatch, capsys)
     path, out = classes.SHAPES[shape](CLASS, tmp_path / "in"), tmp_path / "out"
-    run("grade", path, "-o", out)
-    assert classes.marks_from(shape, CLASS, out, run) == {"s00000": 20.0, "s00001": 14.0, "s00002": 20.0}
-    run("export", out, "-f", "csv", "--feedback", tmp_path / "reports.zip")
+    assert run("grade", path, "-o", out)[0] == 0
+    assert classes.marks_from(shape, CLASS, out, run) == {"s00000": 100.0, "s00001": 97.0, "s00002": 100.0}
+    assert run("export", out, "-f", "csv", "--feedback", tmp_path / "reports.zip")[0] == 0
     reports = (tmp_path / "reports.zip").read_bytes()
     pages = {page.read_bytes() for page in out.glob("submissions/*/report.html")}
     assert len(pages) == len(CLASS)

@@ -25,8 +25,7 @@ from grader.engine.results import from_dict, to_json
 from grader.labs.imu.lab import LAB
 from grader.platforms.gradescope import gradescope
 from grader.platforms.junit import junit
-from tests import class_commands
-from tests.class_commands import Run, column, commands, hand_in, rubric_with
+from tests.class_commands import Run, column, commands, hand_in, result_by_comment, rubric_with
 
 FIXED, WORSE = "# 1\n", "# 0\n"
 WHY = ("--comment", "a colon was missing", "--author", "Eve")
@@ -39,14 +38,12 @@ def ran() -> list[str]:
 
 
 @pytest.fixture
-def run(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path
-) -> Iterator[Run]:
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path) -> Run:
     @contextmanager
     def marker(rubric: Any, traces: Any, *_: Any) -> Iterator[Any]:
         def mark(submission: Any, cpu_s: float | None = None) -> Any:
             ran.append(submission.files["filters.py"].decode())
-            return class_commands._result(submission, rubric, traces)
+            return result_by_comment(submission, rubric, traces)
 
         yield SimpleNamespace(mark=mark)
 
@@ -54,9 +51,9 @@ def run(
     monkeypatch.setattr(classroom, "guarded_marker", marker)
     hand_in(tmp_path / "class", alice=0.5, bob=1)
     (tmp_path / "fixed.py").write_text(FIXED)
-    with commands(monkeypatch, capsys, ran) as command:
-        assert command("grade", "class", "-o", "out")[0] == 0
-        yield command
+    command = commands(monkeypatch, capsys, ran)
+    assert command("grade", "class", "-o", "out")[0] == 0
+    return command
 
 
 def result(id_: str = "alice") -> dict[str, Any]:
