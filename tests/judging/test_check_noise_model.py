@@ -388,7 +388,7 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("a mean above zero, of no seed", unseeded(SHIFTED), {GIVEN: (0.0, ["noise-not-zero-mean"])}),
     *((f"one that remembers {lag} reads ago", both(OfLongMemory, lags=(lag,)), _CORRELATED if lag < 4 else {}) for lag in (2, 3, 4)),
     ("one of the gyroscope that adds up", GyroWalking, _SUMS),
-    ("on a reading of long ago", Stale, {WHITE: (0.0, ["stale-clean-reading"])}),
+    ("on a reading of long ago", Stale, {SIZE: (0.0, ["stale-clean-reading"])}),
     ("on readings of the gyroscope that are enlarged", _enlarged(1), {WHITE: (0.0, [])}),
     # its axes and sensors
     ("one number for all axes of the gyroscope", of(noise=lambda s, i: (_one_for_all_axes if i else Sound.noise)(s, i)), _SAME_AXES),
