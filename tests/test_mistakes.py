@@ -36,7 +36,14 @@ CHARGING = ["deducts", "takes", "expected", "got"]
 ENTRIES = {key: entry for group in MISTAKES.values() for key, entry in group.items()}
 
 FIELDS = ["title", "hint", "explanation", "step", "wrong", "right"]
-RAISED = ["name-missing", "sensor-not-found", "index-out-of-bounds", "not-written", "unknown-name"]
+RAISED = [
+    "array-as-condition",
+    "name-missing",
+    "sensor-not-found",
+    "index-out-of-bounds",
+    "not-written",
+    "unknown-name",
+]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
 every_mistake = pytest.mark.parametrize("key", ENTRIES)
@@ -70,6 +77,25 @@ VAIN = "Invalid name 'imu'. Valid names: ['torso']"
         ("KeyError", "whatever another MuJoCo says", "return data.sensor (name).data", "", "sensor-not-found"),
         ("KeyError", VAIN, "settings['sensor']", "", "raises"),
         ("KeyError", "whatever another MuJoCo says", "body = model.body('imu')", "", "raises"),
+        ("ValueError", "in any words", "if self.value == None:", "", "array-as-condition"),
+        ("ValueError", "in any words", "if not self.value:", "", "array-as-condition"),
+        ("ValueError", "in any words", "self.bias = accel_bias or np.zeros(3)", "", "array-as-condition"),
+        (
+            "ValueError",
+            "in any words",
+            "bias = accel_bias if accel_bias else rng.normal(0, 0.1, 3)",
+            "",
+            "array-as-condition",
+        ),
+        (
+            "ValueError",
+            "in any words",
+            "bias = accel_bias if accel_bias is not None else rng.normal(0, -1, 3)",
+            "",
+            "raises",
+        ),
+        ("ValueError", "in any words", "if alpha > 1: raise ValueError('alpha')", "", "raises"),
+        ("ValueError", "in any words", "self.value = np.array(measurement).reshape(4)", "", "raises"),
         ("AttributeError", "in any words", None, "update", "name-missing"),
         ("AttributeError", "in any words", None, "read", "name-missing"),
         ("AttributeError", "in any words", None, "alpha", "raises"),

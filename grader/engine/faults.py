@@ -49,14 +49,13 @@ class Mistake:
     formerly: tuple[str, ...] = ()
 
     def shown_by(self, fault: Fault) -> bool:
-        """Return whether an exception shows this mistake: of ``types``, about ``names``, in a line that ``calls`` a method.
+        """Return whether an exception shows this mistake: of ``types``, about ``names``, in a ``line`` that the pattern matches.
 
         The text of the exception plays no part: it differs between versions of Python and of the libraries.
         """
         if fault.type not in self.raised.get("types", ()) or fault.name not in self.raised.get("names", (fault.name,)):
             return False
-        calls = self.raised.get("calls")
-        return calls is None or re.search(rf"\.{calls}\s*\(", fault.text or "") is not None
+        return re.search(self.raised.get("line", ""), fault.text or "") is not None
 
 
 NEEDED = (
