@@ -104,6 +104,11 @@ def rubric_with(path: Path, *edits: tuple[str, str]) -> Path:
     return path
 
 
+def late_policy(due: str, per_day: str = "10%") -> tuple[str, str]:
+    """The edit of the shipped rubric that gives it a late policy."""
+    return "# late:\n", f"late: {{{due}, per_day: {per_day}}}\n# late:\n"
+
+
 def column(table: Path, title: str, key: str = "id") -> dict[str, str]:
     with open(table, encoding="utf-8-sig", newline="") as stream:
         return {row[key]: row[title] for row in csv.DictReader(stream)}

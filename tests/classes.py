@@ -6,7 +6,7 @@ import csv
 import io
 import re
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -14,7 +14,7 @@ from pathlib import Path
 import yaml
 
 from tests.corpus.pieces import FILTER_INCREMENT, tidy
-from tests.corpus.writing import Files, as_bytes, zipped
+from tests.corpus.writing import Files, as_bytes, write, zipped
 
 _ODD = (
     ("Jürgen", "Müßig"),
@@ -83,10 +83,7 @@ def a_class(count: int, kinds: Sequence[Files] | None = None) -> list[Student]:
 def folders(students: Sequence[Student], root: Path) -> Path:
     """A folder each, every third an archive."""
     for student in students:
-        if student.number % 3 == 2:
-            _put(root / f"{student.login}.zip", zipped(student.files))
-        else:
-            _tree(root / student.login, student.files)
+        write(student.files, root / student.login, "zip" if student.number % 3 == 2 else "folder")
     return root
 
 
@@ -102,23 +99,21 @@ def canvas(students: Sequence[Student], root: Path) -> Path:
             flat = re.sub(r'[\x00/\\:*?"<>|]+', "_", again)
             number = 90_000 + 100 * student.number + at
             members[f"{sortable}_{late}{student.canvas}_{number}_{flat}"] = content
-    return _archive(root / "robotics-lab-04-01_submissions.zip", members)
+    return write(members, root / "robotics-lab-04-01_submissions", "zip")
 
 
 def moodle(students: Sequence[Student], root: Path) -> Path:
     """Folder mode."""
-    return _archive(root / "ROB-Lab 04-01-77.zip", dict(_moodle(students, "assignsubmission_file/")))
+    return write(dict(_moodle(students, "assignsubmission_file/")), root / "ROB-Lab 04-01-77", "zip")
 
 
 def moodle_flat(students: Sequence[Student], root: Path) -> Path:
-    return _archive(root / "ROB-Lab 04-01-77.zip", dict(_moodle(students, "assignsubmission_file_")))
+    return write(dict(_moodle(students, "assignsubmission_file_")), root / "ROB-Lab 04-01-77", "zip")
 
 
 def moodle_unzipped(students: Sequence[Student], root: Path) -> Path:
     """As Moodle before 4.1 named folders, unpacked by the teacher."""
-    for name, data in _moodle(students, "assignsubmission_file_/"):
-        _put(root / name, data)
-    return root
+    return write(dict(_moodle(students, "assignsubmission_file_/")), root)
 
 
 def _moodle(students: Sequence[Student], middle: str) -> Iterator[tuple[str, bytes]]:
@@ -143,20 +138,20 @@ def gradescope(students: Sequence[Student], root: Path) -> Path:
         for name, content in _contents(student.files):
             members[f"assignment_99_export/{folder}/{name}"] = content
     members["assignment_99_export/submission_metadata.yml"] = yaml.safe_dump(metadata, allow_unicode=True).encode()
-    return _archive(root / "assignment_99_export.zip", members)
+    return write(members, root / "assignment_99_export", "zip")
 
 
 def classroom50(students: Sequence[Student], root: Path) -> Path:
     """`gh teacher download`: clones, and a `scores.csv` beside them."""
-    with open(_made(root) / "scores.csv", "w", encoding="utf-8", newline="") as stream:
+    write({}, root)
+    with open(root / "scores.csv", "w", encoding="utf-8", newline="") as stream:
         table = csv.writer(stream)
         names = ("username", "first_name", "last_name", "email", "section", "score", "max_score", "datetime")
         table.writerow([*names, "submission_tag"])
         for s in students:
             when = "2026-11-20T21:00:00Z"
             table.writerow([s.login, s.first, s.last, s.email, "B", "", "", when, "submit/x"])
-            _clone(root / f"rob-lab4-{s.login}", s.files)
-            (root / f"rob-lab4-{s.login}" / "result.json").write_text("{}")
+            _clone(root / f"rob-lab4-{s.login}", {**s.files, "result.json": "{}"})
     return root
 
 
@@ -179,29 +174,8 @@ def _contents(files: Files) -> Iterator[tuple[str, bytes]]:
 
 
 def _clone(folder: Path, files: Files) -> None:
-    _tree(folder, files)
-    _put(folder / ".git" / "HEAD", b"ref: refs/heads/main\n")
-    _put(folder / ".git" / "config", b"[core]\n\tfsmonitor = touch /tmp/never\n")
-
-
-def _tree(folder: Path, files: Files) -> None:
-    for name, content in _contents(files):
-        _put(folder / name, content)
-
-
-def _put(path: Path, data: bytes) -> None:
-    _made(path.parent)
-    path.write_bytes(data)
-
-
-def _made(folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def _archive(path: Path, members: Mapping[str, bytes]) -> Path:
-    _put(path, zipped(members))
-    return path
+    git = {".git/HEAD": "ref: refs/heads/main\n", ".git/config": "[core]\n\tfsmonitor = touch /tmp/never\n"}
+    write({**files, **git}, folder)
 
 
 # ---- what the instructor exports from the platform ----

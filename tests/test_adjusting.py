@@ -8,15 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.adjusting import OverrideRequest, undone
 from grader.course.differences import lines_of
-from grader.course.record import Store
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.people.final_grade import Adjustment, FinalGrade
-from tests.class_commands import Run, commands, hand_in, rubric_with
+from grader.people.final_grade import FinalGrade
+from tests.class_commands import Run, commands, hand_in, late_policy, rubric_with
+from tests.corpus.writing import write
 from tests.fake_results import check, lost, result
-from tests.test_downloads import zip_of
 
 PART = ("--criterion", "sensor_access")
 WISH = (*PART, "--comment", "x", "--points")
@@ -117,24 +115,7 @@ def test_a_wish_that_is_not_whole_is_one_line(arguments: str, line: str, run: Ru
     assert run("adjust", out, *arguments.split()) == (2, "", f"imugrade: adjust: {line}\n")
 
 
-def test_an_adjustment_survives_a_regrade_which_flags_it_when_the_marks_beneath_changed(
-    run: Run, out: Path, tmp_path: Path
-) -> None:
-    run("adjust", out, "alice", *WISH, 18)
-    assert run("grade", tmp_path / "class", "-o", out, "--force")[2] == ""
-    hand_in(tmp_path / "class", alice=16)
-    flag = "imugrade: alice: sensor_access was overridden with 18 when it had 14 / 20; the automatic points are now 16 / 20. Adjust it again or withdraw it\n"
-    assert run("grade", tmp_path / "class", "-o", out)[2] == flag
-    assert "alice,alice,16,16,18,18,graded" in (out / "gradebook.csv").read_text()
-    assert run("grade", tmp_path / "class", "-o", out)[2] == flag
-    run("adjust", out, "alice", *WISH, 18)
-    assert run("grade", tmp_path / "class", "-o", out)[2] == ""
-
-
 # ---- what is graded again ----
-
-
-LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
 
 
 def test_only_with_force_grades_one_again_and_a_change_back_is_on_record(
@@ -156,7 +137,7 @@ def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(
     roster.write_text(
         'id,name,section,submitted,due\nalice,"Müller, A.",B,2026-11-21T13:00Z,\nbob,Bob,A,2026-11-25T12:00Z,2026-11-30T00:00Z\nx,Gone,A,,\n'
     )
-    rubric = rubric_with(tmp_path / "rubric.yaml", LATE)
+    rubric = rubric_with(tmp_path / "rubric.yaml", late_policy("due: 2026-11-20T12:00Z"))
     given = ("grade", tmp_path / "class", "-o", out, "--rubric", rubric, "--roster", roster)
     code, _, err = run(*given, "--change")
     change = "another late policy, a roster: 1 of 2 scores change, mean of graded 17.0 to 10.0"
@@ -174,7 +155,7 @@ def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(
 
 
 def attempts(tmp_path: Path, *points: object) -> list[Path]:
-    return [zip_of(tmp_path / f"{i}.zip", {f"doe_1_{100 + i}_filters.py": f"# {p}\n"}) for i, p in enumerate(points)]
+    return [write({f"doe_1_{100 + i}_filters.py": f"# {p}\n"}, tmp_path / str(i), "zip") for i, p in enumerate(points)]
 
 
 @pytest.mark.parametrize(
@@ -238,16 +219,3 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     lines = list(lines_of({"a": FinalGrade("a", old)}, {"a": FinalGrade("a", new)}))
     assert lines[:2] == ["a  0 → 20", "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6"]
     assert lines[-2:] == ["  changed: the submission, the rubric", "1 of 1 moved; mean of graded 0.0 → 20.0"]
-
-
-# ---- undo ----
-
-
-def test_undoing_restores_the_override_before_the_last_with_its_comment(out: Path) -> None:
-    given = [(1.0, "one"), (2.0, "two"), (None, "see page 2"), (3.0, "three")]
-    with Store(out) as store:
-        for points, comment in given:
-            row = Adjustment("sensor_access", points, comment, "me", "now", {}, alone=points is None)
-            store.adjust([("alice", row)])
-        assert undone(store, "alice", "sensor_access") == OverrideRequest("alice", "sensor_access", "2.0", "two")
-        assert [each.comment for _, each in store.history()] == ["one", "two", "see page 2", "three"]

@@ -34,6 +34,7 @@ from grader.report import words
 from tests.corpus.writing import write
 from tests.examples import expected
 from tests.fake_results import HOSTILE, check, lost, result
+from tests.hostile.outputs import ENVIRONMENT as ID
 from tests.pages import Page
 
 EVIL = (
@@ -41,14 +42,6 @@ EVIL = (
     "```\n</pre></code><img src=x onerror=alert(1)>\n# heading\n| a | b |\n[a](http://evil.example) @someone http://evil.example"
     "\r\n\x00\x08\ufffe\ud800 %0A%3A ::stop-commands::x"
 )
-ID = {
-    "CLASSROOM": "cs",
-    "ASSIGNMENT": "imu",
-    "SUBMISSION_TAG": "submit/2026-11-01T10-00-00Z-abc1234",
-    "COMMIT_URL": "https://example.org/c",
-    "RELEASE_URL": "https://example.org/r",
-    "OWNER": "alice",
-}
 WHEN = "2026-11-01T10:00:00Z"
 
 
@@ -246,7 +239,9 @@ def test_another_parser_reads_the_same_points_and_outcomes_from_junit() -> None:
 
 
 @pytest.mark.parametrize("status", ["empty", "unreadable"])
-def test_a_check_that_needs_another_is_skipped_and_what_cannot_be_graded_has_one_failure(status: Status) -> None:
+def test_a_check_that_needs_another_is_skipped_and_what_cannot_be_graded_is_one_failure_and_no_attempt(
+    status: Status,
+) -> None:
     row = check("skipped", 0.0)
     assert as_jenkins_reads(junit(result(row), AT))[0].get("skipped") == "1"
     empty = as_jenkins_reads(junit(result(row, status=status), AT))
@@ -254,6 +249,9 @@ def test_a_check_that_needs_another_is_skipped_and_what_cannot_be_graded_has_one
     (failure,) = empty.findall("testsuite[@name='submission']/testcase/failure")
     assert (failure.get("message"), failure.get("type")) == (words.STATUS[status], status)
     assert empty.get("failures") == "1"
+    told = read_prairielearn(prairielearn(result(row, status=status)))
+    assert told["gradable"] is False
+    assert told["format_errors"]
 
 
 def test_no_text_of_a_submission_becomes_xml_or_a_command_in_the_log() -> None:
@@ -336,13 +334,6 @@ PRAIRIELEARN = record(
 def read_prairielearn(text: str) -> dict[str, Any]:
     assert len(text.encode()) <= 1_000_000
     return read(text, PRAIRIELEARN)
-
-
-@pytest.mark.parametrize("status", ["empty", "unreadable"])
-def test_what_cannot_be_graded_costs_no_attempt_on_prairielearn(status: Any) -> None:
-    told = read_prairielearn(prairielearn(result(check("skipped", 0.0), status=status)))
-    assert told["gradable"] is False
-    assert told["format_errors"]
 
 
 def test_prairielearn_is_given_no_more_than_it_takes() -> None:

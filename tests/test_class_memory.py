@@ -11,12 +11,13 @@ import pytest
 
 from grader.course.database import FILE_NAME
 from grader.desk.overviews import queue
-from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
+from tests.class_commands import CHECK, Run, column, commands, hand_in, late_policy, rubric_with
 from tests.conftest import SECRET
 from tests.desk import desk_over, words
 
 HEAVIER = ("follows_recursion: 6", "follows_recursion: 9")
-LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
+DUE = "due: 2026-11-20T12:00Z"
+LATE = late_policy(DUE)
 ROSTER = "id,name,submitted\nalice,Alice A,2026-11-21T13:00Z\nbob,Bob B,2026-11-20T11:00Z\n"
 
 
@@ -57,8 +58,17 @@ def test_the_rubric_of_a_class_need_not_be_given_again(run: Run, before: dict[st
     assert ran == ["alice", "bob", "carol", "dora"]
 
 
-def test_another_rubric_is_told_and_waits_for_consent(run: Run, before: dict[str, float], ran: list[str]) -> None:
+def test_another_rubric_is_told_waits_for_consent_and_is_for_all(
+    run: Run, before: dict[str, float], ran: list[str]
+) -> None:
+    rubric_with(Path("asks.yaml"), HEAVIER, ("submission_cpu_s: 120", "submission_cpu_s: 60"))
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "asks.yaml")
+    assert code == 2
+    assert "another rubric: 3 on record are graded again" in err
     rubric_with(Path("rub2.yaml"))
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--only", "bob", "--change")
+    assert code == 2
+    assert err.startswith("imugrade: --only cannot change the settings of the whole class")
     mean = sum(before.values()) / 3
     code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml")
     told = f"another rubric: 2 of 3 scores change, mean of graded {mean:.1f} to"
@@ -93,37 +103,26 @@ def test_a_yes_on_a_terminal_is_consent(run: Run, before: dict[str, float], monk
     assert asked[0].endswith(". Change them?")
 
 
-def test_the_version_before_stays_and_diff_compares_with_it(run: Run, before: dict[str, float]) -> None:
+def test_the_version_before_stays_and_diff_compares_with_it_and_says_a_changed_weight_once(
+    run: Run, before: dict[str, float]
+) -> None:
     told = "imugrade: out: no change of the settings has changed a score; give two folders to compare\n"
     assert run("diff", "out") == (2, "", told)
-    rubric_with(Path("rub2.yaml"))
+    rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
+    hand_in(Path("class"), alice=0)
     assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")[0] == 0
     code, out, _ = run("diff", "out")
     assert code == 0
     assert f"bob  {before['bob']:g} → {totals()['bob']:g}" in out
     assert out.startswith("changed for all: the rubric\n")
-    assert "2 of 3 moved" in out
+    assert "3 of 3 moved" in out
+    lines = out.splitlines()
+    assert lines.count(f"{CHECK}  worth 7.82 → 9.23 points") == 1
+    assert f"  {CHECK}  passed 7.82 / 7.82 → failed 0 / 9.23" in lines
+    assert sum(line.startswith(f"  {CHECK}") for line in lines) == 1
 
 
-def test_a_rubric_that_asks_other_things_says_how_many_are_graded_again(
-    run: Run, before: dict[str, float], ran: list[str]
-) -> None:
-    rubric_with(Path("rub2.yaml"), HEAVIER, ("submission_cpu_s: 120", "submission_cpu_s: 60"))
-    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml")
-    assert code == 2
-    assert "another rubric: 3 on record are graded again" in err
-    assert len(ran) == 3
-
-
-def test_a_part_of_a_class_cannot_have_settings_of_its_own(run: Run, before: dict[str, float]) -> None:
-    rubric_with(Path("rub2.yaml"))
-    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--only", "bob", "--change")
-    assert code == 2
-    assert err.startswith("imugrade: --only cannot change the settings of the whole class")
-    assert totals() == before
-
-
-def test_the_roster_and_the_attempt_rule_need_not_be_given_again(run: Run, tmp_path: Path) -> None:
+def test_the_roster_and_the_attempt_rule_need_not_be_given_again_and_others_are_told(run: Run, tmp_path: Path) -> None:
     rubric_with(tmp_path / "late.yaml", LATE)
     Path("roster.csv").write_text(ROSTER)
     given = ("--rubric", "late.yaml", "--roster", "roster.csv", "--attempts", "best")
@@ -137,13 +136,6 @@ def test_the_roster_and_the_attempt_rule_need_not_be_given_again(run: Run, tmp_p
     code, _, err = run("grade", "class", "-o", "out", "--attempts", "latest")
     assert code == 2
     assert "another attempt rule (latest in place of best)" in err
-
-
-def test_other_dates_in_a_roster_are_told_with_what_they_do(run: Run, tmp_path: Path) -> None:
-    rubric_with(tmp_path / "late.yaml", LATE)
-    Path("roster.csv").write_text(ROSTER)
-    assert run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv")[0] == 0
-    final = totals("final")
     Path("roster.csv").write_text(ROSTER.replace("11-20T11", "11-20T13"))
     code, _, err = run("grade", "class", "-o", "out", "--roster", "roster.csv")
     assert code == 2
@@ -206,7 +198,7 @@ def test_the_mean_is_that_of_the_final_grades_of_the_graded_everywhere(run: Run,
     told = run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv")[1]
     assert "mean of graded 90.3\n" in told
     assert "mean of graded 90.3" in words(Path("out/index.html").read_text(encoding="utf-8"))
-    rubric_with(tmp_path / "later.yaml", (LATE[0], LATE[1].replace("10%", "20%")))
+    rubric_with(tmp_path / "later.yaml", late_policy(DUE, "20%"))
     told = run("grade", "class", "-o", "out", "--rubric", "later.yaml", "--change")[2]
     assert "mean of graded 90.3 to 83.7\n" in told
     assert "mean of graded 90.3 → 83.7\n" in run("diff", "out")[1]
@@ -239,8 +231,10 @@ def test_an_override_says_that_the_weight_beneath_it_has_changed(run: Run, befor
     rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
     code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")
     assert code == 0
-    told = f"carol: {CHECK} was overridden with 2 when it had 0 / 7.82; the automatic points are now 0 / 9.23."
+    now = "the automatic points are now 0 / 9.23. Adjust it again or withdraw it\n"
+    told = f"imugrade: carol: {CHECK} was overridden with 2 when it had 0 / 7.82; {now}"
     assert told in err
+    assert totals("adjusted")["carol"] == 92.77  # 2 of 9.23
     assert told in run("grade", "class", "-o", "out")[2]
     with desk_over(Path("out").absolute()) as desk:
         assert f"{CHECK} was set to 2" in words(desk.get("/").text)
@@ -316,14 +310,3 @@ def test_those_who_are_not_in_the_download_stay_as_they_are_and_that_is_told(
     assert run("export", "out", "-f", "csv", "-o", "marks.csv")[2] == f"imugrade: graded: 3\n{others}"
     assert run("grade", "class", "-o", "out")[0] == 0
     assert run("export", "out", "-f", "csv", "-o", "marks.csv")[2] == "imugrade: graded: 3\n"
-
-
-def test_diff_says_a_changed_weight_once(run: Run, before: dict[str, float]) -> None:
-    rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
-    hand_in(Path("class"), alice=0)
-    assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")[0] == 0
-    lines = run("diff", "out")[1].splitlines()
-    assert lines.count(f"{CHECK}  worth 7.82 → 9.23 points") == 1
-    assert [line for line in lines if line.startswith(f"  {CHECK}")] == [
-        f"  {CHECK}  passed 7.82 / 7.82 → failed 0 / 9.23"
-    ]

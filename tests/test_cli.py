@@ -7,8 +7,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -231,24 +233,9 @@ def test_a_submission_that_kills_its_markers_is_incomplete_told_and_tried_again(
     assert [marker.marked().count(name) for name in ("kill", "alice")] == [4, 1]
 
 
-class Unwalled:
-    """A marker on a machine without any isolation."""
-
-    isolation = NO_ISOLATION
-
-    def __init__(self, *_: object, **__: object) -> None: ...
-
-    def __enter__(self) -> Unwalled:
-        return self
-
-    def __exit__(self, *_: object) -> None: ...
-
-    def mark(self, submission: object, *_: object, **__: object) -> Result:
-        return result()
-
-
 def test_without_isolation_a_class_is_refused_unless_it_is_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(classroom, "Marker", Unwalled)
+    unwalled = SimpleNamespace(isolation=NO_ISOLATION, mark=lambda *_, **__: result())
+    monkeypatch.setattr(classroom, "Marker", lambda *_, **__: nullcontext(unwalled))
     with pytest.raises(RequestError, match=r"cannot isolate students' code .*add --trust-submissions"):
         classroom.guarded_marker(None, None, None, False).__enter__()  # type: ignore[arg-type]
     with classroom.guarded_marker(None, None, None, True) as marker:  # type: ignore[arg-type]

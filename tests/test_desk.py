@@ -141,7 +141,9 @@ def test_a_form_larger_than_ours_is_not_read(still: Desk) -> None:
 # ---- points by hand ----
 
 
-def test_points_for_a_check_a_criterion_the_total_and_a_bonus_reach_the_published_files(desk: Desk, out: Path) -> None:
+def test_points_for_a_check_a_criterion_the_total_and_a_bonus_reach_the_published_files_and_beneath_others_are_refused(
+    desk: Desk, out: Path
+) -> None:
     before = (out / "submissions" / "bob" / "result.json").read_bytes()
     heading = re.compile(r"· \S+ automatic")  # beside a grade that differs
     assert not heading.search(words(desk.get("/submission/bob").text))
@@ -152,26 +154,26 @@ def test_points_for_a_check_a_criterion_the_total_and_a_bonus_reach_the_publishe
     assert row(out, "bob")["final"] == "100.5"
     give(desk, "bob", "filtering", "10")
     assert row(out, "bob")["final"] == "90.5"
+    assert "Bob Bird has an override of filtering" in give(desk, "bob", "filtering.follows_recursion", "5").text
     give(desk, "bob", TOTAL, "50")
     assert row(out, "bob")["final"] == "52"
+    assert "Bob Bird has an override of total" in give(desk, "bob", "filtering", "5").text
     assert (out / "submissions" / "bob" / "result.json").read_bytes() == before
     report = (out / "submissions" / "bob" / "report.html").read_text()
     assert "Shown &lt;i&gt;later&lt;/i&gt;" in report
     assert "4.5 / 6" in words(report)
 
 
-def test_a_comment_alone_changes_no_points_and_the_student_reads_it(desk: Desk, out: Path) -> None:
-    give(desk, "ada", "filtering", "", "Well done")
-    read = words((out / "submissions" / "ada" / "report.html").read_text())
-    assert "prof : Well done" in read.replace("prof:", "prof :")
-    assert row(out, "ada")["final"] == "100"
-
-
-def test_undo_brings_back_what_stood_before_and_history_keeps_all(desk: Desk, out: Path) -> None:
+def test_undo_brings_back_the_override_before_with_its_comment_and_history_keeps_all(desk: Desk, out: Path) -> None:
     give(desk, "bob", ADDRESS, "4", "first")
+    give(desk, "bob", ADDRESS, "", "a comment alone")
+    assert row(out, "bob")["final"] == "98"
+    assert "a comment alone" in (out / "submissions" / "bob" / "report.html").read_text()
     give(desk, "bob", ADDRESS, "5", "second")
     give(desk, "bob", ADDRESS, "", "", do="undo")
     assert row(out, "bob")["final"] == "98"
+    history = desk.book.on_thread(desk.book.store.history)
+    assert [each.comment for _, each in history] == ["first", "a comment alone", "second", "first"]
     give(desk, "bob", ADDRESS, "", "", do="undo")
     page = words(desk.get("/submission/bob").text)
     assert page.count(f"{ADDRESS} 4") == 2
@@ -208,13 +210,6 @@ def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: 
     assert {row["id"]: row["final"] for row in csv.DictReader(answer.text.splitlines())}["bob"] == "98"
     answer = desk.post("/export", {"do": "feedback"})
     assert (answer.status, answer.headers["content-type"]) == (200, "application/zip")
-
-
-def test_points_beneath_others_by_hand_are_refused_because_they_would_change_nothing(desk: Desk) -> None:
-    give(desk, "bob", "sensor_access", "18")
-    assert "Bob Bird has an override of sensor_access" in give(desk, "bob", ADDRESS, "5").text
-    give(desk, "bob", TOTAL, "70")
-    assert "Bob Bird has an override of total" in give(desk, "bob", "filtering", "5").text
 
 
 def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:

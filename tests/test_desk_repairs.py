@@ -8,6 +8,8 @@ import re
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,6 +18,7 @@ import pytest
 
 from grader.course.class_grading import GradingSettings, settings_on_record
 from grader.course.pool import Pool
+from grader.course.record import Store
 from grader.desk import repair_jobs
 from grader.desk.editing import as_bytes, editable
 from grader.labs.imu.lab import LAB
@@ -118,16 +121,13 @@ def saved(desk: Desk, page: str, id_: str = "ada", **more: object) -> str:
     return sent(desk, id_, **form)
 
 
-def test_what_does_not_run_is_first_in_the_queue_with_file_line_and_error(desk: Desk) -> None:
+def test_what_does_not_run_is_first_in_the_queue_and_opens_in_the_editor_at_its_line(desk: Desk) -> None:
     page = desk.get("/").text
     first = page.partition('<ul class="queue">')[2].partition("</li>")[0]
     assert "Does not run" in first
     assert SENTENCE in first
     assert '<a href="/submission/ada?edit=filters.py#edit">Repair' in first
     assert "cyd" not in page.partition("<main")[2]
-
-
-def test_the_editor_holds_the_file_and_marks_the_line(desk: Desk) -> None:
     page = desk.get("/submission/ada?edit=filters.py").text
     assert fields(page)["text"] == "stops\n"
     assert re.search(r'<li id="file-\d-1" class="named">1</li>', page)
@@ -145,7 +145,7 @@ def test_a_preview_shows_both_grades_by_criterion_and_records_nothing(desk: Desk
     assert (out / "gradebook.csv").read_bytes() == before
 
 
-def test_a_saved_repair_is_one_of_the_command(desk: Desk, out: Path) -> None:
+def test_a_saved_repair_is_one_of_the_command_and_is_undone_at_the_desk(desk: Desk, out: Path) -> None:
     page = saved(desk, previewed(desk))
     assert "ada: filters.py repaired, 94 points before, 95 points now" in words(page)
     assert column(out / "gradebook.csv", "total")["ada"] == "95"
@@ -156,6 +156,10 @@ def test_a_saved_repair_is_one_of_the_command(desk: Desk, out: Path) -> None:
     assert "x was never set" in (out / "submissions/ada/report.html").read_text()
     assert "/submission/ada?edit" not in desk.get("/").text
     assert "<code># 1</code>" in re.sub(r"<(?!/?code)[^>]*>", "", page)
+    assert 'value="undo"' in page
+    assert "ada: repair of filters.py taken back, 94 points now" in words(sent(desk, "ada", file="", do="undo"))
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+    assert SENTENCE in desk.get("/").text
 
 
 def test_the_same_repair_is_offered_to_the_same_file_with_the_same_error(desk: Desk, out: Path) -> None:
@@ -198,15 +202,6 @@ def test_of_two_people_the_slower_one_is_told(desk: Desk, out: Path) -> None:
     assert column(out / "gradebook.csv", "total")["ada"] == "95"
 
 
-def test_a_repair_is_undone_at_the_desk(desk: Desk, out: Path) -> None:
-    page = saved(desk, previewed(desk))
-    assert 'value="undo"' in page
-    page = sent(desk, "ada", file="", do="undo")
-    assert "ada: repair of filters.py taken back, 94 points now" in words(page)
-    assert column(out / "gradebook.csv", "total")["ada"] == "94"
-    assert SENTENCE in desk.get("/").text
-
-
 def test_the_desk_answers_while_another_process_makes_a_preview_and_says_what_is_going_on(
     desk: Desk, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -225,13 +220,12 @@ def test_the_desk_answers_while_another_process_makes_a_preview_and_says_what_is
     assert str(os.getpid()) not in (out.parent / "seen").read_text().split()
 
 
-def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk) -> None:
-    def refused() -> GradingSettings:
-        return settings_on_record(LAB, Path("nowhere"), None)
-
+def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk, out: Path) -> None:
+    with Store.existing(out) as store:
+        store.keep_settings(replace(store.settings(), hidden=True))  # type: ignore[type-var]
     desk.book.jobs.close()
-    desk.book.jobs = repair_jobs.RepairJobs(refused)
-    assert "Traceback" not in previewed(desk)
+    desk.book.jobs = repair_jobs.RepairJobs(partial(settings_on_record, LAB, out, None))
+    assert "graded on hidden scenarios; set IMUGRADE_SEED" in words(previewed(desk))
 
 
 @pytest.mark.parametrize(

@@ -55,11 +55,6 @@ def unread() -> set[str]:
 # --- the records --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", EVERY)
-def test_a_line_of_the_registry_says_what_the_record_does(name: str) -> None:
-    assert registry.platform(name).name == name
-
-
 def test_every_module_that_ends_in_a_record_is_listed() -> None:
     modules = (f"grader.platforms.{each.name}" for each in pkgutil.iter_modules(platforms.__path__))
     assert {name for name in modules if hasattr(import_module(name), "PLATFORM")} == {
@@ -70,6 +65,7 @@ def test_every_module_that_ends_in_a_record_is_listed() -> None:
 @pytest.mark.parametrize("name", EVERY)
 def test_what_a_platform_does_has_documentation(name: str) -> None:
     each = registry.platform(name)
+    assert each.name == name
     assert bool(each.help.respond) == (each.respond is not None)
     assert bool(each.help.read[1] and each.help.read[2]) == (each.read is not None)
     assert bool(each.help.grades) == bool(each.gradebook) == (each.fill is not None or each.write is not None)
@@ -79,15 +75,9 @@ def test_the_readme_names_every_platform() -> None:
     assert unnamed((ROOT / "README.md").read_text(encoding="utf-8")) == []
 
 
-def test_every_text_that_a_platform_is_given_is_read_by_the_hostile_tests() -> None:
+def test_the_tests_have_a_look_a_template_and_a_download_for_every_platform_that_needs_one() -> None:
     assert unread() == set()
-
-
-def test_every_platform_that_fills_a_file_has_one_for_the_hostile_tests() -> None:
     assert set(outputs.TEMPLATES) == set(registry.names("fill"))
-
-
-def test_every_platform_that_reads_downloads_has_one_made_for_the_tests() -> None:
     assert {name.partition("_")[0] for name in classes.SHAPES} == {registry.FOLDERS, *registry.names("read")}
 
 
@@ -110,67 +100,39 @@ def test_a_kit_is_written_for_the_platforms_that_tell_of_one() -> None:
 # --- one that is new ----------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def known() -> dict[str, Any]:
-    """Who knows the made-up platform, in a process in which it is listed from the start."""
+def test_the_documentation_describes_a_new_platform_and_what_hostile_tests_do_not_look_into_is_named() -> None:
+    """In a process in which it is listed from the start."""
     command = [sys.executable, "-m", "tests.fake_platform"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
-
-
-def test_the_documentation_describes_a_new_platform(known: dict[str, Any]) -> None:
+    known = json.loads(subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout)
     assert "| `made-up` | Made-up Campus | working folder | standard output |" in known["platforms"]
     assert "## Made-up Campus\n\nTold of jobs." in known["platforms"]
     assert "| Made-up Campus, *Take all* | `made-up.txt` | told of downloads |" in known["classes"]
     assert "- **Made-up Campus**: told of grades." in known["classes"]
     assert known["commands"].count("made-up") == 3
-
-
-def test_hostile_submissions_are_written_for_a_new_platform_and_what_reads_that_is_asked_for(
-    known: dict[str, Any],
-) -> None:
     assert {"made-up", "campus.csv"} <= set(known["writers"])
     assert known["unread"] == ["campus.csv", "made-up"]
 
 
-@pytest.fixture
-def _listed() -> Any:
-    with fake_platform.listed("respond", "read", "write"):
-        yield
-
-
-@pytest.mark.usefixtures("_listed")
-def test_a_class_is_read_from_a_new_platform(tmp_path: Path) -> None:
+def test_a_class_is_read_from_a_new_platform_grades_go_to_it_and_a_job_knows_it(tmp_path: Path) -> None:
     (tmp_path / "in" / "work").mkdir(parents=True)
     (tmp_path / "in" / "made-up.txt").touch()
-    for shape in (None, "made-up"):
-        (entry,) = read_class([tmp_path / "in"], LAB.files, shape).entries
-        assert entry.name == "Uma"
-
-
-@pytest.mark.usefixtures("_listed")
-def test_grades_go_to_a_new_platform(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
         store.keep(Key("alice", "s", "r", "t", "0"), result())
-    assert cli.main(["export", str(tmp_path), "--format", "made-up"]) == 0
+    with fake_platform.listed("respond", "read", "write"):
+        for shape in (None, "made-up"):
+            (entry,) = read_class([tmp_path / "in"], LAB.files, shape).entries
+            assert entry.name == "Uma"
+        assert cli.main(["export", str(tmp_path), "--format", "made-up"]) == 0
+        assert job.named("made-up") is fake_platform.PLATFORM
     assert (tmp_path / "campus.csv").read_text() == "made up: alice\n"
-
-
-@pytest.mark.usefixtures("_listed")
-def test_a_job_knows_a_new_platform_by_its_name() -> None:
-    assert job.named("made-up") is fake_platform.PLATFORM
 
 
 # --- one that does less -------------------------------------------------------------------------------------------------
 
 
-def silent() -> Platform:
-    return replace(fake_platform.PLATFORM, respond=None, write=None)
-
-
 def test_a_line_that_promises_what_the_record_does_not_do_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fake_platform, "PLATFORM", silent())
+    silent = replace(fake_platform.PLATFORM, respond=None, write=None)
+    monkeypatch.setattr(fake_platform, "PLATFORM", silent)
     with (
         fake_platform.listed("respond", "read", "write"),
         pytest.raises(GraderError, match="its line in the registry"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -258,23 +257,19 @@ REPAIRED = "filters.py was repaired by Eve (−1 points): a colon was missing"
 
 
 @pytest.mark.parametrize(
-    ("platform", "template", "cells"),
+    ("platform", "name", "title", "template"),
     [
-        ("csv", "", {"alice": "99", "bob": "100"}),
-        ("canvas", "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\nalice,1,alice,alice,A,\nbob,2,bob,bob,A,\n", {"alice": "99", "bob": "100"}),
-        ("moodle", "Identifier,Full name,ID number,Email address,Status,Grade,Maximum Grade\nParticipant 1,alice,alice,,,,100\nParticipant 2,bob,bob,,,,100\n", {"alice": "99", "bob": "100"}),
+        ("csv", "id", "final", ""),
+        ("canvas", "Student", "Lab (1)", "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\nalice,1,alice,alice,A,\nbob,2,bob,bob,A,\n"),
+        ("moodle", "ID number", "Grade", "Identifier,ID number,Grade,Maximum Grade\nParticipant 1,alice,,100\nParticipant 2,bob,,100\n"),
     ],
 )  # fmt: skip
-def test_every_gradebook_has_the_repaired_grade(run: Run, platform: str, template: str, cells: dict[str, str]) -> None:
+def test_every_gradebook_has_the_repaired_grade(run: Run, platform: str, name: str, title: str, template: str) -> None:
     repaired(run)
     Path("template.csv").write_text(template)
     more = ("--template", "template.csv") if template else ()
-    code, _, err = run("export", "out", "--format", platform, *more, "-o", "upload.csv")
-    assert code == 0, err
-    text = Path("upload.csv").read_text()
-    for name, points in cells.items():
-        line = next(line for line in text.splitlines() if name in line)
-        assert points in re.split("[,;]", line) or f"{points}.0" in line, line
+    assert run("export", "out", "--format", platform, *more, "-o", "upload.csv")[0] == 0
+    assert column(Path("upload.csv"), title, name).items() >= {("alice", "99"), ("bob", "100")}
 
 
 def test_every_format_of_a_job_tells_a_repair(run: Run) -> None:
