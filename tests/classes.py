@@ -216,14 +216,8 @@ def canvas_import(data: bytes) -> dict[str, float | None]:
     """Scores of the one assignment by Canvas id; None where there is none."""
     rows = list(csv.reader(io.StringIO(data.decode(), newline="")))
     head = rows[0]
-    assert "Student" in head[0]
-    assert "ID" in head[1]
-    assert len(head) > 3
     assignments = [i for i, title in enumerate(head) if re.fullmatch(r"(.*)\s\((\d+)\)", title)]
     assert [head[i] for i in assignments] == [ASSIGNMENT]
-    assert "Section" in head[assignments[0] - 1]
-    assert rows[1][0] == "    Points Possible"
-    assert rows[1][assignments[0]] == "100.0"
     scores = {row[1]: row[assignments[0]] for row in rows[2:]}
     return {id_: None if cell in ("", "-") else round(float(cell), 2) for id_, cell in scores.items()}
 

@@ -403,23 +403,19 @@ def test_whole_points_sum_to_the_rounded_total_and_never_exceed_their_most(rows:
 # --- extra credit -----------------------------------------------------------------------------------------------------
 
 
-def with_extra_credit() -> Result:
+def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
     """3.33 of 6 points, and 8 of extensions that are capped at 4.5."""
     base = result(check("partial", 3.33))
-    extension = replace(
-        base.extensions[0], max_points=10.0, checks=(check(id="allan_variance.a", points=8.0, max_points=10.0),)
-    )
-    return replace(base, extensions=(extension,), extra_credit_cap=4.5)
-
-
-def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
-    scope = read_gradescope(gradescope(with_extra_credit()))
+    tried = (check(id="allan_variance.a", points=8.0, max_points=10.0),)
+    extension = replace(base.extensions[0], max_points=10.0, checks=tried)
+    made = replace(base, extensions=(extension,), extra_credit_cap=4.5)
+    scope = read_gradescope(gradescope(made))
     assert scope["score"] == 7.83 == round(sum(test.get("score", 0.0) for test in scope["tests"]), 2)
     assert sum(test.get("max_score", 0.0) for test in scope["tests"]) == 6
-    room = read_classroom50(with_extra_credit())
+    room = read_classroom50(made)
     assert (room["score"], room["max-score"]) == (3 + 5, 6)
     assert room["tests"][-1]["exact-score"] == 4.5
-    assert read_prairielearn(prairielearn(with_extra_credit()))["score"] == 1.0
+    assert read_prairielearn(prairielearn(made))["score"] == 1.0
 
 
 # --- a class ------------------------------------------------------------------------------------------------------------
@@ -440,6 +436,7 @@ def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(graded
     *told, total = as_the_runner_reads(github.commands(graded, Places(LAB)))
     assert total[2].startswith(f"{graded.score:g} / {graded.max_score:g}")
     assert bool(told) == (lost_points and graded.status == "graded")
+    assert total[0] == ("notice" if graded.status == "graded" else "error")
     assert rendered(github.summary(graded, LAB)).names <= SUMMARY_TAGS
     assert read_gradescope(gradescope(graded))["score"] == graded.score
     assert read_classroom50(graded)["score"] == round(graded.score)

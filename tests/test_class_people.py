@@ -55,6 +55,7 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
 
 
 PAIR = "id,sis user id,login,name,email,group\n5038,S5038,ann1,Ann Lee,ann@example.edu,1\n5039,S5039,bob1,Bob Roe,bob@example.edu,1\n"
+HEAD = "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\n"
 
 
 def canvas_download(**kept: float) -> None:
@@ -70,10 +71,7 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     canvas_download(leeann_101=1)
     Path("roster.csv").write_text(PAIR)
     assert run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")[0] == 0
-    Path("canvas.csv").write_text(
-        "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\n"
-        '"Lee, Ann",101,S5038,ann1,A,\n"Roe, Bob",102,S5039,bob1,A,\n'
-    )
+    Path("canvas.csv").write_text(HEAD + '"Lee, Ann",101,S5038,ann1,A,\n"Roe, Bob",102,S5039,bob1,A,\n')
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (0, "imugrade: graded: 2\n")
     assert [row["Lab (1)"] for row in rows("filled.csv")] == ["100", "100", "100"]
@@ -93,11 +91,10 @@ def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) 
     canvas_download(leeann_101=1)
     Path("roster.csv").write_text("id,name,group\n5038,Ann Lee,1\n5039,Bob Roe,1\n")
     assert run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")[0] == 0
-    head = "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\n"
-    Path("canvas.csv").write_text(head + '"Lee, Ann",101,S5038,,A,\n"Roe, Bob",102,S5039,,A,\n')
+    Path("canvas.csv").write_text(HEAD + '"Lee, Ann",101,S5038,,A,\n"Roe, Bob",102,S5039,,A,\n')
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (0, "imugrade: graded: 2\n")
-    Path("canvas.csv").write_text(head + '"Lee, Ann",101,S5038,,A,\n"Roe, Bob",102,S6000,,A,\n')
+    Path("canvas.csv").write_text(HEAD + '"Lee, Ann",101,S5038,,A,\n"Roe, Bob",102,S6000,,A,\n')
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (
         2,

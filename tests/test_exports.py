@@ -171,27 +171,26 @@ def worksheet(*rows: str) -> bytes:
 MOODLE = Person("Jürgen Müßig", "12", "moodle")
 
 
-def test_a_worksheet_comes_back_with_every_other_byte_as_it_was() -> None:
+PLAIN = final_grade("a", MOODLE)
+LATE = final_grade("a", MOODLE, late=Lateness("2026-11-20T23:59+01:00", 90_000, 2, 20.0))
+SEEN = Adjustment("sensor_access", 90.0, "seen", "me", "now", points_by_check(LATE.result.criteria[0]))
+
+
+@pytest.mark.parametrize(
+    ("final_grade", "before", "after"),
+    [
+        (PLAIN, ("", ""), ("87.5", '"Marks: Sensor access 87.5 / 100"')),
+        (PLAIN, ("", '"Come to my office"'), ("87.5", '"Come to my office"')),
+        (replace(LATE, adjustments=(SEEN,)), ("87.5", '"Marks: old"'), ("70", '"Marks: Sensor access 90 / 100 (overridden); late −20"')),
+    ],
+)  # fmt: skip
+def test_a_worksheet_gets_the_grade_and_a_comment_unless_a_teachers_is_there_and_keeps_every_other_byte(
+    final_grade: FinalGrade, before: tuple[str, str], after: tuple[str, str]
+) -> None:
     row = '"Participant 12","Jürgen Müßig", j@example.edu ,"Submitted, late",,{},100.00,Yes,-,{}'
     other = '"Participant 13","=1+1 ""X""",x@example.edu,-,"",55.00,100.00,Yes,"Friday, 1",""'
-    filled = moodle.fill(worksheet(row.format("", ""), other), "w.csv", None, class_of(final_grade("a", MOODLE)))
-    assert filled.data == worksheet(row.format("87.5", '"Marks: Sensor access 87.5 / 100"'), other)
-
-
-def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_of_ours() -> None:
-    one = final_grade("a", MOODLE, late=Lateness("2026-11-20T23:59+01:00", 90_000, 2, 20.0))
-    criterion = one.result.criteria[0]
-    one = replace(one, adjustments=(Adjustment(criterion.id, 90.0, "seen", "me", "now", points_by_check(criterion)),))
-    filled = moodle.fill(worksheet('"Participant 12",J,,,,87.5,100,Yes,-,"Marks: old"'), "w.csv", None, class_of(one))
-    assert filled.data == worksheet(
-        '"Participant 12",J,,,,70,100,Yes,-,"Marks: Sensor access 90 / 100 (overridden); late −20"'
-    )
-
-
-def test_a_comment_of_a_teacher_is_kept() -> None:
-    teachers = '"Participant 12",J,,,,{},100,Yes,-,"Come to my office"'
-    filled = moodle.fill(worksheet(teachers.format("")), "w.csv", None, class_of(final_grade("a", MOODLE)))
-    assert filled.data == worksheet(teachers.format("87.5"))
+    filled = moodle.fill(worksheet(row.format(*before), other), "w.csv", None, class_of(final_grade))
+    assert filled.data == worksheet(row.format(*after), other)
 
 
 def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_column() -> None:
