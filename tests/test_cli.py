@@ -55,7 +55,7 @@ def students(tmp_path: Path) -> Path:
 
 
 def checked(monkeypatch: pytest.MonkeyPatch, answer: Result | BaseException) -> None:
-    """Let the check of one submission end like this."""
+    """Let the check of one submission end like this; no sandbox is started, which takes half a second."""
 
     def check_one(*_: object, **__: object) -> Result:
         if isinstance(answer, BaseException):
@@ -63,6 +63,7 @@ def checked(monkeypatch: pytest.MonkeyPatch, answer: Result | BaseException) -> 
         return answer
 
     monkeypatch.setattr(checking, "check", check_one)
+    monkeypatch.setattr("grader.engine.lab_sandbox.open_sandbox_for", lambda *_: nullcontext())
 
 
 # --- requests that are wrong (one line, exit code 2), and other ends ---------------------------------------------------

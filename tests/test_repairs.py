@@ -134,17 +134,15 @@ def test_a_second_repair_is_made_on_the_first(run: Run, ran: list[str]) -> None:
     assert len(result()["repairs"]) == 1
 
 
-def test_a_regrade_keeps_the_repair(run: Run, ran: list[str]) -> None:
+def test_a_regrade_keeps_the_repair_and_another_version_of_the_file_ends_it_and_that_is_told(
+    run: Run, ran: list[str]
+) -> None:
     repaired(run)
     ran.clear()
     assert run("grade", "class", "-o", "out")[0] == 0
     assert (total(), ran) == (99.0, [])
     assert run("grade", "class", "-o", "out", "--force")[0] == 0
     assert total() == 99.0
-
-
-def test_another_version_of_the_file_ends_the_repair_and_grade_says_so(run: Run) -> None:
-    repaired(run)
     hand_in(Path("class"), alice=0.25)
     code, _, err = run("grade", "class", "-o", "out")
     assert code == 0
@@ -205,7 +203,9 @@ def suggestions(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return asked
 
 
-def test_a_suggested_repair_is_applied_only_if_the_rubric_says_so(run: Run, suggestions: list[str]) -> None:
+def test_a_suggested_repair_is_applied_only_if_the_rubric_says_so_and_stays_taken_back(
+    run: Run, suggestions: list[str]
+) -> None:
     Path("class/alice/filters.py").write_text("stops\n")
     run("grade", "class", "-o", "out")
     assert (total(), suggestions) == (94.0, [])
@@ -222,17 +222,9 @@ def test_a_suggested_repair_is_applied_only_if_the_rubric_says_so(run: Run, sugg
     assert "Applied automatically: with this edit of one place the code runs." in repair["comment"]
     page = Path("out/submissions/alice/report.html").read_text()
     assert "imugrade: Applied automatically" in page
-
-
-def test_an_applied_repair_that_somebody_took_back_stays_taken_back(run: Run, suggestions: list[str]) -> None:
-    Path("class/alice/filters.py").write_text("stops\n")
-    rubric_with(Path("auto.yaml"), SUGGESTED)
-    run("grade", "class", "-o", "fresh", "--rubric", "auto.yaml")
-    assert suggestions == ["alice"]
-    run("repair", "fresh", "alice", "--undo", "--author", "Eve")
-    run("grade", "class", "-o", "fresh", "--force")
-    assert column(Path("fresh/gradebook.csv"), "total")["alice"] == "94"
-    assert suggestions == ["alice"]
+    run("repair", "out", "alice", "--undo", "--author", "Eve")
+    run("grade", "class", "-o", "out", "--force")
+    assert (total(), suggestions) == (94.0, ["alice"])
 
 
 @pytest.mark.parametrize(
