@@ -12,12 +12,11 @@ from pathlib import Path
 import yaml
 
 import reference
-from grader.engine import rubric
 from grader.engine.grader import Marker
 from grader.intake import Submission
 from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.mutants.operators import Mutant, mutants
+from tests.sandboxes import opened
 
 REFERENCE = Path(reference.__file__).parent
 SHEET = ("imu_reader.py", "noisy_imu.py", "filters.py")
@@ -73,7 +72,7 @@ def all_mutants(files: Sequence[str] = SHEET) -> list[Mutant]:
 
 @cache
 def _marker() -> Marker:
-    return Marker(rubric.load(LAB), bundles.shipped()).__enter__()
+    return opened(bundles.shipped()).__enter__()
 
 
 def lost(mutant: Mutant) -> tuple[str, ...]:
