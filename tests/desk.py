@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlencode, urlsplit
+from urllib.parse import urlencode
 
 from grader import __version__
 from grader.course.publishing import publish, publish_class
@@ -120,10 +120,6 @@ class Desk:
         cookie = self._cookie + (f"; {self.keys.cookie_name}-author={who}" if who else "")
         body = urlencode(fields).encode()
         return self.raw("POST", path, body, Cookie=cookie, Origin=self.origin)
-
-    def enter(self) -> Answer:
-        parts = urlsplit(self.keys.first_address)
-        return self.raw("GET", f"{parts.path}?{parts.query}")
 
 
 def words(page: str) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from grader.course.class_grading import GradingSettings, settings_on_record
+from grader.course.class_grading import settings_on_record
 from grader.course.pool import Pool
 from grader.course.record import Store
 from grader.desk import repair_jobs
@@ -29,29 +29,25 @@ STOPS, FIXED = "stops", "# 1"
 SENTENCE = "filters.py, line 1: NameError: name &#39;x&#39; is not defined. Costs 6 points."
 
 
-class Open:
-    """Opens the made-up marker in the marker's process; it writes down which process that is, and waits where it is asked to."""
+@contextmanager
+def waiting_marker(rubric: Any, traces: Any, seen: Path) -> Iterator[Any]:
+    """A made-up marker that writes down which process it is in, and waits as long as it is asked to."""
 
-    def __init__(self, rubric: Any, traces: Any, seen: Path) -> None:
-        self._rubric, self._traces, self._seen = rubric, traces, seen
-
-    @contextmanager
-    def __call__(self) -> Iterator[Any]:
-        yield SimpleNamespace(mark=self._mark)
-
-    def _mark(self, submission: Any, cpu_s: float | None = None) -> Any:
-        with open(self._seen, "a", encoding="ascii") as file:
+    def mark(submission: Any, cpu_s: float | None = None) -> Any:
+        with open(seen, "a", encoding="ascii") as file:
             file.write(f"{os.getpid()}\n")
-        while self._seen.with_name("wait").exists():
+        while seen.with_name("wait").exists():
             time.sleep(0.01)
-        return result_by_comment(submission, self._rubric, self._traces)
+        return result_by_comment(submission, rubric, traces)
+
+    yield SimpleNamespace(mark=mark)
 
 
 class PoolHere:
     """Stands in for the pool of one marker process, which takes half a second to start, where the process is not asked about."""
 
-    def __init__(self, open_marker: Open, *_: object) -> None:
-        self._open_marker = open_marker
+    def __init__(self, open_marker: partial[Any], *_: object) -> None:
+        self._rubric, self._traces = open_marker.args[:2]
 
     def __enter__(self) -> PoolHere:
         return self
@@ -59,9 +55,8 @@ class PoolHere:
     def __exit__(self, *_: object) -> None: ...
 
     def run(self, submissions: Iterator[Any], cpu_s: float | None = None) -> Iterator[tuple[Any, Any]]:
-        with self._open_marker() as marker:
-            for each in submissions:
-                yield each, marker.mark(each, cpu_s)
+        for each in submissions:
+            yield each, result_by_comment(each, self._rubric, self._traces)
 
 
 @pytest.fixture
@@ -78,10 +73,6 @@ def out(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
 def desk(out: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
     monkeypatch.setattr(repair_jobs, "Pool", PoolHere)
     with desk_over(out) as opened:
-        made = settings_on_record(LAB, out, None)
-        fake = GradingSettings(made.rubric, made.traces, Open(made.rubric, made.traces, out.parent / "seen"))
-        opened.book.jobs.close()
-        opened.book.jobs = repair_jobs.RepairJobs(lambda: fake)
         yield opened
 
 
@@ -206,6 +197,10 @@ def test_the_desk_answers_while_another_process_makes_a_preview_and_says_what_is
     desk: Desk, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(repair_jobs, "Pool", Pool)
+    made = settings_on_record(LAB, out, None)
+    opener = partial(waiting_marker, made.rubric, made.traces, out.parent / "seen")
+    desk.book.jobs.close()
+    desk.book.jobs = repair_jobs.RepairJobs(lambda: replace(made, open_marker=opener))
     wait = out.parent / "wait"
     wait.touch()
     form = fields(desk.get("/submission/ada?edit=filters.py").text)
@@ -223,8 +218,6 @@ def test_the_desk_answers_while_another_process_makes_a_preview_and_says_what_is
 def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk, out: Path) -> None:
     with Store.existing(out) as store:
         store.keep_settings(replace(store.settings(), hidden=True))  # type: ignore[type-var]
-    desk.book.jobs.close()
-    desk.book.jobs = repair_jobs.RepairJobs(partial(settings_on_record, LAB, out, None))
     assert "graded on hidden scenarios; set IMUGRADE_SEED" in words(previewed(desk))
 
 

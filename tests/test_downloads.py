@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pickle
 import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -17,15 +16,10 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Person
 from grader.platforms.classes import Intake, read_class
 from tests import classes
-from tests.corpus.writing import as_bytes, zipped
+from tests.corpus.writing import as_bytes, write, zipped
 
 FILTERS = {"filters.py": b"alpha = 0.1\n"}
 STUDENTS = classes.a_class(7, [{"imu_reader.py": "a = 1\n", "filters.py": "b = 2\n"}, {"filters.py": "c = 3\n"}])
-
-
-def zip_of(path: Path, members: Mapping[str, bytes | str]) -> Path:
-    path.write_bytes(zipped(members))
-    return path
 
 
 def files_of(found: Intake) -> dict[str, dict[str, bytes]]:
@@ -74,9 +68,8 @@ def test_a_shape_can_be_forced_and_one_that_does_not_fit_is_refused(tmp_path: Pa
 
 
 def test_a_zip_of_folders_is_one_submission_unless_it_is_forced_to_be_a_class(tmp_path: Path) -> None:
-    inner = zip_of(tmp_path / "carol.zip", FILTERS)
-    members = {"alice/filters.py": "a", "bob/filters.py": "b", "carol.zip": inner.read_bytes(), "notes.txt": "?"}
-    path = zip_of(tmp_path / "class.zip", members)
+    members = {"alice/filters.py": "a", "bob/filters.py": "b", "carol.zip": zipped(FILTERS), "notes.txt": "?"}
+    path = write(members, tmp_path / "class", "zip")
     assert [entry.id for entry in read_class([path], LAB.files).entries] == ["class"]
     found = read_class([path], LAB.files, "folders")
     assert files_of(found) == {"alice": {"filters.py": b"a"}, "bob": {"filters.py": b"b"}, "carol": FILTERS}
@@ -86,15 +79,14 @@ def test_a_zip_of_folders_is_one_submission_unless_it_is_forced_to_be_a_class(tm
 def test_a_students_own_archive_is_never_taken_for_a_download(tmp_path: Path) -> None:
     """Else a student could hand in under other people's names."""
     room = tmp_path / "class"
-    room.mkdir()
-    zip_of(room / "mallory.zip", {"Alice_12_assignsubmission_file_filters.py": "a", "imu_reader.py": "b"})
-    zip_of(room / "bob.zip", FILTERS)
+    write({"Alice_12_assignsubmission_file_filters.py": "a", "imu_reader.py": "b"}, room / "mallory", "zip")
+    write(FILTERS, room / "bob", "zip")
     assert [entry.id for entry in read_class([room], LAB.files).entries] == ["bob", "mallory"]
 
 
 def test_names_that_lead_out_of_a_download_are_listed_and_not_followed(tmp_path: Path) -> None:
     members = {"A_1_assignsubmission_file_/filters.py": "a", "../B_2_assignsubmission_file_/filters.py": "b"}
-    path = zip_of(tmp_path / "m.zip", members)
+    path = write(members, tmp_path / "m", "zip")
     found = read_class([path], LAB.files)
     assert [entry.id for entry in found.entries] == ["A_1"]
     assert found.leftovers == (
@@ -121,7 +113,7 @@ def test_whatever_lies_in_a_download_is_somebodys_or_is_listed(
     tmp_path: Path, names: set[str], below: str, attempts: str
 ) -> None:
     members: dict[str, bytes | str] = {name + below * (i % 2): "x" for i, name in enumerate(sorted(names))}
-    found = read_class([zip_of(tmp_path / "d.zip", members)], LAB.files, attempts=attempts)
+    found = read_class([write(members, tmp_path / "d", "zip")], LAB.files, attempts=attempts)
     places = [place for entry in found.entries for place, _ in entry.sources]
     listed = {line.removeprefix(f"{tmp_path}/d.zip/").rpartition(": ")[0] for line in found.leftovers}
     known = {"submission_metadata.yml", "scores.csv"}  # the platform's own
@@ -136,7 +128,7 @@ def test_whatever_lies_in_a_download_is_somebodys_or_is_listed(
 
 
 def canvas(tmp_path: Path, *names: str) -> Intake:
-    return read_class([zip_of(tmp_path / "c.zip", {name: f"# {name}\n" for name in names})], LAB.files)
+    return read_class([write({name: f"# {name}\n" for name in names}, tmp_path / "c", "zip")], LAB.files)
 
 
 def test_canvas_names_give_who_late_and_where_feedback_goes(tmp_path: Path) -> None:
@@ -189,7 +181,7 @@ CANVAS, MOODLE = "li_102_9003_filters.py", "B_9_assignsubmission_file_filters.py
 def test_a_name_with_numbers_in_it_is_who_the_roster_knows_or_nobody(
     beside: str, name: str, known: dict[str, str], who: str | None, tmp_path: Path
 ) -> None:
-    path = zip_of(tmp_path / "c.zip", {name: "# 1\n", beside: "# 2\n"})
+    path = write({name: "# 1\n", beside: "# 2\n"}, tmp_path / "c", "zip")
     found = read_class([path], LAB.files, known=known)
     keys = [entry.hand_in.people[0].key for entry in found.entries]
     assert sorted(keys) == sorted([beside.split("_")[1], *filter(None, [who])])
@@ -205,8 +197,8 @@ def test_of_a_file_that_begins_with_numbers_another_of_the_same_student_leaves_n
 
 
 def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_listed(tmp_path: Path) -> None:
-    first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old", "b_2_11_filters.py": "b"})
-    second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
+    first = write({"a_1_10_filters.py": "old", "b_2_11_filters.py": "b"}, tmp_path / "monday", "zip")
+    second = write({"a_1_12_filters.py": "new"}, tmp_path / "friday", "zip")
     found = read_class([second, first], LAB.files)
     assert files_of(found) == {"a_1": {"filters.py": b"new"}, "b_2": {"filters.py": b"b"}}
     assert found.leftovers == (f"{first}/a_1_10_filters.py: an earlier attempt; the latest one is graded",)
@@ -222,7 +214,7 @@ def test_moodle_online_text_and_feedback_stand_beside_the_files(tmp_path: Path) 
         "Jane Doe_12_assignfeedback_file/old.html": "x",
         "Only Text_13_assignsubmission_onlinetext/onlinetext.html": "<p>see attachment</p>",
     }  # fmt: skip
-    found = read_class([zip_of(tmp_path / "m.zip", members)], LAB.files)
+    found = read_class([write(members, tmp_path / "m", "zip")], LAB.files)
     jane, text = found.entries
     assert (jane.id, jane.name) == ("Jane_Doe_12", "Jane Doe")
     assert jane.hand_in.people == (Person("Jane Doe", "12", "moodle"),)
@@ -240,7 +232,7 @@ def test_moodle_online_text_and_feedback_stand_beside_the_files(tmp_path: Path) 
 def export(tmp_path: Path, records: object, *folders: str) -> Intake:
     members = {f"{folder}/filters.py": f"# {folder}\n" for folder in folders}
     text = records if isinstance(records, str) else yaml.safe_dump(records)
-    return read_class([zip_of(tmp_path / "g.zip", {**members, "submission_metadata.yml": text})], LAB.files)
+    return read_class([write({**members, "submission_metadata.yml": text}, tmp_path / "g", "zip")], LAB.files)
 
 
 def submitter(name: str, sid: str) -> dict[str, str]:
