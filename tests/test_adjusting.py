@@ -12,7 +12,7 @@ from grader.course.differences import lines_of
 from grader.engine.results import Result
 from grader.intake import Submission
 from grader.people.final_grade import FinalGrade
-from tests.class_commands import Run, commands, hand_in, late_policy, rubric_with
+from tests.class_commands import Run, commands, hand_in
 from tests.corpus.writing import write
 from tests.fake_results import check, lost, result
 
@@ -113,42 +113,6 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
 )
 def test_a_wish_that_is_not_whole_is_one_line(arguments: str, line: str, run: Run, out: Path) -> None:
     assert run("adjust", out, *arguments.split()) == (2, "", f"imugrade: adjust: {line}\n")
-
-
-# ---- what is graded again ----
-
-
-def test_only_with_force_grades_one_again_and_a_change_back_is_on_record(
-    run: Run, out: Path, tmp_path: Path, ran: list[str]
-) -> None:
-    run("grade", tmp_path / "class", "-o", out, "--only", "bob", "--force")
-    hand_in(tmp_path / "class", bob=3)
-    run("grade", tmp_path / "class", "-o", out)
-    hand_in(tmp_path / "class", bob=20)
-    run("grade", tmp_path / "class", "-o", out)
-    assert sorted(ran) == ["alice", "bob", "bob", "bob"]
-    assert "bob,bob,20,20,graded" in (out / "gradebook.csv").read_text()
-
-
-def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(
-    run: Run, out: Path, tmp_path: Path, ran: list[str]
-) -> None:
-    roster = tmp_path / "roster.csv"
-    roster.write_text(
-        'id,name,section,submitted,due\nalice,"Müller, A.",B,2026-11-21T13:00Z,\nbob,Bob,A,2026-11-25T12:00Z,2026-11-30T00:00Z\nx,Gone,A,,\n'
-    )
-    rubric = rubric_with(tmp_path / "rubric.yaml", late_policy("due: 2026-11-20T12:00Z"))
-    given = ("grade", tmp_path / "class", "-o", out, "--rubric", rubric, "--roster", roster)
-    code, _, err = run(*given, "--change")
-    change = "another late policy, a roster: 1 of 2 scores change, mean of graded 17.0 to 10.0"
-    assert (code, err) == (0, f"imugrade: {change}\nimugrade: in the roster, no submission: Gone\n")
-    assert sorted(ran) == ["alice", "bob"]
-    assert (out / "gradebook.csv").read_text() == (
-        "id,name,section,sensor_access,total,submitted,late,late_deduction,final,status\n"
-        'alice,"Müller, A.",B,14,14,2026-11-21T13:00:00+00:00,2,14,0,graded\n'
-        "bob,Bob,A,20,20,2026-11-25T12:00:00+00:00,0,0,20,graded\n"
-        ",Gone,A,,,,,,,no submission\n"
-    )
 
 
 # ---- several attempts ----

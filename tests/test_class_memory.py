@@ -197,11 +197,16 @@ def test_a_weaker_isolation_level_than_that_of_the_class_is_refused(run: Run, be
     assert column(Path("out/gradebook.csv"), "total").keys() == {*before, "dora"}
 
 
-def test_the_mean_is_that_of_the_final_grades_of_the_graded_everywhere(run: Run, tmp_path: Path) -> None:
+def test_dates_that_come_later_grade_nothing_and_the_mean_is_that_of_the_final_grades_of_the_graded_everywhere(
+    run: Run, tmp_path: Path, ran: list[str]
+) -> None:
     hand_in(tmp_path / "class", dora=None)
+    assert run("grade", "class", "-o", "out")[0] == 0
     rubric_with(tmp_path / "late.yaml", LATE)
     Path("roster.csv").write_text(ROSTER)
-    told = run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv")[1]
+    given = ("--rubric", "late.yaml", "--roster", "roster.csv", "--change")
+    _, told, err = run("grade", "class", "-o", "out", *given)
+    assert "another late policy, a roster: 1 of 4 scores change, mean of graded 97.0 to 90.3\n" in err
     assert "mean of graded 90.3\n" in told
     assert "mean of graded 90.3" in words(Path("out/index.html").read_text(encoding="utf-8"))
     rubric_with(tmp_path / "later.yaml", late_policy(DUE, "20%"))
@@ -210,6 +215,7 @@ def test_the_mean_is_that_of_the_final_grades_of_the_graded_everywhere(run: Run,
     assert "mean of graded 90.3 → 83.7\n" in run("diff", "out")[1]
     with desk_over(Path("out").absolute()) as desk:
         assert "mean of graded 83.7 → 90.3" in words(desk.get("/what-if?late:per_day=10%25").text)
+    assert sorted(ran) == ["alice", "bob", "carol", "dora"]
 
 
 def test_what_if_starts_from_the_rubric_of_the_class_and_saves_its_late_policy(run: Run, tmp_path: Path) -> None:

@@ -79,6 +79,10 @@ def test_a_class_in_each_shape_gets_the_same_marks_and_its_reports_back(
 # ---- Canvas ----
 
 
+def last_cells(filled: Filled) -> list[str]:
+    return [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]]
+
+
 def unmatched(filled: Filled) -> list[str]:
     return [name for _, name in filled.unmatched]
 
@@ -125,25 +129,22 @@ def test_a_gradebook_that_cannot_be_filled_is_refused_in_one_line(
 
 
 def test_who_is_excused_or_not_judged_keeps_what_the_gradebook_has() -> None:
-    open_ = FinalGrade(
-        "li",
-        result(check("not_judged", None, max_points=100.0), status="incomplete"),
-        HandIn((Person("Li", "102", "canvas"),)),
-    )
+    unjudged = result(check("not_judged", None, max_points=100.0), status="incomplete")
+    open_ = FinalGrade("li", unjudged, HandIn((Person("Li", "102", "canvas"),)))
     template = canvas_file("Doe,101,,,A,,EX,", "Li,102,,,A,,7,")
-    everyone = class_of(final_grade("jd", JANE), open_)
-    filled = canvas.fill(template, "t.csv", "4711", everyone)
-    assert [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]] == ["EX", "7"]
+    filled = canvas.fill(template, "t.csv", "4711", class_of(final_grade("jd", JANE), open_))
+    assert last_cells(filled) == ["EX", "7"]
     assert (filled.kept, unmatched(filled)) == (["Doe"], [])
 
 
 def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     """One of two handed in; the other's row has another number, and so stays as it is."""
+    twins = canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,')
     everyone = class_of(final_grade("doejane_101", Person("doejane", "101", "canvas")))
-    filled = canvas.fill(canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,'), "t", "4711", everyone)
-    assert [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]] == ["", "87.5"]
+    filled = canvas.fill(twins, "t", "4711", everyone)
+    assert last_cells(filled) == ["", "87.5"]
     by_name = class_of(final_grade("a", Person("Jane Doe")))
-    filled = canvas.fill(canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,'), "t", "4711", by_name)
+    filled = canvas.fill(twins, "t", "4711", by_name)
     assert filled.grades == 0
     assert filled.without_row(by_name["a"]) == [Person("Jane Doe")]
     assert unmatched(filled) == ["Doe, Jane", "Doe, Jane"]
