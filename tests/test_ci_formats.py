@@ -129,6 +129,11 @@ def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
     assert commands[-1][2] == "9.33 / 30"
 
 
+@pytest.mark.parametrize(("status", "kind"), [("graded", "notice"), ("empty", "error"), ("unreadable", "error")])
+def test_github_gets_an_error_where_nothing_could_be_graded(status: Status, kind: str) -> None:
+    assert as_the_runner_reads(github.commands(result(status=status), Places(LAB)))[-1][0] == kind
+
+
 def test_no_text_of_a_submission_becomes_a_command_of_the_runner() -> None:
     commands = as_the_runner_reads(github.commands(evil(), Places(LAB)))
     assert [kind for kind, _, _ in commands] == ["error", "error", "notice"]

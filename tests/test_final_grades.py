@@ -144,11 +144,13 @@ def test_what_stands_beside_has_columns_after_the_total() -> None:
     made = result()
     by_hand = Adjustment("sensor_access", 18.0, "why", "me", "now", points_by_check(made.criteria[0]))
     late = HandIn((Person("Müller, J.", section="=B"),), "2026-11-21T23:00:01+00:00", Lateness("x", 86_401, 2, 4.0))
-    table = gradebook({"a": FinalGrade("a", made, late, (by_hand,)), "b": FinalGrade("b", made)})
+    nothing = FinalGrade("c", replace(made, status="empty"), HandIn((Person("Z"),)))
+    table = gradebook({"a": FinalGrade("a", made, late, (by_hand,)), "b": FinalGrade("b", made), "c": nothing})
     assert table == (
         "id,name,section,sensor_access,total,adjusted,submitted,late,late_deduction,final,status\n"
         'a,"Müller, J.",\'=B,20,20,18,2026-11-21T23:00:01+00:00,2,4,14,graded\n'
         "b,alice,,20,20,20,,0,0,20,graded\n"
+        "c,Z,,,,,,0,,,empty\n"
     )
 
 
