@@ -1,4 +1,4 @@
-"""Scoreboard of false deductions and missed faults: `python -m tests.scoreboard [--only NAME] [--part PART] [--jobs 2]`."""
+"""Scoreboard of false deductions and missed faults: `python -m tests.scoreboard [--only NAME]`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import argparse
 import re
 import sys
 import tempfile
-import time
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -26,7 +26,6 @@ from tests.corpus.writing import write
 from tests.layout_variants import VARIANTS, can_be_rearranged
 from tests.recordings import Marking
 
-PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
 ONE_FAULT = ("faulty", "lookalikes")
 _WHOLE_FILE = "the file that is missing was to hold two parts or more, and each part has nothing to show"
 _UNPARSED_FILE = "the file that does not parse defines three parts, and none of them can run"
@@ -47,10 +46,9 @@ MORE_THAN_ONE: Mapping[str, str] = {
 
 @dataclass
 class Verdict:
-    """What the scoreboard says of one case: troubles by kind, and how its mistakes were named."""
+    """What the scoreboard says of one case: its troubles, each with its kind."""
 
     case: Case
-    seconds: float = 0.0
     troubles: list[tuple[str, str]] = field(default_factory=list)
     result: Result | None = None
 
@@ -62,19 +60,13 @@ class Verdict:
         self.troubles.append((kind, text))
 
 
-def cases() -> Iterator[Case]:
-    yield from as_written()
-    yield from recast()
-
-
 def as_written() -> Iterator[Case]:
     """The corpus in the layout that it is written in."""
-    for part in ("sound", "faulty", "lookalikes", "pairs", "broken"):
+    for part in ("sound", "faulty", "lookalikes", "pairs", "broken", "nothing"):
         yield from of(part)
     for layout, put in LAYOUTS.items():
         for edit in of("module level"):
             yield replace(edit, name=f"{edit.name} in {layout}", files=put(edit.files))  # type: ignore[arg-type]
-    yield from of("nothing")
     yield from (case for case in of("extensions") if case.fault != "never-returns")
 
 
@@ -106,7 +98,7 @@ def words(checks: Iterable[CheckResult]) -> str:
     )
 
 
-def look_at_sound(verdict: Verdict, result: Result) -> None:
+def look_at_sound(verdict: Verdict, result: Result, sound: Case) -> None:
     if result.status != "graded":
         verdict.trouble("false deduction", f"status is {result.status}")
     if gone := lost(result):
@@ -239,6 +231,12 @@ def look_at_edit(verdict: Verdict, result: Result, edit: Case) -> None:
             verdict.trouble("missed", f"costs nothing in {criterion.id}")
 
 
+_LOOKS: Mapping[str, Callable[[Verdict, Result, Case], None]] = {
+    "sound": look_at_sound, "faulty": look_at_fault, "lookalikes": look_at_fault, "pairs": look_at_pair, "broken": look_at_broken,
+    "module level": look_at_edit, "nothing": look_at_nothing, "extensions": look_at_extension,
+}  # fmt: skip
+
+
 # ---------------------------------------------------------------- grading
 
 
@@ -260,13 +258,12 @@ def grade(case: Case) -> Verdict:
 
 def graded_by(marker: Marking, case: Case) -> Verdict:
     """What the scoreboard says of a case that this marker grades."""
-    verdict, started = Verdict(case), time.perf_counter()
+    verdict = Verdict(case)
     try:
         verdict.result = marker.mark(handed_in(case), only=case.only)
     except Exception as problem:
         verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
         return verdict
-    verdict.seconds = time.perf_counter() - started
     result = verdict.result
     look_at(verdict, result)
     if case.part == "recast":
@@ -277,95 +274,39 @@ def graded_by(marker: Marking, case: Case) -> Verdict:
 
 
 def look_at(verdict: Verdict, result: Result) -> None:
-    """Hold the result of a case against what the corpus says of it."""
+    """Compare the result of a case with what the corpus says of it."""
     case = verdict.case
     if case.part in ("faulty", "lookalikes", "pairs", "broken", "nothing"):
         look_at_words(verdict)
     if case.part in ONE_FAULT:
         look_at_charges(verdict)
-    if case.part == "recast":
-        return  # it is held against its own variants
-    if case.part == "nothing":
-        look_at_nothing(verdict, result, case)
-    elif case.part == "sound":
-        look_at_sound(verdict, result)
-    elif case.part == "pairs":
-        look_at_pair(verdict, result, case)
-    elif case.part == "module level":
-        look_at_edit(verdict, result, case)
-    elif case.part == "broken":
-        look_at_broken(verdict, result, case)
-    elif case.part == "extensions":
-        look_at_extension(verdict, result, case)
-    else:
-        look_at_fault(verdict, result, case)
+    if case.part != "recast":  # which is compared with its own variants
+        _LOOKS[case.part](verdict, result, case)
 
 
-def grade_all(chosen: Sequence[Case], jobs: int) -> Iterator[Verdict]:
-    """Verdicts as they arrive in order, and a progress line where someone watches."""
-    with ProcessPoolExecutor(jobs) as pool:
-        for count, verdict in enumerate(pool.map(grade, chosen), 1):
-            if sys.stderr.isatty():
-                print(f"\r{count}/{len(chosen)}", end="", file=sys.stderr, flush=True)
+def grade_all(chosen: Sequence[Case]) -> Iterator[Verdict]:
+    """Verdicts in order, with a line for each trouble as it is found."""
+    with ProcessPoolExecutor() as pool:
+        for verdict in pool.map(grade, chosen):
             for kind, text in verdict.troubles:
                 print(f"{verdict.case.part}/{verdict.case.name}: {kind}: {text}", flush=True)
             yield verdict
 
 
 def table(verdicts: Sequence[Verdict]) -> str:
-    """The scoreboard: one line a question."""
-
-    def count(part: Sequence[str], *kinds: str) -> str:
-        of = [v for v in verdicts if v.case.part in part]
-        bad = sum(any(kind in kinds for kind, _ in v.troubles) for v in of)
-        return f"{bad} of {len(of)}"
-
-    faulty = ("faulty", "lookalikes", "pairs")
-    marked = [v for v in verdicts if v.case.part in faulty]
-    right, wrong, none = (sum(getattr(v, f"named_{how}") for v in marked) for how in ("right", "wrong", "not"))
-    share = 100 * right / max(1, right + none)
-    longest = max(verdicts, key=lambda v: v.seconds, default=None)
-    lines = [
-        f"sound submissions with false deductions   {count(('sound',), 'false deduction', 'named wrong')}",
-        f"faults missed                             {count(faulty, 'missed')}",
-        f"points lost in other criteria             {count(faulty, 'cascade')}",
-        f"more checks lost than the contract allows {count(faulty, 'too much')}",
-        f"mistakes named                            right {right} ({share:.1f} %), wrong {wrong}, not {none}",
-        f"bad input with trouble                    {count(('broken',), 'status', 'cascade', 'missed', 'not judged', 'grader failed')}",
-        f"edits at module level marked unfairly     {count(('module level',), 'too much', 'missed', 'grader failed')}",
-        f"failures of the grader                    {count(PARTS, 'grader failed', 'not judged')}",
-        f"single faults that cost more than one     {charged_more_than_once(verdicts)}",
-        f"parts that do nothing and earn too much   {count(('nothing',), 'earns too much', 'cascade')}",
-        f"lost checks without a hint                {without_a_hint(verdicts)}",
-        f"other marks in another layout             {count(('recast',), 'another mark')}",
-    ]
-    if longest:
-        lines.append(
-            f"seconds a submission                      {sum(v.seconds for v in verdicts) / len(verdicts):.2f}, longest {longest.seconds:.1f} ({longest.case.name})"
-        )
+    """Of each part of the corpus how many cases were graded, and how many of them have each kind of trouble."""
+    lines = []
+    for part, size in Counter(verdict.case.part for verdict in verdicts).items():
+        kinds = Counter(kind for v in verdicts if v.case.part == part for kind in {kind for kind, _ in v.troubles})
+        lines.append(f"{part:<12} {size:>4}  {', '.join(f'{kind}: {n}' for kind, n in kinds.items()) or 'no trouble'}")
     return "\n".join(lines)
-
-
-def charged_more_than_once(verdicts: Sequence[Verdict]) -> str:
-    of = [v for v in verdicts if v.case.part in ONE_FAULT]
-    more = [v for v in of if sum(check.outcome != "skipped" for check in v.lost) > 1]
-    silent = [v for v in of if v not in more and len(v.lost) > 1]
-    return f"{len(more)} of {len(of)}, each for a reason; {len(silent)} leave a part with nothing else to ask"
-
-
-def without_a_hint(verdicts: Sequence[Verdict]) -> str:
-    gone = [check for v in verdicts if v.case.part not in ("sound", "extensions") for check in v.lost if tells(check)]
-    return f"{sum(not check.hint for check in gone)} of {len(gone)}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.scoreboard", description=__doc__)
     parser.add_argument("--only", default="", help="cases whose name holds this")
-    parser.add_argument("--part", choices=PARTS, action="append", help="one part of the corpus; may be given twice")
-    parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args(arguments)
-    chosen = [c for c in cases() if options.only in c.name and c.part in (options.part or PARTS)]
-    verdicts = list(grade_all(chosen, options.jobs))
+    verdicts = list(grade_all([case for case in (*as_written(), *recast()) if options.only in case.name]))
     print(table(verdicts))
     return int(any(verdict.troubles for verdict in verdicts))
 

@@ -23,87 +23,42 @@ SLOTS = (
 VALUES = {"model": "M", "data": "D", "size": "S", "offset": "O", "place": "P"}
 
 
-def _as_promised(model, data, size=1, offset=0):
-    return model, data, size, offset  # type: ignore[no-untyped-def]
+def call(parameters: str, returned: str, slots: tuple[Slot, ...] = SLOTS) -> tuple[tuple[object, ...], tuple[str, ...]]:
+    """What a function with these parameters is called with, and which of them depart from the promised ones."""
+    function = eval(f"lambda {parameters}: ({returned},)")
+    way = plan_call(function, slots)
+    return way(function, VALUES | {"seconds": 3.0}), way.departs
 
 
-def _any_words(first, second, *, size=1, offset=0):
-    return first, second, size, offset  # type: ignore[no-untyped-def]
-
-
-def _other_words(m, d, std=1, bias=0):
-    return m, d, std, bias  # type: ignore[no-untyped-def]
-
-
-def _other_order(data, model, size=1, offset=0):
-    return model, data, size, offset  # type: ignore[no-untyped-def]
-
-
-def _without_size(model, data, offset=0):
-    return model, data, "S", offset  # type: ignore[no-untyped-def]
-
-
-def _without_data(model, size=1, offset=0):
-    return model, "D", size, offset  # type: ignore[no-untyped-def]
-
-
-def _asks_for_more(model, data, idx, size=1, offset=0):
-    return model, data, size, offset, idx  # type: ignore[no-untyped-def]
-
-
-def _may_take_more(model, data, size=1, offset=0, idx=None):
-    return model, data, size, offset, idx  # type: ignore[no-untyped-def]
-
-
-def _means_another(model, data, size=1, offset=0, idx="x"):
-    return model, data, size, offset, idx  # type: ignore[no-untyped-def]
-
-
-def _has_its_own(m, d, std=1, bias=0, place="x"):
-    return m, d, std, bias, place  # type: ignore[no-untyped-def]
-
-
-def _by_position_alone(d, m, /, size=1, offset=0):
-    return m, d, size, offset  # type: ignore[no-untyped-def]
-
-
-def _whatever(*given, **named):
-    return *given, *named.values()  # type: ignore[no-untyped-def]
-
-
-CALLS: dict[Any, tuple[str, tuple[str, ...]]] = {
-    _as_promised: ("MDSO", ()),
-    _any_words: ("MDSO", ()),
-    _other_words: ("MDSO", ("size", "offset")),
-    _other_order: ("MDSO", ("model", "data")),
-    _without_size: ("MDSO", ()),  # what it makes of another size tells it
-    _without_data: ("MDSO", ("data",)),
-    _asks_for_more: ("MDSOP", ("place",)),
-    _may_take_more: ("MDSOP", ("place",)),
-    _means_another: ("MDSOx", ()),
-    _has_its_own: ("MDSOx", ("size", "offset")),
-    _whatever: ("MDSO", ()),
-}
-
-
-@pytest.mark.parametrize("function", CALLS, ids=lambda function: function.__name__)
-def test_a_function_is_called_by_its_own_parameters(function: Any) -> None:
-    way = plan_call(function, SLOTS)
-    came, departs = CALLS[function]
-    assert way(function, VALUES) == tuple(came)
-    assert way.departs == departs
+@pytest.mark.parametrize(
+    ("parameters", "returned", "came", "departs"),
+    [
+        ("model, data, size=1, offset=0", "model, data, size, offset", "MDSO", ()),
+        ("first, second, *, size=1, offset=0", "first, second, size, offset", "MDSO", ()),
+        ("m, d, std=1, bias=0", "m, d, std, bias", "MDSO", ("size", "offset")),
+        ("data, model, size=1, offset=0", "model, data, size, offset", "MDSO", ("model", "data")),
+        ("model, data, offset=0", "model, data, offset", "MDO", ()),  # what it makes of another size tells it
+        ("model, size=1, offset=0", "model, size, offset", "MSO", ("data",)),
+        ("model, data, idx, size=1, offset=0", "model, data, size, offset, idx", "MDSOP", ("place",)),
+        ("model, data, size=1, offset=0, idx=None", "model, data, size, offset, idx", "MDSOP", ("place",)),
+        ("model, data, size=1, offset=0, idx='x'", "model, data, size, offset, idx", "MDSOx", ()),
+        ("m, d, std=1, bias=0, place='x'", "m, d, std, bias, place", "MDSOx", ("size", "offset")),
+        ("*given, **named", "*given, *named.values()", "MDSO", ()),
+    ],
+)
+def test_a_function_is_called_by_its_own_parameters(
+    parameters: str, returned: str, came: str, departs: tuple[str, ...]
+) -> None:
+    assert call(parameters, returned) == (tuple(came), departs)
 
 
 def test_what_only_position_tells_is_given_as_promised() -> None:
-    assert plan_call(_by_position_alone, SLOTS)(_by_position_alone, VALUES) == ("D", "M", "S", "O")
+    assert call("d, m, /, size=1, offset=0", "m, d, size, offset")[0] == ("D", "M", "S", "O")
 
 
 def test_what_may_go_anywhere_goes_to_a_parameter_of_any_name() -> None:
-    def function(env, sim, idx=None, length=5.0):
-        return env, sim, idx, length  # type: ignore[no-untyped-def]
-
     slots = (*SLOTS[:2], Slot("seconds", re.compile("sec"), free=True, anywhere=True), SLOTS[-1])
-    assert plan_call(function, slots)(function, VALUES | {"seconds": 3.0}) == ("M", "D", "P", 3.0)
+    assert call("env, sim, idx=None, length=5.0", "env, sim, idx, length", slots)[0] == ("M", "D", "P", 3.0)
 
 
 def test_what_nobody_can_give_raises_as_the_promised_call_does() -> None:
