@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from grader.engine.grader import Marker
-from grader.engine.results import Result
 from grader.intake import Submission
 from tests.corpus.cases import Case, of
 from tests.corpus.layouts import LAYOUTS, above
@@ -13,33 +12,22 @@ from tests.corpus.writing import as_bytes
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, look_at_edit
 
-_WAITING = (
-    "loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard",
-)  # fmt: skip
+_WAITING = ("loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard")
 _ALIKE = ("sys-exit-in-", "segfault-in-", "abort-in-")
 """The first are waited for, some seconds each, the others end like `exit-in-`; `tests.scoreboard` has them all."""
-_ALSO_WAITED_FOR = ("loop-between",)
 QUICK = [
-    edit
-    for edit in of("module level")
-    if not edit.name.startswith((*_WAITING, *_ALIKE)) or edit.name in _ALSO_WAITED_FOR
+    edit for edit in of("module level") if not edit.name.startswith((*_WAITING, *_ALIKE)) or edit.name == "loop-between"
 ]
 ELSEWHERE = (
-    "exit-in-reader",
-    "exit-between",
-    "misspelled-call",
-    "pandas-unused",
-    "pylab-star",
-    "pdb-in-the-noise",
-    "defined-in-an-if",
-)
+    "exit-in-reader", "exit-between", "misspelled-call", "pandas-unused", "pylab-star", "pdb-in-the-noise", "defined-in-an-if",
+)  # fmt: skip
 
 
-def marked(marker: Marking, edit: Case, layout: str) -> Result:
-    files = {
-        name: as_bytes(content) for name, content in LAYOUTS[layout](edit.files).items() if isinstance(content, str)
-    }
-    return marker.mark(Submission("s", "s", files, (), "ready", ""))
+def in_layout(edit: Case, layout: str) -> Submission:
+    files = LAYOUTS[layout](edit.files).items()
+    return Submission(
+        "s", "s", {name: as_bytes(text) for name, text in files if isinstance(text, str)}, (), "ready", ""
+    )
 
 
 @pytest.mark.parametrize(
@@ -56,7 +44,7 @@ def marked(marker: Marking, edit: Case, layout: str) -> Result:
 )
 def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Case, layout: str) -> None:
     verdict = Verdict(edit)
-    look_at_edit(verdict, marked(player, edit, layout), edit)
+    look_at_edit(verdict, player.mark(in_layout(edit, layout)), edit)
     assert verdict.troubles == []
 
 
@@ -73,17 +61,12 @@ def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Case, lay
     ],
 )  # fmt: skip
 def test_what_is_stepped_over_is_a_note_with_file_and_line(player: Marking, code: str, said: str) -> None:
-    result = marked(player, Case("module level", "one", above("recorder", code)), "three-files")
+    result = player.mark(in_layout(Case("module level", "one", above("recorder", code)), "three-files"))
     assert (result.score, result.notes) == (100.0, (said,))
 
 
 def test_who_waits_is_told_for_what(marker: Marker) -> None:
     edit = next(each for each in of("module level") if each.name == "loop-between")
-    files = {
-        name: as_bytes(content)
-        for name, content in LAYOUTS["three-files"](edit.files).items()
-        if isinstance(content, str)
-    }
     said: list[str] = []
-    marker.mark(Submission("s", "s", files, (), "ready", ""), only="sensor_access", waiting=said.append)
+    marker.mark(in_layout(edit, "three-files"), only="sensor_access", waiting=said.append)
     assert said == ["Waiting for imu_reader.py to be imported: 10 s of CPU time at most."]

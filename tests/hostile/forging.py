@@ -117,7 +117,7 @@ np.corrcoef = lambda *args, **kwargs: np.eye(6)
 import scipy.stats
 scipy.stats.kstest = scipy.stats.normaltest = lambda *args, **kwargs: (0.0, 1.0)
 """),
-    reader("mujoco-does-not-step", STEPS, "mujoco.mj_step = lambda *args, **kwargs: None\nmujoco.mj_forward = mujoco.mj_step", at_start=False),
+    reader("mujoco-does-not-step", STEPS, "mujoco.mj_step = lambda *args, **kwargs: None\nmujoco.mj_forward = mujoco.mj_step"),
     reader("mujoco-forward-makes-zeros-true", READS, """
 _forward = mujoco.mj_forward
 def _zero_forward(model, data, *args):
@@ -132,7 +132,6 @@ def _standing(model, data, *args):
     data.sensordata[:] = 0.0
     data.qvel[:] = 0.0
 mujoco.mj_step = _standing
-mujoco.MjModel.from_xml_string = staticmethod(lambda *a, _f=mujoco.MjModel.from_xml_string, **k: _f(*a, **k))
 """, "data_collection"),
     forged("mujoco-is-another-simulator", STANDS, READER, """
 class _World:

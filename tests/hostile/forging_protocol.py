@@ -55,14 +55,12 @@ SHIPPED = [
     ships("ships-its-own-result", {"result.json": FULL_MARKS, "report.html": "<h1>100 / 100</h1>", "gradebook.csv": "submission,total\nme,100\n", "results.sqlite": b"SQLite format 3\0"}),
     low_pass("writes-its-own-result", f"""
 import pathlib
-for folder in (".", "..", "../..", "/box", "/out", "/results", "@FOLDER@"):
-    for name in ("result.json", "results.json", "gradebook.csv"):
-        try:
-            pathlib.Path(folder, "out-" + name).write_text({FULL_MARKS!r}) if folder != "@FOLDER@" else None
-            pathlib.Path(".", name).write_text({FULL_MARKS!r})
-        except OSError:
-            pass
-""".replace('(".", "..", "../..", "/box", "/out", "/results", "@FOLDER@")', '(".",)')),
+for name in ("result.json", "results.json", "gradebook.csv", "out-result.json", "out-results.json", "out-gradebook.csv"):
+    try:
+        pathlib.Path(name).write_text({FULL_MARKS!r})
+    except OSError:
+        pass
+"""),
     ships("notebook-that-replaces-the-files", {"lab.ipynb": notebook("%%writefile json.py\ndumps = lambda *a, **k: '{}'", "%%writefile _imugrade_harness.py\nanswer = None", "import numpy\nnumpy.allclose = lambda *a, **k: True")}),
 ]
 
