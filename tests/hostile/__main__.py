@@ -1,8 +1,8 @@
-"""Run the hostile corpus: ``python -m tests.hostile [--isolation LEVEL] [--family F] [--only NAME] [--write]``.
+"""Run the hostile corpus: ``python -m tests.hostile [--isolation LEVEL] [--only NAME] [--write]``.
 
-Prints a line for each attack that fell, and a table of held and fell for each family and isolation level. Exit code 1 if one fell on an
+Prints a line for each attack that fell, and a table of held and fell for each family and isolation level. Exit code 1 if one fell on a
 level that isolates; on the lowest isolation level falls are counted and listed, for nothing is promised there. With ``--write`` the
-results of this isolation level, user and family are written to docs/isolation.json.
+results of this isolation level and user are written to docs/isolation.json.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tests.hostile.judging import AttackJudge, Verdict
 from tests.hostile.program import FAMILIES, Program
 
 
-def run(isolation_level: str, programs: Sequence[Program], *, aloud: bool) -> list[Verdict]:
+def run(isolation_level: str, programs: Sequence[Program]) -> list[Verdict]:
     verdicts = []
     with AttackJudge(isolation_level) as attack_judge:
         for program in programs:
@@ -27,9 +27,6 @@ def run(isolation_level: str, programs: Sequence[Program], *, aloud: bool) -> li
             verdicts.append(verdict)
             for trouble in verdict.troubles:
                 print(f"{isolation_level:<10} {program.family}/{program.name}: FELL: {trouble}", flush=True)
-            if aloud and not verdict.troubles:
-                against = f" (twin {verdict.twin:g})" if verdict.twin is not None else ""
-                print(f"{isolation_level:<10} {program.family}/{program.name}: held, {verdict.score:g}{against}, {verdict.seconds:.1f} s", flush=True)
     return verdicts
 
 
@@ -46,15 +43,12 @@ def table(isolation_level: str, verdicts: Iterable[Verdict]) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
     parser.add_argument("--isolation", choices=[isolation_level.name for isolation_level in LEVELS], action="append", help="may be given more than once; all that there are")
-    parser.add_argument("--family", choices=FAMILIES, action="append")
     parser.add_argument("--only", default="", help="programs whose name holds this")
     parser.add_argument("--write", action="store_true", help="write the results to docs/isolation.json")
-    parser.add_argument("-v", "--verbose", action="store_true", help="a line for what was held, too")
     options = parser.parse_args(arguments)
     if options.write and options.only:
-        parser.error("--write needs whole families")
-    families = options.family or FAMILIES
-    programs = [p for p in PROGRAMS if p.family in families and options.only in p.name]
+        parser.error("--write needs the whole corpus")
+    programs = [program for program in PROGRAMS if options.only in program.name]
     tables, fell = [], 0
     for tried in probe():
         isolation_level = tried.isolation_level.name
@@ -63,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not tried.usable:
             print(f"{isolation_level}: not here: {tried.reason}")
             continue
-        verdicts = run(isolation_level, programs, aloud=options.verbose)
+        verdicts = run(isolation_level, programs)
         if options.write:
             record.keep(isolation_level, verdicts)
         tables.append(table(isolation_level, verdicts))

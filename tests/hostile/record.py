@@ -17,9 +17,9 @@ RECORD = Path(__file__).resolve().parents[2] / "docs" / "isolation.json"
 
 
 def keep(isolation_level: str, verdicts: Sequence[Verdict]) -> None:
-    """Put the figures of whole families in the place of those of the same isolation level, user and family."""
+    """Put the figures in the place of those of the same isolation level, user and family."""
     kept = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else []
-    new = [_entry(isolation_level, family, verdicts) for family in FAMILIES if any(v.program.family == family for v in verdicts)]
+    new = [_entry(isolation_level, family, verdicts) for family in FAMILIES]
     others = [entry for entry in kept if all(_place(entry) != _place(each) for each in new)]
     text = json.dumps(sorted([*others, *new], key=_place), indent=1, ensure_ascii=False)
     RECORD.write_text(text + "\n", encoding="utf-8")
