@@ -158,39 +158,28 @@ def test_a_changed_number_is_noticed(copy: Path) -> None:
     assert refusal(copy) == f"{copy}: the traces do not match their manifest; record them again"
 
 
-def test_a_changed_manifest_is_noticed(copy: Path) -> None:
-    manifest = copy.with_suffix(".json")
-    text = manifest.read_text(encoding="utf-8")
-    manifest.write_text(text.replace('"push_mps": 0.5', '"push_mps": 0.6'), encoding="utf-8")
-    assert "do not match their manifest" in refusal(copy)
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"PK\x03\x04 not an archive",
-        b"\x80\x04pickled",
-    ],
-)
-def test_what_is_no_bundle_is_refused_in_one_line(copy: Path, content: bytes) -> None:
-    copy.write_bytes(content)
+@pytest.mark.parametrize("content", [b"PK\x03\x04 not an archive", b"\x80\x04pickled", None])
+def test_what_is_no_bundle_is_refused_in_one_line(copy: Path, content: bytes | None) -> None:
+    if content is None:  # pickled objects are not loaded
+        np.savez(copy, **{"push/time": np.array([{"a": 1}], dtype=object)})
+    else:
+        copy.write_bytes(content)
     assert refusal(copy) == f"{copy}: not a trace bundle, or a damaged one; record the traces again"
 
 
-def test_pickled_objects_are_not_loaded(copy: Path) -> None:
-    np.savez(copy, **{"push/time": np.array([{"a": 1}], dtype=object)})
-    assert "not a trace bundle, or a damaged one" in refusal(copy)
-
-
 @pytest.mark.parametrize(
-    ("text", "complaint"),
+    ("old", "new", "complaint"),
     [
-        ("{", "the manifest is not JSON"),
-        ('{"schema": "imugrade/traces/v0"}', "its schema is 'imugrade/traces/v0'"),
+        ('"push_mps": 0.5', '"push_mps": 0.6', "the traces do not match their manifest"),
+        ("{", "", "the manifest is not JSON"),
+        ('"imugrade/traces/', '"imugrade/traces/v0/', "its schema is 'imugrade/traces/v0/"),
     ],
 )
-def test_a_broken_manifest_is_refused_in_one_line(copy: Path, text: str, complaint: str) -> None:
-    copy.with_suffix(".json").write_text(text, encoding="utf-8")
+def test_a_changed_manifest_is_refused_in_one_line(copy: Path, old: str, new: str, complaint: str) -> None:
+    manifest = copy.with_suffix(".json")
+    text = manifest.read_text(encoding="utf-8")
+    assert old in text
+    manifest.write_text(text.replace(old, new, 1), encoding="utf-8")
     assert complaint in refusal(copy)
 
 

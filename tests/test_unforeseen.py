@@ -13,15 +13,9 @@ from tests.single_faults import lost_by, marked
 _EVERY = 6
 """Of so many plots one is drawn."""
 _EVERYWHERE = {
-    "class-with-the-id-as-address",
-    "class-in-the-other-order",
-    "class-that-clips",
-    "one-key-misspelled",
-    "keys-in-the-plural",
-    "three-long-rows",
-    "append-without-an-axis",
-    "a-dataclass-in-place-of-a-dictionary",
-}
+    "class-with-the-id-as-address", "class-in-the-other-order", "class-that-clips", "one-key-misspelled",
+    "keys-in-the-plural", "three-long-rows", "append-without-an-axis", "a-dataclass-in-place-of-a-dictionary",
+}  # fmt: skip
 """Faults that reach into other criteria: into the plot by the recording's form, into all by a shared class."""
 
 
