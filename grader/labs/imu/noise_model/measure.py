@@ -257,9 +257,7 @@ def measure(student: Student, truth: Traces) -> Facts:
         if any(np.abs(bias.mean(axis=1)).max() <= TRUTH_ATOL for bias in defaults):
             defaults = _unless_drawn_with_noise(ask, defaults, clean)
         grain = max(each.grain for each in reads)
-        accel, gyro = (
-            _UNKNOWN if grain >= _HIDDEN * size else bias for bias, size in zip(defaults, _DEFAULT_BIAS, strict=True)
-        )
+        accel, gyro = (_UNKNOWN if grain >= _HIDDEN * s else b for b, s in zip(defaults, _DEFAULT_BIAS, strict=True))
         defaults = accel, gyro
     except (Raised, Unusable) as stop:
         stopped["default_bias"] = stop
