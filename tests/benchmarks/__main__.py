@@ -7,6 +7,7 @@ reused. All contenders take turns within a round; medians over the rounds and ra
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
@@ -168,6 +169,7 @@ def _private_kb(pid: int) -> int:
 
 
 def main() -> None:
+    argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__).parse_args()
     versions = ", ".join(f"{name} {version(name)}" for name in ("mujoco", "numpy", "matplotlib", "pytest"))
     print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, {versions}")
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:

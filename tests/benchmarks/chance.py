@@ -7,6 +7,7 @@ the formulas in `grader.labs.imu.statistics`, whose normal tails the small rates
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
@@ -130,9 +131,13 @@ def losses(law: Law, runs: int, seed: int = 1) -> dict[str, int]:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.chance", description=__doc__)
+    parser.add_argument("--sound", type=int, default=20_000, metavar="RUNS")
+    parser.add_argument("--faulty", type=int, default=2_000, metavar="RUNS")
+    options = parser.parse_args()
     print("| law | runs | lost by chance, or caught by | of them |\n| --- | --- | --- | --- |")
     for name, law in LAWS.items():
-        runs = 2_000 if law.caught_by else 20_000
+        runs = options.faulty if law.caught_by else options.sound
         lost = losses(law, runs)
         found = lost[law.caught_by] if law.caught_by else max(lost.values())
         print(f"| {name} | {runs:,} | {law.caught_by or 'any check'} | {found:,} |", flush=True)
