@@ -1,4 +1,4 @@
-"""What people decide about a class, on record with author and time: overrides, comments, reviews, answers to regrade requests."""
+"""Decisions of people about a class, recorded with author and time: overrides, comments, reviews, answers to regrade requests."""
 
 from __future__ import annotations
 

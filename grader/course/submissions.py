@@ -1,4 +1,4 @@
-"""Submissions of a class: found where they lie, with what the roster and the late policy say about them."""
+"""Find the submissions of a class, and apply the roster and the late policy to them."""
 
 from __future__ import annotations
 

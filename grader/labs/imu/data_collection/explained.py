@@ -1,4 +1,4 @@
-"""What is known of a recorder once a simulated run explains each of its recordings."""
+"""Facts about `simulate_and_collect` that follow from the explanation of its recordings: form, rows, time stamps, start."""
 
 from __future__ import annotations
 
