@@ -179,15 +179,24 @@ class _PartnerFinder:
 
 def _prepare_imports() -> None:
     def hook(path: str) -> Any:
-        if not Path(path).is_relative_to(STATE.folder):
-            raise ImportError(path)
-        return importlib.machinery.FileFinder(path, (_Loader, [".py"]))
+        place = os.path.abspath(path)
+        if not Path(place).is_relative_to(STATE.folder):
+            place = _original_of(place)
+        return importlib.machinery.FileFinder(place, (_Loader, [".py"]))
 
     sys.path_hooks.insert(0, hook)
     sys.path.insert(0, STATE.folder)
     sys.meta_path += [_PartnerFinder, packages.PackageFinder(_own_packages, _load_init)]
     sys.dont_write_bytecode = True
     sys.argv = ["lab.py"]
+
+
+def _original_of(place: str) -> str:
+    """Return the folder of the submission that is meant by a copy above its own, as ``../step5`` is; ImportError if none is."""
+    for above in Path(STATE.folder).parents[: _FOLDER.count("/")]:
+        if Path(place).is_relative_to(above) and (own := Path(STATE.folder, Path(place).relative_to(above))).is_dir():
+            return str(own)
+    raise ImportError(place)
 
 
 def _own_packages() -> set[str]:
@@ -228,17 +237,17 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
     if units is None:
         return False
     known = len(STATE.stepper.noted)
-    missing = _missing_imports(path, units, names)
-    _run_units(units, path, names, missing)
+    missing, meant = _missing_imports(path, units, names), standins.misspelled(path, units)
+    _run_units(units, path, names, missing, meant)
     missing.at_end(names)
-    STATE.misspelled.setdefault(path, [*standins.alias_misspelled(path, units, names)])
+    STATE.misspelled.setdefault(path, [*standins.alias_misspelled(meant, names)])
     return len(STATE.stepper.noted) == known
 
 
 def _run_what_parses(path: str, names: dict[str, Any]) -> None:
     """Run those statements of a file with a syntax error that parse, so that its figures are drawn with stand-ins."""
     units = compiling.units_that_parse(Path(STATE.folder, path).read_bytes(), path)
-    _run_units(units, path, names, _missing_imports(path, units, names))
+    _run_units(units, path, names, _missing_imports(path, units, names), standins.misspelled(path, units))
 
 
 def _library_or_partner(name: str) -> Any:
@@ -256,15 +265,16 @@ def _unreadable(path: str) -> dict[str, Any] | None:
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 
-def _run_units(units: list[statements.Unit], path: str, names: dict[str, Any], missing: MissingImports) -> None:
+def _run_units(
+    units: list[statements.Unit], path: str, names: dict[str, Any], missing: MissingImports, meant: dict[str, str]
+) -> None:
     wanted = STATE.lab_configuration.get("methods", ())
 
     def after(node: ast.stmt) -> None:
         if isinstance(node, ast.ClassDef):
             known = STATE.misspelled_methods.setdefault(path.partition(":cell ")[0], {})
             fuzzy_names.alias_misspelled_method(names.get(node.name), node.name, wanted, known)
-        bound = [name for name in statements.bound(node) if name in STATE.standins]
-        names.update({name: standins.standin_for(names.get(name), name) for name in bound})
+        standins.replace_defined(node, meant, names)
         missing.after(node, names)
 
     STATE.stepper.run(units, path, names, after)
@@ -298,11 +308,11 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
         text, name = source.encode("utf-8", "replace"), f"{path}:cell {number}"
         cells[name] = compiling.units_in(text, name, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT) or []
     every = [unit for units in cells.values() for unit in units]
-    missing = _missing_imports(path, every, names)
+    missing, meant = _missing_imports(path, every, names), standins.misspelled(path, every)
     for name, units in cells.items():
-        _run_units(units, name, names, missing)
+        _run_units(units, name, names, missing, meant)
     missing.at_end(names)
-    STATE.misspelled.setdefault(path, [*standins.alias_misspelled(path, every, names)])
+    STATE.misspelled.setdefault(path, [*standins.alias_misspelled(meant, names)])
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:

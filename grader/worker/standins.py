@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
 import types
 from collections.abc import Iterator, Mapping
@@ -49,11 +50,21 @@ def standin_for(own: Any, name: str) -> Any:
     return type(name, (standin,), beside)
 
 
-def alias_misspelled(path: str, units: list[statements.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Give misspelled definitions their right names, and yield both; if a name has a stand-in, the misspelled name gets it, too."""
-    for name, own in fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path)):
-        if name in STATE.standins:
-            names[own] = standin_for(names.get(own), name)
-        elif own in names:
+def misspelled(path: str, units: list[statements.Unit]) -> dict[str, str]:
+    """Return the definitions that a file misspells, with the names that they should have."""
+    pairs = fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path))
+    return {own: name for name, own in pairs}
+
+
+def replace_defined(node: ast.stmt, meant: Mapping[str, str], names: dict[str, Any]) -> None:
+    """Replace what a statement has defined by the stand-in of that name, or of the name that was meant."""
+    known = {own: meant.get(own, own) for own in statements.bound(node)}
+    names.update({own: standin_for(names.get(own), n) for own, n in known.items() if n in STATE.standins})
+
+
+def alias_misspelled(meant: Mapping[str, str], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Give misspelled definitions their right names, and yield both; those that a stand-in replaced are left out."""
+    for own, name in meant.items():
+        if name not in STATE.standins and own in names:
             names[name] = names[own]
             yield name, own

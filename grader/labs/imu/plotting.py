@@ -103,13 +103,22 @@ class Plotting(SubmissionSession):
     def _plotted_as_recorded(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
     ) -> Drawing | None:
-        """Draw the plot of what the submission's own recorder returns, even if it lost points; None if it does not run."""
+        """Draw the plot of what the submission's own recorder returns, even if it lost points; None if it does not run.
+
+        A recorder that stops in a broken reader is run beside the stand-ins.
+        """
+        with self.without_standins():
+            own = self._plotted_with_recorder(data, sheet, ids)
+        return self._plotted_with_recorder(data, sheet, ids) if self.broken and (own is None or own.fault) else own
+
+    def _plotted_with_recorder(
+        self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
+    ) -> Drawing | None:
         shown = {f"s{number}": value for number, value in enumerate(sheet.values())}
         try:
-            with self.without_standins():
-                path = self.place_of("simulate_and_collect")
-                recorder = {"path": path, "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1]}
-                return self._plotted(data, recorder | {"shows": list(shown)}, shown)
+            path = self.place_of("simulate_and_collect")
+            recorder = {"path": path, "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1]}
+            return self._plotted(data, recorder | {"shows": list(shown)}, shown)
         except (Missing, NoAnswer):
             return None
 

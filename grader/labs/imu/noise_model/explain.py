@@ -267,11 +267,14 @@ def odd_laws(facts: Facts) -> list[int]:
 
 
 def off_centre(facts: Facts) -> list[int]:
-    """Return the sensors whose mean is wrong although the given bias is added, such as by noise with a mean that is not zero."""
-    off = [facts.sensors[i] for i in _off(facts)]
-    if not off or drifts(facts) or not all(map(_is_added, off)):
+    """Return the sensors whose mean is wrong although the given bias is added, such as by noise with a mean that is not zero.
+
+    A sensor without noise is charged for that alone: `normal(std, 0, 3)` adds the standard deviation itself.
+    """
+    off = which(facts, lambda s: not (s.reads.bias_is_right or s.noise.still))
+    if not off or drifts(facts) or not all(_is_added(facts.sensors[i]) for i in off):
         return []
-    return [] if offset_fault(facts) == "swapped-sensors" or _has_another(off[0]) else _off(facts)
+    return [] if offset_fault(facts) == "swapped-sensors" or _has_another(facts.sensors[off[0]]) else off
 
 
 def _any(holds: Callable[[Reads], bool]) -> Holds:
