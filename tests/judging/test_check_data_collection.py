@@ -426,7 +426,7 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("three other velocities beside it", of(push=_with_velocities), {PUSH: _PUSHED}),
     ("two other velocities beside it", of(push=_with_three_velocities), {PUSH: _PUSHED}),
     ("with a force", of(push=_forced), {PUSH: _PUSHED}),
-    ("in every step", ResetInTheLoop, {PUSH: _PUSHED}),
+    ("in every step", ResetInTheLoop, {TRUTH: (0.0, ["starts-over"])}),
     ("another push each time", Random, {PUSH: (0.0, ["random-push"])}),
 ]  # fmt: skip
 TREATMENTS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [

@@ -141,6 +141,7 @@ ROW_FAULTS: tuple[tuple[str, Callable[[Explained], bool]], ...] = (
     ("hard-coded-address", lambda e: _from(e) == LEARNT_IDS),
     ("sensor-not-found", lambda e: _from(e) == LAST_SENSOR),
     ("modifies-model", lambda e: bool(e.model_changed)),
+    ("starts-over", lambda e: e.starts_over),
     (f"data_collection.{TRUTH}", lambda e: e.stands_still),
     ("only-last-row", lambda e: e.series.last_alone),
     ("aliased-rows", lambda e: e.push is not None and e.push.aliased),
@@ -169,6 +170,7 @@ _PREDICTS = {
     "ends-early": frozenset({COUNT, RESET}),
     "only-last-row": frozenset({COUNT, TIME, RESET}),
     "first-steps-missing": frozenset({COUNT}),
+    "starts-over": frozenset({TIME}),
 }
 
 REASONS: tuple[Reason[Explained], ...] = (
@@ -188,6 +190,7 @@ REASONS: tuple[Reason[Explained], ...] = (
     Reason(RESET, 1, "modifies-model", lambda e: bool(e.model_left_changed)),
     Reason(RESET, 2, "keeps-old-rows", lambda e: e.rows_left > 0),
     Reason(RESET, 3, "no-reset", lambda e: e.goes_on),
+    Reason(PUSH, 0, "starts-over", lambda e: e.starts_over),
     Reason(PUSH, 1, "random-push", lambda e: e.pushed_apart, frozenset({TIME})),
     Reason(PUSH, 2, "no-perturbation", lambda e: e.without_push, frozenset({TIME})),
     Reason(PUSH, 3, "wrong-perturbation", lambda _: True, frozenset({TIME})),

@@ -138,7 +138,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether another fault explains wrong stamps: missing or unequal arrays, one filled row, or a repeated push."""
+        """Return whether another fault explains wrong stamps: missing or unequal arrays, one filled row, or a repeated start."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -161,10 +161,16 @@ class Explained:
         return all_alike(self.series) and not self.facts.follows
 
     @property
+    def starts_over(self) -> bool:
+        """Return whether all rows after the first show one state, because the code sets the start again in each pass."""
+        again = self.push_claim is not None and len(self.push_claim.set_at) > 0
+        return again and all_alike(self.series.rows(1)) and self.push is not None and not self.push.aliased
+
+    @property
     def true_rows(self) -> tuple[Array, Array]:
         """Acceleration and angular velocity, each (rows, 3), that right code records in the run of this recording."""
         worlds = self.facts.push.worlds
-        from_truth = self.push is not None and self.push.world == TRUE_WORLD
+        from_truth = self.starts_over or (self.push is not None and self.push.world == TRUE_WORLD)
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
