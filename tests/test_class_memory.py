@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sqlite3
 import subprocess
 import sys
 from dataclasses import replace
@@ -170,18 +169,6 @@ def test_without_its_secret_a_class_is_not_graded(
     monkeypatch.setenv("IMUGRADE_SEED", SECRET)
     assert run("grade", "class", "-o", "out")[0] == 0
     assert ran == [*so_far, "dora"]
-
-
-def test_a_record_that_kept_no_settings_is_held_to_its_results(run: Run, before: dict[str, float]) -> None:
-    with sqlite3.connect(Path("out", FILE_NAME)) as record:
-        record.execute("DROP TABLE settings")
-        record.execute("DROP TABLE former")
-        record.execute("PRAGMA user_version = 3")
-    record.close()
-    assert "another rubric: 2 of 3 scores change" in refused(run)
-    assert run("grade", "class", "-o", "out", "--rubric", "rub.yaml")[0] == 0
-    assert run("grade", "class", "-o", "out")[0] == 0
-    assert totals() == before
 
 
 def test_a_weaker_isolation_level_than_that_of_the_class_is_refused(run: Run, before: dict[str, float]) -> None:

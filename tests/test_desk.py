@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import re
-import sqlite3
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +14,6 @@ import pytest
 
 from grader import cli
 from grader.base.errors import RequestError
-from grader.course.database import FILE_NAME
 from grader.course.submission_archive import LARGEST, pack, unpack
 from grader.desk.overviews import queue
 from grader.desk.regrade_requests import read_in
@@ -409,24 +407,6 @@ def test_what_is_kept_is_bounded_and_says_what_it_left_out() -> None:
     assert len(kept.files) == 200
     assert len(kept.others) + kept.more == len(files) - 200
     assert sum(map(len, unpack(pack({f"{k}.py": bytes(900_000) for k in range(9)})).files.values())) <= 4_000_000
-
-
-def test_a_record_of_the_layout_before_is_read_and_grows(tmp_path: Path) -> None:
-    out = make_class(tmp_path / "out", STUDENTS[:1])
-    with sqlite3.connect(out / FILE_NAME) as old:
-        for table in ("files", "told", "decisions", "ticks", "appeals", "settings", "former"):
-            old.execute(f"DROP TABLE {table}")
-        given = "1, 'ada', 'filtering', 12, 'old', 'me', '2026-01-01T00:00:00+00:00', '{}', 0, 0"
-        old.execute(f"INSERT INTO adjustments VALUES ({given})")
-        for column in ("alone", "decision"):
-            old.execute(f"ALTER TABLE adjustments DROP COLUMN {column}")
-        old.execute("PRAGMA user_version = 2")
-    old.close()
-    with desk_over(out) as desk:
-        page = words(desk.get("/submission/ada").text)
-        assert "The files are not on record. Run `imugrade grade` again" in page
-        assert "filtering 12" in page
-        assert give(desk, "ada", TITLES, "0").status == 303
 
 
 # ---- hostile text ----

@@ -29,6 +29,11 @@ def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
         return None
 
 
+def now() -> str:
+    """Return the present time as `stamp` writes it."""
+    return datetime.now(timezone.utc).isoformat(timespec="seconds")
+
+
 def stamp(value: object) -> str:
     """Return a time as ISO 8601 text in UTC, which sorts by time; "" if the value is no time."""
     when = read_stamp(value)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from datetime import datetime, timezone
 from pathlib import Path
 
-from grader.base import tables
+from grader.base import stamps, tables
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course.publishing import publish_all, write_class
@@ -137,8 +136,7 @@ def decide(
     problems = [problem for request in requests if (problem := _problem(request, final_grades, said))]
     if problems:
         raise RequestError("\n".join(problems))
-    now = datetime.now(timezone.utc).isoformat(timespec="seconds")
-    made = [(request.id, _adjustment(request, final_grades[request.id], author, now)) for request in requests]
+    made = [(request.id, _adjustment(request, final_grades[request.id], author, stamps.now())) for request in requests]
     recorded = [RecordedOverride(id_, each, not _changes_nothing(each, final_grades[id_])) for id_, each in made]
     store.adjust([(each.id, each.adjustment) for each in recorded if each.fresh], seen, what)
     return recorded
@@ -299,7 +297,7 @@ def _changes_nothing(override: Adjustment, final_grade: FinalGrade) -> bool:
     if now is None:
         return override.withdraws
     same_points = (now.points, now.comment, now.automatic) == (override.points, override.comment, override.automatic)
-    return same_points and now.out_of in ({}, override.out_of)
+    return same_points and now.out_of == override.out_of
 
 
 def _line_on(made: RecordedOverride, final_grade: FinalGrade) -> str:

@@ -35,7 +35,7 @@ class ClassSettings:
     ----------
     rubric, rubric_source, rubric_folder, own_checks
         The whole text of the rubric, the name of its file, the folder in which its relative paths start, and the instructor's own
-        checks beside it. The text is empty in settings that were derived from a record that kept none.
+        checks beside it.
     rubric_sha256, late
         Digest of all in it that scores depend on, and its late policy as text.
     roster, roster_source
@@ -112,17 +112,6 @@ def from_json(text: str) -> ClassSettings:
     return ClassSettings(**{**{name: value for name, value in record.items() if name in known}, "own_checks": own})
 
 
-def derived(final_grades: Mapping[str, FinalGrade], now: ClassSettings) -> ClassSettings | None:
-    """Return settings derived from the results of a record without settings, completed from `now`; None without results."""
-    for final_grade in final_grades.values():
-        was = {
-            name: str(final_grade.result.provenance.get(name, ""))
-            for name in ("rubric_sha256", "traces_sha256", "grader")
-        }
-        return replace(now, **was, rubric="", hidden=was["traces_sha256"] != now.traces_sha256)  # type: ignore[arg-type] # three of its texts
-    return None
-
-
 def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None) -> Rubric:
     """Return the rubric of a class: the file at `path`, else the one on record, else the shipped one.
 
@@ -131,7 +120,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
     RubricError
         If it has problems.
     """
-    if path is not None or settings is None or not settings.rubric:
+    if path is not None or settings is None:
         return load(lab, path)
     data = settings.rubric.encode("utf-8", "surrogateescape")
     folder, own = Path(settings.rubric_folder), settings.own_checks

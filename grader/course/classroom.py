@@ -104,12 +104,9 @@ def change(request: GradeRequest, found: Class) -> Change | None:
     new = request.settings
     with Store.existing(request.out) as store:
         old = store.settings()
-        if old is not None and not class_settings.causes(old, new):
+        if old is None or not class_settings.causes(old, new):
             return None
         final_grades = store.final_grades()
-        old = old or class_settings.derived(final_grades, new)
-    if old is None:
-        return None
     if old.hidden and not new.hidden:
         class_settings.refuse_without_secret(old, None)
     several = Counter(entry.id for entry in found.entries)
@@ -246,13 +243,13 @@ class _Run:
             grading = repairs.Grading(
                 request.rubric, request.traces, lambda submission, cpu_s=None: marker().mark(submission, cpu_s)
             )
-            for id_, found in repairs.renew(self._store, request.out, list(self._outcome.results), grading):
+            for id_, found in repairs.renew(self._store, list(self._outcome.results), grading):
                 if isinstance(found, str):
                     self.lost_repairs.append(found)
                 else:
                     self._repaired(id_)
             if request.rubric.repairs.suggested:
-                for id_, _ in repairs.apply_suggested(self._store, request.out, list(self._outcome.results), grading):
+                for id_, _ in repairs.apply_suggested(self._store, list(self._outcome.results), grading):
                     self._repaired(id_)
 
     def _repaired(self, id_: str) -> None:

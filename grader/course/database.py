@@ -1,4 +1,4 @@
-"""SQLite file of a class: schema, migration of older schemas, opening, and one-line errors."""
+"""SQLite file of a class: schema, opening, and one-line errors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FILE_NAME = "results.sqlite"
 SCHEMA_VERSION = 4
 _APPLICATION_ID = 0x494D5547  # "IMUG": tells our file from any other SQLite file
 _TABLES = """
-CREATE TABLE IF NOT EXISTS results (
+CREATE TABLE results (
     seq INTEGER PRIMARY KEY,
     id TEXT NOT NULL,
     submission_sha256 TEXT NOT NULL,
@@ -34,9 +34,20 @@ CREATE TABLE IF NOT EXISTS results (
     fingerprint BLOB NOT NULL,
     UNIQUE (id, submission_sha256, rubric_sha256, traces_sha256, grader)
 );
-CREATE TABLE IF NOT EXISTS class (id TEXT PRIMARY KEY, seq INTEGER NOT NULL REFERENCES results (seq));
-CREATE TABLE IF NOT EXISTS hand_ins (id TEXT PRIMARY KEY, record TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS adjustments (
+CREATE TABLE class (id TEXT PRIMARY KEY, seq INTEGER NOT NULL REFERENCES results (seq));
+CREATE TABLE hand_ins (id TEXT PRIMARY KEY, record TEXT NOT NULL);
+CREATE TABLE files (submission_sha256 TEXT PRIMARY KEY, packed BLOB NOT NULL);
+CREATE TABLE pages (id TEXT PRIMARY KEY, digest TEXT NOT NULL);
+CREATE TABLE told (kind TEXT NOT NULL, line TEXT NOT NULL);
+CREATE TABLE settings (number INTEGER PRIMARY KEY, at TEXT NOT NULL, record TEXT NOT NULL);
+CREATE TABLE former (
+    number INTEGER NOT NULL,
+    id TEXT NOT NULL,
+    seq INTEGER NOT NULL,
+    hand_in TEXT NOT NULL,
+    PRIMARY KEY (number, id)
+);
+CREATE TABLE adjustments (
     seq INTEGER PRIMARY KEY,
     id TEXT NOT NULL,
     criterion TEXT NOT NULL,
@@ -44,15 +55,12 @@ CREATE TABLE IF NOT EXISTS adjustments (
     comment TEXT NOT NULL,
     author TEXT NOT NULL,
     at TEXT NOT NULL,
-    beneath TEXT NOT NULL
+    beneath TEXT NOT NULL,
+    alone INTEGER NOT NULL DEFAULT 0,
+    decision INTEGER NOT NULL DEFAULT 0
 );
-CREATE TABLE IF NOT EXISTS pages (id TEXT PRIMARY KEY, digest TEXT NOT NULL);
-"""
-_SINCE_3 = """
-CREATE {temp} TABLE files (submission_sha256 TEXT PRIMARY KEY, packed BLOB NOT NULL);
-CREATE {temp} TABLE told (kind TEXT NOT NULL, line TEXT NOT NULL);
-CREATE {temp} TABLE decisions (number INTEGER PRIMARY KEY, what TEXT NOT NULL, author TEXT NOT NULL, at TEXT NOT NULL);
-CREATE {temp} TABLE ticks (
+CREATE TABLE decisions (number INTEGER PRIMARY KEY, what TEXT NOT NULL, author TEXT NOT NULL, at TEXT NOT NULL);
+CREATE TABLE ticks (
     seq INTEGER PRIMARY KEY,
     id TEXT NOT NULL,
     reason TEXT NOT NULL,
@@ -61,7 +69,7 @@ CREATE {temp} TABLE ticks (
     author TEXT NOT NULL,
     at TEXT NOT NULL
 );
-CREATE {temp} TABLE appeals (
+CREATE TABLE appeals (
     number INTEGER PRIMARY KEY,
     id TEXT NOT NULL,
     about TEXT NOT NULL,
@@ -72,23 +80,21 @@ CREATE {temp} TABLE appeals (
     answered TEXT NOT NULL DEFAULT '',
     UNIQUE (id, about, text)
 );
-"""
-_SINCE_4 = """
-CREATE {temp} TABLE settings (number INTEGER PRIMARY KEY, at TEXT NOT NULL, record TEXT NOT NULL);
-CREATE {temp} TABLE former (
-    number INTEGER NOT NULL,
+CREATE TABLE repairs (
+    number INTEGER PRIMARY KEY,
     id TEXT NOT NULL,
-    seq INTEGER NOT NULL,
-    hand_in TEXT NOT NULL,
-    PRIMARY KEY (number, id)
+    file TEXT NOT NULL,
+    file_sha256 TEXT NOT NULL,
+    diff BLOB NOT NULL,
+    deduction REAL NOT NULL,
+    comment TEXT NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL,
+    undone_by TEXT NOT NULL DEFAULT '',
+    undone_at TEXT NOT NULL DEFAULT ''
 );
+CREATE TABLE tried (what TEXT PRIMARY KEY);
 """
-_WIDER = """
-ALTER TABLE adjustments ADD COLUMN alone INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE adjustments ADD COLUMN decision INTEGER NOT NULL DEFAULT 0;
-"""
-_SEEN_AS_3 = "CREATE TEMP VIEW adjustments AS SELECT *, 0 AS alone, 0 AS decision FROM main.adjustments;"
-"""View for records of layout 2 that cannot be written: the columns added since have their defaults."""
 
 
 class Database:
@@ -143,17 +149,9 @@ class Database:
         """
         application, version, tables = self._identity()
         if (application, version, tables) == (0, 0, 0):
-            self._lay_out(_TABLES + _WIDER + _SINCE_3.format(temp=""))
+            self._lay_out()
         elif application != _APPLICATION_ID:
             raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")
-        elif version == 2 and self._writable:
-            self._lay_out(_WIDER + _SINCE_3.format(temp=""))
-        elif version == 3 and self._writable:
-            self._lay_out("")
-        elif version == 2:
-            self._db.executescript(_SINCE_3.format(temp="TEMP") + _SEEN_AS_3 + _SINCE_4.format(temp="TEMP"))
-        elif version == 3:
-            self._db.executescript(_SINCE_4.format(temp="TEMP"))
         elif version != SCHEMA_VERSION:
             raise RequestError(
                 f"{self.path}: was written by another version of imugrade (layout {version}, this one reads "
@@ -164,12 +162,12 @@ class Database:
         self._db.execute("PRAGMA synchronous = NORMAL")
         self._db.execute("PRAGMA foreign_keys = ON")
 
-    def _lay_out(self, script: str) -> None:
+    def _lay_out(self) -> None:
         """Create the tables unless another process has just done so."""
         mark = f"PRAGMA application_id = {_APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}"
         with self._transaction():
             if self._identity()[1] != SCHEMA_VERSION:
-                for statement in (script + _SINCE_4.format(temp="") + mark).split(";"):
+                for statement in (_TABLES + mark).split(";"):
                     self._db.execute(statement)
 
     def _identity(self) -> tuple[int, int, int]:

@@ -188,10 +188,6 @@ def _automatic_points_text(adjustment: Adjustment) -> str:
 
 
 def _automatic_points(text: str) -> tuple[dict[str, float | None], dict[str, float]]:
-    """Parse the automatic points that an override replaced: points by check, and maximum by check.
-
-    Records of older versions have ``{check: points}`` and no maximum.
-    """
-    rows = {id_: row if isinstance(row, list) else [row, None] for id_, row in json.loads(text).items()}
-    points = {id_: row[0] for id_, row in rows.items()}
-    return points, {id_: row[1] for id_, row in rows.items() if row[1] is not None}
+    """Parse the automatic points that an override replaced: points by check, and maximum by check."""
+    rows = json.loads(text)
+    return {id_: row[0] for id_, row in rows.items()}, {id_: row[1] for id_, row in rows.items() if row[1] is not None}

@@ -13,14 +13,15 @@ from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
-from datetime import datetime, timezone
 from pathlib import Path
 from typing import TypeVar
 
+from grader.base import stamps
 from grader.course import class_settings
 from grader.course.class_settings import ClassSettings
 from grader.course.database import ForeignError, foreign, read
 from grader.course.decisions import Decisions, is_reviewed
+from grader.course.repair_log import RepairLog
 from grader.engine.chart_data import Chart, unpacked
 from grader.engine.marks import fits, marked
 from grader.engine.results import Result, from_dict, to_record
@@ -65,7 +66,7 @@ class Key:
     grader: str
 
 
-class Store(Decisions):
+class Store(Decisions, RepairLog):
     """The record in `OUT/results.sqlite`."""
 
     def __init__(self, out: Path) -> None:
@@ -91,6 +92,18 @@ class Store(Decisions):
             if not is_present:
                 self.make_current(key)
             return self._parsed(key.id, record)
+
+    def result(self, key: Key) -> Result | None:
+        """Return the result recorded under this key without making it the present one; None if there is none."""
+        with self._errors_in_one_line():
+            row = self._db.execute(f"SELECT record FROM results {_WHERE}", astuple(key)).fetchone()
+            return None if row is None else _result(row[0])
+
+    def is_first_search(self, key: Key) -> bool:
+        """Record that a repair of these files was searched for, and return whether it is the first search."""
+        with self._errors_in_one_line(), self._transaction():
+            what = json.dumps(astuple(key))
+            return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
         """Regrade a submission by another rubric from its record, and store the result; None if that needs another run."""
@@ -139,10 +152,8 @@ class Store(Decisions):
             self._db.execute(_FORMER, (number,))
         if keep_before or not number:
             number += 1
-        at = datetime.now(timezone.utc).isoformat(timespec="seconds")
-        self._db.execute(
-            "INSERT OR REPLACE INTO settings VALUES (?, ?, ?)", (number, at, class_settings.to_json(settings))
-        )
+        row = (number, stamps.now(), class_settings.to_json(settings))
+        self._db.execute("INSERT OR REPLACE INTO settings VALUES (?, ?, ?)", row)
 
     def _last_version(self) -> int:
         return int(self._db.execute("SELECT coalesce(max(number), 0) FROM settings").fetchone()[0])

@@ -1,39 +1,22 @@
-"""The record of repairs: who patched which submitted file, in a table beside the results of a class; files with these patches."""
+"""The record of repairs: who patched which submitted file; files with these patches."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass
-from datetime import datetime, timezone
+from dataclasses import dataclass
 from pathlib import Path
 
+from grader.base import stamps
 from grader.base.text import printable
 from grader.course.database import Database, read
 from grader.course.patches import applied
-from grader.course.record import Key
-from grader.engine.results import Repair, Result, from_dict
+from grader.engine.results import Repair
 from grader.intake import Submission
 from grader.report import words
 
 MAX_COMMENT = 2000
-_TABLE = """
-CREATE TABLE IF NOT EXISTS repairs (
-    number INTEGER PRIMARY KEY,
-    id TEXT NOT NULL,
-    file TEXT NOT NULL,
-    file_sha256 TEXT NOT NULL,
-    diff BLOB NOT NULL,
-    deduction REAL NOT NULL,
-    comment TEXT NOT NULL,
-    author TEXT NOT NULL,
-    at TEXT NOT NULL,
-    undone_by TEXT NOT NULL DEFAULT '',
-    undone_at TEXT NOT NULL DEFAULT ''
-)
-"""
-_TRIED = "CREATE TABLE IF NOT EXISTS tried (what TEXT PRIMARY KEY)"
 _FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, undone_by, undone_at"
 
 
@@ -59,25 +42,18 @@ class LoggedRepair:
 
 
 class RepairLog(Database):
-    """The repairs of a class, in a table of its own beside the results."""
+    """The repairs of a class, one of the tables of its record."""
 
-    def _prepare(self) -> None:
-        super()._prepare()
-        for name, table in (("repairs", _TABLE), ("tried", _TRIED)):
-            found = self._db.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (name,)).fetchone()
-            if found is None:
-                self._db.execute(table if self._writable else table.replace("CREATE TABLE", "CREATE TEMP TABLE"))
-
-    def all(self) -> list[LoggedRepair]:
+    def repairs(self) -> list[LoggedRepair]:
         """Return every repair ever made, oldest first."""
         with self._errors_in_one_line():
             return [_logged(row) for row in self._db.execute(f"SELECT {_FIELDS} FROM repairs ORDER BY number")]
 
-    def in_force(self, id_: str = "") -> list[LoggedRepair]:
+    def repairs_in_force(self, id_: str = "") -> list[LoggedRepair]:
         """Return the repairs that nobody took back, of one submission or of all."""
-        return [each for each in self.all() if not each.undone_at and id_ in ("", each.id)]
+        return [each for each in self.repairs() if not each.undone_at and id_ in ("", each.id)]
 
-    def add(self, made: LoggedRepair) -> None:
+    def keep_repair(self, made: LoggedRepair) -> None:
         """Record a repair; its number is given here."""
         row = (made.id, made.file, made.file_sha256, made.diff.encode("utf-8", "surrogateescape"), made.deduction)
         with self._errors_in_one_line(), self._transaction():
@@ -87,28 +63,11 @@ class RepairLog(Database):
                 (*row, made.comment, made.author, made.at),
             )
 
-    def undo(self, number: int, author: str) -> None:
+    def undo_repair(self, number: int, author: str) -> None:
         """Record that somebody took a repair back."""
         with self._errors_in_one_line(), self._transaction():
             query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
-            self._db.execute(query, (author, timestamp(), number))
-
-    def is_new(self, key: Key) -> bool:
-        """Record that a repair was searched for, and return whether it is the first search."""
-        with self._errors_in_one_line(), self._transaction():
-            what = json.dumps(astuple(key))
-            return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
-
-    def result(self, key: Key) -> Result | None:
-        """Return the result on record under this key without making it the present one."""
-        query = (
-            "SELECT record FROM results WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? "
-            "AND traces_sha256 = ? AND grader = ?"
-        )
-        row = (key.id, key.submission_sha256, key.rubric_sha256, key.traces_sha256, key.grader)
-        with self._errors_in_one_line():
-            found = self._db.execute(query, row).fetchone()
-            return None if found is None else read(lambda text: from_dict(json.loads(text)), found[0])
+            self._db.execute(query, (author, stamps.now(), number))
 
 
 def _logged(row: Sequence[object]) -> LoggedRepair:
@@ -117,14 +76,10 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
     return LoggedRepair(*fields)  # type: ignore[arg-type] # columns of the table
 
 
-def timestamp() -> str:
-    return datetime.now(timezone.utc).isoformat(timespec="seconds")
-
-
 def listing(out: Path) -> Iterator[str]:
     """Yield a line on every repair ever made, oldest first, and its diff below."""
     with RepairLog.existing(out) as log:
-        for each in log.all():
+        for each in log.repairs():
             undone = f" (taken back by {printable(each.undone_by, 80)} at {each.undone_at})" if each.undone_at else ""
             yield (
                 f"{printable(each.id, 80)} {printable(each.file, 80)} -{words.number(each.deduction)}  "

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader import __version__
+from grader.base import stamps
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course.database import read
@@ -22,12 +23,10 @@ from grader.course.record import Key, Store
 from grader.course.repair_log import (
     MAX_COMMENT,
     LoggedRepair,
-    RepairLog,
     of_these_files,
     patched,
     repaired_sha256,
     sha256_of,
-    timestamp,
 )
 from grader.course.repair_suggestions import Mark, Suggestion, suggest
 from grader.course.submission_archive import unpack
@@ -83,13 +82,13 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
     RequestError
         If the submission or the file is not there, the patch does not apply, or the repaired copy earns less than the original.
     """
-    with Store.existing(out) as store, RepairLog.existing(out) as log:
+    with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
         handed_in = _handed_in(store, final_grade)
-        before = of_these_files(log.in_force(final_grade.id), handed_in)
+        before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
         made = _made(request, final_grade, patched(handed_in.files, before), handed_in, author)
-        result = repaired(handed_in, final_grade, [*before, made], grading, log)
-        log.add(made)
+        result = repaired(handed_in, final_grade, [*before, made], grading, store)
+        store.keep_repair(made)
         store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [*before, made])), result)
         after = store.final_grades()[final_grade.id]
     was = _final(final_grade)
@@ -116,23 +115,23 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> Preview:
     RequestError
         If the submission or the file is not there, or the patch does not apply.
     """
-    with Store.existing(out) as store, RepairLog.existing(out) as log:
+    with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
         handed_in = _handed_in(store, final_grade)
-        before = of_these_files(log.in_force(final_grade.id), handed_in)
+        before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
         complete = replace(request, comment=request.comment or "preview")
         made = _made(complete, final_grade, patched(handed_in.files, before), handed_in, "")
-        original = _original(final_grade, handed_in, grading, log)
+        original = _original(final_grade, handed_in, grading, store)
         result = _graded(handed_in, original, [*before, made], grading)
         return Preview(final_grade.result, result, _refusal(final_grade.id, result, original))
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggestion | None]:
     """Search for a repair of one place; return the grades without and with it, and the suggestion. Nothing is recorded."""
-    with Store.existing(out) as store, RepairLog.existing(out) as log:
+    with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
         handed_in = _handed_in(store, final_grade)
-        original = log.result(grading.key(final_grade.id, handed_in.sha256)) or final_grade.result
+        original = store.result(grading.key(final_grade.id, handed_in.sha256)) or final_grade.result
     found = suggest(handed_in, original, grading.rubric.lab, grading.mark)
     return Preview(original, found.result if found else original), found
 
@@ -177,11 +176,11 @@ def _made(
         raise RequestError(f"repair: nothing in {printable(request.file, 120)} changes")
     sha256, diff = sha256_of(handed_in.files[request.file]), diff_of(request.file, content, fixed)
     comment = request.comment.strip().encode("utf-8", "replace").decode()
-    return LoggedRepair(0, final_grade.id, request.file, sha256, diff, request.deduction, comment, author, timestamp())
+    return LoggedRepair(0, final_grade.id, request.file, sha256, diff, request.deduction, comment, author, stamps.now())
 
 
 def repaired(
-    handed_in: Submission, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading, log: RepairLog
+    handed_in: Submission, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading, store: Store
 ) -> Result:
     """Return the result of a submission with these repairs.
 
@@ -190,7 +189,7 @@ def repaired(
     RequestError
         If the original was not graded by these settings, or earns more than the repaired copy.
     """
-    original = _original(final_grade, handed_in, grading, log)
+    original = _original(final_grade, handed_in, grading, store)
     if len(repairs) > MOST:
         raise RequestError(
             f"repair: {printable(final_grade.id, 80)} has {MOST} repairs already; remove one with --undo"
@@ -201,9 +200,9 @@ def repaired(
     return made
 
 
-def _original(final_grade: FinalGrade, handed_in: Submission, grading: Grading, log: RepairLog) -> Result:
+def _original(final_grade: FinalGrade, handed_in: Submission, grading: Grading, store: Store) -> Result:
     """Return the result of the submission as it was handed in, by the settings of the class."""
-    original = log.result(grading.key(final_grade.id, handed_in.sha256))
+    original = store.result(grading.key(final_grade.id, handed_in.sha256))
     if original is None:
         raise RequestError(
             f"repair: {printable(final_grade.id, 80)} was graded with other settings or another version; run `imugrade grade` first"
@@ -285,11 +284,11 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
     RequestError
         If there is none.
     """
-    with Store.existing(out) as store, RepairLog.existing(out) as log:
+    with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
         handed_in = _handed_in(store, final_grade)
-        made = of_these_files(log.in_force(final_grade.id), handed_in)
-        old = [each for each in log.in_force(final_grade.id) if each not in made]
+        made = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
+        old = [each for each in store.repairs_in_force(final_grade.id) if each not in made]
         last = next((each for each in reversed([*old, *made]) if file in ("", each.file)), None)
         if last is None:
             where = f" of {printable(file, 120)}" if file else ""
@@ -297,15 +296,15 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
         rest = [each for each in made if each != last]
         key = grading.key(final_grade.id, handed_in.sha256)
         if rest:
-            result = repaired(handed_in, final_grade, rest, grading, log)
+            result = repaired(handed_in, final_grade, rest, grading, store)
             store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, rest)), result)
-        elif log.result(key) is not None:
+        elif store.result(key) is not None:
             store.make_current(key)
         else:
             raise RequestError(
                 f"repair: {printable(final_grade.id, 80)} was graded with other settings; run `imugrade grade` first"
             )
-        log.undo(last.number, author)
+        store.undo_repair(last.number, author)
         after = store.final_grades()[final_grade.id]
     return f"{printable(final_grade.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
 
@@ -313,7 +312,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
 # --- regrades ------------------------------------------------------------------------------------------------------------
 
 
-def renew(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
+def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
     """Make repaired copies the present results again after a regrade of the original files.
 
     Yields
@@ -321,19 +320,18 @@ def renew(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iter
     For each of these submissions with repairs in force, the id with the repaired result or a line on why a repair does not count.
     A repair counts while the student's file is the same.
     """
-    with RepairLog.existing(out) as log:
-        by_id: dict[str, list[LoggedRepair]] = {}
-        for each in log.in_force():
-            by_id.setdefault(each.id, []).append(each)
-        if not by_id:
-            return
-        final_grades = store.final_grades()
-        for id_ in sorted(by_id.keys() & set(ids) & final_grades.keys()):
-            for found in _renewed(store, log, final_grades[id_], by_id[id_], grading):
-                yield id_, found
+    by_id: dict[str, list[LoggedRepair]] = {}
+    for each in store.repairs_in_force():
+        by_id.setdefault(each.id, []).append(each)
+    if not by_id:
+        return
+    final_grades = store.final_grades()
+    for id_ in sorted(by_id.keys() & set(ids) & final_grades.keys()):
+        for found in _renewed(store, final_grades[id_], by_id[id_], grading):
+            yield id_, found
 
 
-def apply_suggested(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result]]:
+def apply_suggested(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result]]:
     """Apply the suggested repairs to submissions that do not run, for ``repairs: {apply: suggested}`` in the rubric.
 
     A file that already has a repair, in force or taken back, is left alone.
@@ -342,41 +340,38 @@ def apply_suggested(store: Store, out: Path, ids: Iterable[str], grading: Gradin
     ------
     The id of each submission that was repaired, and its result.
     """
-    with RepairLog.existing(out) as log:
-        decided: dict[str, set[tuple[str, str]]] = {}
-        for each in log.all():
-            decided.setdefault(each.id, set()).add(each.is_for)
-        final_grades = store.final_grades()
-        for id_ in sorted(set(ids) & final_grades.keys()):
-            final_grade = final_grades[id_]
-            if final_grade.result.repairs or not stops(final_grade.result, grading.rubric.lab):
-                continue
-            with suppress(RequestError):  # the submission stays as it is if the repair cannot be recorded
-                made = _applied(store, log, final_grade, decided.get(id_, set()), grading)
-                if made is not None:
-                    yield id_, made
+    decided: dict[str, set[tuple[str, str]]] = {}
+    for each in store.repairs():
+        decided.setdefault(each.id, set()).add(each.is_for)
+    final_grades = store.final_grades()
+    for id_ in sorted(set(ids) & final_grades.keys()):
+        final_grade = final_grades[id_]
+        if final_grade.result.repairs or not stops(final_grade.result, grading.rubric.lab):
+            continue
+        with suppress(RequestError):  # the submission stays as it is if the repair cannot be recorded
+            made = _applied(store, final_grade, decided.get(id_, set()), grading)
+            if made is not None:
+                yield id_, made
 
 
-def _applied(
-    store: Store, log: RepairLog, final_grade: FinalGrade, decided: set[tuple[str, str]], grading: Grading
-) -> Result | None:
+def _applied(store: Store, final_grade: FinalGrade, decided: set[tuple[str, str]], grading: Grading) -> Result | None:
     """Apply a suggested repair to a submission that has none yet; return the new result, None without a suggestion."""
     handed_in = _handed_in(store, final_grade)
-    if not log.is_new(grading.key(final_grade.id, handed_in.sha256)):
+    if not store.is_first_search(grading.key(final_grade.id, handed_in.sha256)):
         return None
     found = suggest(handed_in, final_grade.result, grading.rubric.lab, grading.mark)
     if found is None or (found.file, sha256_of(handed_in.files[found.file])) in decided:
         return None
     request = RepairRequest(final_grade.id, found.file, found.content, None, grading.rubric.repairs.deduct, BY_ITSELF)
     made = _made(request, final_grade, handed_in.files, handed_in, AUTOMATIC)
-    result = repaired(handed_in, final_grade, [made], grading, log)
-    log.add(made)
+    result = repaired(handed_in, final_grade, [made], grading, store)
+    store.keep_repair(made)
     store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [made])), result)
     return result
 
 
 def _renewed(
-    store: Store, log: RepairLog, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading
+    store: Store, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading
 ) -> Iterator[Result | str]:
     """Yield the result of each repair that still fits the submitted files, and a message for each that does not."""
     name = printable(final_grade.id, 80)
@@ -393,7 +388,7 @@ def _renewed(
         key = grading.key(final_grade.id, repaired_sha256(handed_in, current))
         result = store.recall(key) or store.remark(key, grading.rubric)
         if result is None:
-            result = repaired(handed_in, final_grade, current, grading, log)
+            result = repaired(handed_in, final_grade, current, grading, store)
             store.keep(key, result)
     except RequestError as problem:
         yield f"{name}: its repairs do not count: {problem}"

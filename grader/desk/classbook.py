@@ -6,12 +6,12 @@ import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from grader.base.errors import RequestError
+from grader.base.stamps import now
 from grader.course import class_grading, class_settings
 from grader.course.adjusting import OverrideRequest, RecordedOverride, decide
 from grader.course.decisions import RegradeRequest, Review
@@ -173,10 +173,6 @@ class Classbook:
     def trouble(self) -> str:
         """Return why files of OUT could not be written; "" if they were."""
         return self._publisher.trouble
-
-
-def now() -> str:
-    return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 
 class _ReadingStore(Store):

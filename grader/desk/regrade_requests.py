@@ -13,10 +13,11 @@ from urllib.parse import quote
 from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
+from grader.base.stamps import now
 from grader.base.text import printable
 from grader.course.adjusting import targets
 from grader.course.decisions import RegradeRequest
-from grader.desk.classbook import Classbook, now
+from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import MOST_BYTES, WebRequest
 from grader.engine.rubric_nodes import guess_at

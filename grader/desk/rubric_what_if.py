@@ -17,8 +17,9 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
+from grader.base.stamps import now
 from grader.course import regrade
-from grader.desk.classbook import Classbook, now
+from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import WebRequest
 from grader.engine import rubric as rubrics

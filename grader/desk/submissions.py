@@ -10,12 +10,13 @@ from urllib.parse import quote
 from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
+from grader.base.stamps import now
 from grader.base.text import printable
 from grader.course import adjusting
 from grader.course.adjusting import ALONE, OverrideRequest
 from grader.course.decisions import RegradeRequest
 from grader.desk import repairing
-from grader.desk.classbook import Classbook, now
+from grader.desk.classbook import Classbook
 from grader.desk.code import SubmittedFiles, defined, named_lines, submitted_files, unshowable
 from grader.desk.editing import editable
 from grader.desk.overviews import framed, queue

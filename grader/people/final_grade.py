@@ -111,7 +111,7 @@ class Adjustment:
     points
         None withdraws the previous override. A comment has no points.
     automatic, out_of
-        Automatic points and maximum of each replaced check when the override was made; older records lack the maximum.
+        Automatic points and maximum of each replaced check when the override was made.
     alone
         Whether it is a comment without points. An empty comment withdraws the previous one.
     decision
