@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.engine import rubric
+from grader.engine import rubric, rubric_sections
 from grader.engine.lab import Lab
 from grader.engine.rubric import RubricError
 from grader.engine.rubric_nodes import Reader
@@ -110,7 +110,7 @@ def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed(
 def test_a_date_that_cannot_be_read_extends_nothing() -> None:
     reader = Reader("rubric.yaml")
     node = reader.compose(b"{due: 2026-11-20T23:59Z, extensions: {jane: soon, joe: 2026-11-21T23:59Z}}")
-    policy = rubric._late(reader, node, 100.0)
+    policy = rubric_sections.read_late(reader, node, 100.0)
     assert policy is not None
     assert list(policy.extensions) == ["joe"]
 
@@ -247,7 +247,7 @@ def test_own_checks_of_more_than_a_megabyte_and_files_that_cannot_be_read_are_na
 def test_what_is_left_over_goes_to_the_largest_remainder_and_of_equal_ones_to_the_first(
     points: float, weights: list[float], shares: list[float]
 ) -> None:
-    assert rubric._shares(points, weights) == shares
+    assert rubric_sections._shares(points, weights) == shares
 
 
 def test_a_rubric_goes_to_another_process() -> None:
@@ -483,7 +483,7 @@ def test_checks_and_rubric_must_match() -> None:
     st.lists(st.integers(0, 100_000).map(lambda n: n / 100), min_size=1, max_size=12).filter(any),
 )
 def test_the_points_of_checks_sum_to_the_criterions(points: float, weights: list[float]) -> None:
-    shares = rubric._shares(points, weights)
+    shares = rubric_sections._shares(points, weights)
     assert round(sum(shares), 2) == points
     for share, weight in zip(shares, weights, strict=True):
         assert abs(share - points * weight / sum(weights)) <= 0.010001

@@ -54,8 +54,7 @@ _PLACES = (
     "grader/engine/charging.py",
     "grader/engine/figures.py",
     "grader/engine/findings.py",
-    "grader/engine/rubric.py",
-    "grader/engine/rubric_nodes.py",
+    "grader/engine/rubric*.py",
 )
 _LOADED = (mpl, np, pytest, scipy.special, yaml)
 """What every mutant needs and none changes: loaded here, before the fork."""

@@ -1,0 +1,141 @@
+"""What a rubric says, as records: criteria, checks with their points, extensions, limits, late and repair policies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from grader.engine.lab import Lab
+
+OwnChecks = tuple[tuple[str, bytes], ...]
+"""Names and contents of the files in the folder ``checks`` beside a rubric. They are read once and run from this copy."""
+
+
+@dataclass(frozen=True)
+class CheckWeight:
+    """A check of a criterion or an extension. `id` is the full id (``filtering.passes_constant``), `line` its line in the file."""
+
+    id: str
+    weight: float
+    max_points: float
+    line: int
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A part whose checks earn points."""
+
+    id: str
+    title: str
+    points: float
+    checks: tuple[CheckWeight, ...]
+    line: int
+
+
+@dataclass(frozen=True)
+class Extension(Criterion):
+    """An extension of the sheet, in a file of its own. With `points` 0 it is reported and earns nothing."""
+
+    file: str
+
+
+@dataclass(frozen=True)
+class Limits:
+    """CPU time in seconds for one call of the student's code, and for all calls of one submission."""
+
+    call_cpu_s: float
+    submission_cpu_s: float
+
+
+@dataclass(frozen=True)
+class LatePolicy:
+    """Late policy. It changes the final grade, never the score.
+
+    Attributes
+    ----------
+    due
+        The due date, in UTC.
+    grace_minutes
+        A submission up to this late counts as on time; a later one is late from `due` on.
+    per_day
+        Points deducted for each day begun after `due`.
+    cut_off_days
+        A submission later than this many days is not accepted; None: each is accepted.
+    extensions
+        Other due dates for some submissions or people, by id, name or e-mail address.
+    tz
+        The time zone in which days are counted, for example "Europe/Berlin"; "" counts 24 hours as a day.
+    """
+
+    due: datetime
+    grace_minutes: float
+    per_day: float
+    cut_off_days: float | None
+    extensions: Mapping[str, datetime] = field(default_factory=dict)
+    tz: str = ""
+
+
+@dataclass(frozen=True)
+class RepairPolicy:
+    """Repair policy for files that do not run.
+
+    Attributes
+    ----------
+    suggested
+        Whether `grade` applies a suggested repair by itself; otherwise a person decides.
+    deduct
+        Points deducted for a repair that `grade` applies; the review desk proposes the same number.
+    """
+
+    suggested: bool = False
+    deduct: float = 5.0
+
+
+@dataclass(frozen=True)
+class Rubric:
+    """A valid rubric. `criteria` and `extensions` are in the sheet's order, not the file's.
+
+    `settings` holds the values of the lab's own keys (`Lab.settings`). `extra_credit_cap` is the most points that all extensions
+    together can earn in addition to the score; None if they earn nothing. `mistakes` holds the rubric's deductions by id of the
+    mistake; they replace the share that a check loses. `sha256` is the digest of the content that marks depend on:
+    comments, the order of the lines and the late policy do not change it. `asked_sha256` is the digest of the content that the
+    questions depend on: recorded results can be marked again by a rubric with the same one. `own_checks` are the instructor's
+    checks beside the file. `text` is the whole file, and relative paths in it start from `folder`.
+    """
+
+    lab: Lab
+    criteria: tuple[Criterion, ...]
+    extensions: tuple[Extension, ...]
+    limits: Limits
+    settings: Mapping[str, Any]
+    sha256: str
+    asked_sha256: str
+    source: str
+    extra_credit_cap: float | None
+    late: LatePolicy | None
+    mistakes: Mapping[str, float]
+    own_checks: OwnChecks
+    text: str = field(default="", repr=False)
+    folder: Path | None = None
+    repairs: RepairPolicy = RepairPolicy()
+
+    @property
+    def parts(self) -> tuple[Criterion, ...]:
+        """The criteria, then the extensions."""
+        return (*self.criteria, *self.extensions)
+
+    @property
+    def checks(self) -> tuple[CheckWeight, ...]:
+        """The checks of the criteria, then those of the extensions."""
+        return tuple(check for part in self.parts for check in part.checks)
+
+    @property
+    def max_score(self) -> float:
+        return round(sum(criterion.points for criterion in self.criteria), 2)
+
+    def check(self, check_id: str) -> CheckWeight:
+        """Return the check with this id; raise KeyError if there is none."""
+        return {check.id: check for check in self.checks}[check_id]

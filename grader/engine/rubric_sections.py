@@ -1,0 +1,181 @@
+"""Read each section of a rubric into its records, and report all problems with their lines."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from datetime import datetime
+from fractions import Fraction
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+import yaml
+
+from grader.base.text import printable
+from grader.engine.faults import catalogue, rows
+from grader.engine.lab import Lab
+from grader.engine.rubric_nodes import LARGEST, Reader, guess_at, quote
+from grader.engine.rubric_records import CheckWeight, Criterion, Extension, LatePolicy, Limits, RepairPolicy
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
+_FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
+
+
+def read_criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
+    """Return the criteria in the order of `ids`; report problems."""
+    criteria = []
+    for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
+        title = reader.text(keys.get("title"), f"the title of {name}")
+        points = reader.points(keys.get("points"), f"the points of {name}")
+        checks = _checks(reader, keys.get("checks"), name, points)
+        criteria.append(Criterion(name, title, points or 0.0, checks, item.start_mark.line + 1))
+    if node is not None and criteria and not reader.problems and not any(c.points for c in criteria):
+        reader.say(node, "the criteria are worth 0 points together; give at least one of them points")
+    return tuple(criteria)
+
+
+def read_extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, float | None]:
+    """Return the points of an extension that names none of its own, and the cap of all together (None: no cap)."""
+    if node is None:
+        return 0.0, None
+    keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
+    each = reader.points(keys.get("each"), "each")
+    return each or 0.0, reader.points(keys["cap"], "the cap of extra_credit") if "cap" in keys else None
+
+
+def read_extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], each: float) -> tuple[Extension, ...]:
+    """Return the extensions in the order of `ids`, each worth `each` points unless it names its own; report problems."""
+    extensions = []
+    for name, (item, keys) in reader.records(
+        node, "extension", ids, ("id", "title", "file"), ("points", "checks")
+    ).items():
+        title = reader.text(keys.get("title"), f"the title of {name}")
+        file = reader.text(keys.get("file"), f"the file of {name}", _FILE, "the name of a .py file")
+        own = reader.points(keys["points"], f"the points of {name}") if "points" in keys else each
+        points = own or 0.0
+        checks = _extension_checks(reader, keys.get("checks"), name, points)
+        if points and not checks:
+            reader.say(item, f"{name} has points but no checks to earn them; set its points to 0")
+        extensions.append(Extension(name, title, points, checks, item.start_mark.line + 1, file))
+    return tuple(extensions)
+
+
+def _extension_checks(reader: Reader, node: yaml.Node | None, part: str, points: float) -> tuple[CheckWeight, ...]:
+    """Read the checks of an extension; it may have none: `checks: []`, `{}`, an empty value, or no such key."""
+    nothing = node is None or not node.value or node.tag == "tag:yaml.org,2002:null"
+    return () if nothing else _checks(reader, node, part, points)
+
+
+def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
+    """Return the checks of a criterion with their shares of its points; report problems."""
+    if node is None:
+        return ()
+    if not isinstance(node, yaml.MappingNode) or not node.value:
+        reader.say(node, f"the checks of {part} must be `name: weight` lines; list at least one")
+        return ()
+    ids, weights, lines = [], [], []
+    before = len(reader.problems)
+    for name, (key, value) in reader.pairs(node, f"the checks of {part}").items():
+        if not _NAME.fullmatch(name):
+            reader.say(key, f"{quote(key)} is not the name of a check; write only the part after `{part}.`")
+        ids.append(f"{part}.{name}")
+        weights.append(reader.number(value, f"the weight of {printable(name, 60)}") or 0.0)
+        lines.append(key.start_mark.line + 1)
+    if len(reader.problems) == before and not any(weights):
+        reader.say(node, f"the weights of {part} sum to 0; give at least one check a weight")
+    shares = _shares(points or 0.0, weights)
+    return tuple(CheckWeight(*row) for row in zip(ids, weights, shares, lines, strict=True))
+
+
+def _shares(points: float, weights: Sequence[float]) -> list[float]:
+    """Divide points in proportion to the weights, in hundredths that sum to the points (largest remainder; ties: first)."""
+    decimals = [Fraction(str(weight)) for weight in weights]
+    total = sum(decimals)
+    if not total:
+        return [0.0] * len(weights)
+    hundredths = round(points * 100)
+    exact = [hundredths * weight / total for weight in decimals]
+    parts = [math.floor(share) for share in exact]
+    by_remainder = sorted(range(len(parts)), key=lambda i: parts[i] - exact[i])
+    for i in by_remainder[: hundredths - sum(parts)]:
+        parts[i] += 1
+    return [part / 100 for part in parts]
+
+
+def read_limits(reader: Reader, node: yaml.Node | None) -> Limits:
+    """Return the limits of CPU time; report problems."""
+    keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
+    call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
+    submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
+    if call is not None and submission is not None and submission < call:
+        reader.say(keys["submission_cpu_s"], "submission_cpu_s is less than call_cpu_s; make it at least as large")
+    return Limits(call or 0.0, submission or 0.0)
+
+
+def read_late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | None:
+    """Return the late policy; None if the rubric has none; report problems."""
+    if node is None:
+        return None
+    optional = ("grace_minutes", "per_day", "cut_off_days", "extensions", "tz")
+    keys = reader.fields(node, "late", ("due",), optional)
+    zone = _zone(reader, keys.get("tz"))
+    due = reader.stamp(keys.get("due"), "due", zone)
+    grace = reader.number(keys.get("grace_minutes"), "grace_minutes", high=100 * LARGEST)
+    cut_off = reader.number(keys.get("cut_off_days"), "cut_off_days")
+    per_day = reader.share(keys.get("per_day"), "per_day", of)
+    listed = keys.get("extensions")
+    extensions: dict[str, datetime] = {}
+    if isinstance(listed, yaml.MappingNode):
+        for who, (_, value) in reader.pairs(listed, "extensions").items():
+            until = reader.stamp(value, f"the extension of {printable(who, 60)}", zone)
+            extensions |= {who: until} if until else {}
+    elif listed is not None:
+        reader.say(listed, "extensions must be `who: date` lines; who is an id, a name or an e-mail address")
+    if due is None:
+        return None
+    return LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions, str(zone or ""))
+
+
+def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
+    """Return the time zone of a late policy; None without one or with an unknown name."""
+    name = reader.text(node, "tz")
+    if node is None or not name:
+        return None
+    try:
+        return ZoneInfo(name)
+    except (ZoneInfoNotFoundError, ValueError, OSError):
+        reader.say(node, f"there is no time zone {quote(node)}; name one like Europe/Berlin")
+        return None
+
+
+def read_mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
+    """Return the points that the rubric deducts for a mistake, by the mistake's id."""
+    if node is None:
+        return {}
+    if not isinstance(node, yaml.MappingNode):
+        reader.say(node, "mistakes must be `name: points` lines; `imugrade explain` lists the names")
+        return {}
+    known = catalogue(lab)
+    deductions: dict[str, float] = {}
+    for name, (key, value) in reader.pairs(node, "mistakes").items():
+        if now := next((id_ for id_, row in rows(lab).items() if name in row.formerly), None):
+            reader.say(key, f"the fault {quote(key)} is no longer told apart: {now} deducts for it")
+        elif name not in known:
+            reader.say(key, f"there is no fault {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
+        deductions[name] = reader.points(value, f"the deduction for {printable(name, 60)}") or 0.0
+    return deductions
+
+
+_APPLY = {"suggested": True, "none": False}
+
+
+def read_repairs(reader: Reader, node: yaml.Node | None) -> RepairPolicy:
+    """Return the repair policy: whether suggested repairs are applied, and the deduction for a repair."""
+    if node is None:
+        return RepairPolicy()
+    keys = reader.fields(node, "repairs", ("apply", "deduct"), ())
+    apply = reader.text(keys.get("apply"), "apply")
+    if "apply" in keys and apply not in _APPLY:
+        reader.say(keys["apply"], f"apply must be suggested or none, not {quote(keys['apply'])}")
+    deduct = reader.points(keys.get("deduct"), "deduct")
+    return RepairPolicy(_APPLY.get(apply, False), deduct or 0.0)
