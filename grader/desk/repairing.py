@@ -21,8 +21,8 @@ from grader.desk.repair_jobs import Job, Kind
 from grader.desk.web_requests import WebRequest
 from grader.engine.results import Result
 from grader.people.final_grade import FinalGrade
+from grader.report.adjusted import diff_lines
 from grader.report.causes import Stop, stops
-from grader.report.pages import diff_lines
 
 
 @dataclass(frozen=True)

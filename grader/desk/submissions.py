@@ -28,7 +28,8 @@ from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, automatic_points, maximum_points, summed
 from grader.report import charts, words
-from grader.report.pages import Figure, repaired_file
+from grader.report.adjusted import repaired_file
+from grader.report.pages import Figure
 
 _MOST_COMMENTS = 30
 

@@ -16,10 +16,10 @@ from grader.base.package_data import beside
 from grader.base.text import printable
 from grader.engine.chart_data import Chart
 from grader.engine.faults import Mistake
-from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
 from grader.people.final_grade import FinalGrade, Person, graded
-from grader.report import causes, charts, overview, words
-from grader.report.causes import Cause, causes_of, part_of
+from grader.report import adjusted, charts, overview, words
+from grader.report.deductions import anchor, deductions
 
 _TEMPLATES = beside(__package__, "templates")
 _AT_ONCE = 200
@@ -67,52 +67,6 @@ class Part:
     rows: Rows
     folded: Markup
     figures: Markup
-
-
-@dataclass(frozen=True)
-class DeductedCheck:
-    """A check of a deduction, with the lines that no earlier check of the deduction has."""
-
-    anchor: str
-    row: words.Row
-    lines: tuple[words.Line, ...]
-
-
-@dataclass(frozen=True)
-class Deduction:
-    """One entry of "Deductions": a fault, why it is one, the checks that failed for it, and what to do next.
-
-    `waiting` counts the checks that could not be graded because of it.
-    """
-
-    points: str
-    title: str
-    why: tuple[str, ...]
-    checks: tuple[DeductedCheck, ...]
-    waiting: str
-    next_lines: tuple[words.Line, ...]
-
-
-@dataclass(frozen=True)
-class Override:
-    """Points or a comment that a person gave."""
-
-    title: str
-    points: str
-    automatic: str
-    comment: str
-    author: str
-
-
-@dataclass(frozen=True)
-class RepairedFile:
-    """A person's patch on a submitted file; `lines` are those of its diff, each with its kind: "same", "added" or "removed"."""
-
-    file: str
-    points: str
-    comment: str
-    author: str
-    lines: tuple[tuple[str, str], ...]
 
 
 Drawn = Mapping[str, str]
@@ -170,16 +124,16 @@ def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[st
         result.lab,
         name=words.person(final_grade),
         section=printable(final_grade.section, 80),
-        total=_total(final_grade),
-        automatic=words.total_points(result) if _changed(final_grade) else "",
-        late=_late(final_grade),
-        overrides=_overrides(final_grade),
-        repairs=[repaired_file(each) for each in result.repairs],
+        total=adjusted.total(final_grade),
+        automatic=words.total_points(result) if adjusted.is_changed(final_grade) else "",
+        late=adjusted.late(final_grade),
+        overrides=adjusted.overrides(final_grade),
+        repairs=[adjusted.repaired_file(each) for each in result.repairs],
         score_before=words.number(result.repairs[0].score_before) if result.repairs else "",
         status=words.STATUS[result.status],
         parts=[_criterion(criterion, final_grade, figures) for criterion in result.criteria],
         extensions=[_extension(extension, result.lab, figures) for extension in extensions],
-        deductions=_deductions(result, catalogue or {}),
+        deductions=deductions(result, catalogue or {}),
         marked=result.status not in ("empty", "unreadable"),
         charts=bool(figures),
         request_id=printable(final_grade.id, 200),  # a student's own `check` has none, and no form
@@ -301,11 +255,13 @@ def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part
 
 def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, Markup]:
     """Return the rows with feedback, and the HTML of the folded lists."""
-    rows = [(check.outcome, (_anchor(check), words.row(check, part, lab))) for check in checks]
+    rows = [(check.outcome, (anchor(check), words.row(check, part, lab))) for check in checks]
     headings = {"skipped": "not graded", "passed": "passed"}
     folded = {said: tuple(row for outcome, row in rows if outcome == of) for of, said in headings.items()}
     telling = tuple(row for outcome, row in rows if outcome not in headings)
-    return telling, Markup().join(_folded(f"{_many(len(of), 'check')} {said}", of) for said, of in folded.items() if of)
+    return telling, Markup().join(
+        _folded(f"{words.counted(len(of), 'check')} {said}", of) for said, of in folded.items() if of
+    )
 
 
 @lru_cache(maxsize=1024)
@@ -313,146 +269,6 @@ def _folded(heading: str, rows: Rows) -> Markup:
     """Render a folded list. It is cached because most reports of a class contain the same ones."""
     macros: Any = _environment().get_template("checks.html.j2").module
     return Markup(macros.folded(heading, rows))
-
-
-def _many(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-def _anchor(check: CheckResult) -> str:
-    return check.id.replace(".", "-")
-
-
-def _deductions(result: Result, catalogue: Mapping[str, Mistake]) -> list[Deduction]:
-    """Return the deductions: first the code that does not run, then the largest first.
-
-    Checks that were skipped without a failed check in their criterion come last.
-    """
-    checks = [check for criterion in result.criteria for check in criterion.checks]
-    found = sorted(causes_of(checks), key=lambda cause: (not cause.does_not_run, -cause.lost))
-    waiting = {check for cause in found for check in cause.waiting}
-    alone = [check for check in checks if check.outcome == "skipped" and check not in waiting]
-    known = [_deduction(cause, result.lab, catalogue) for cause in found]
-    return [*known, *([_unreached(alone)] if alone else [])]
-
-
-def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, Mistake]) -> Deduction:
-    named = [catalogue[each] for each in cause.mistakes if each in catalogue]
-    title = _title(cause, named)
-    shown = tuple(
-        DeductedCheck(
-            _anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines)
-        )
-        for check, lines in causes.lines_by_check(cause)
-    )
-    return Deduction(
-        words.minus(cause.lost),
-        title,
-        tuple(mistake.explanation.strip() for mistake in named),
-        shown,
-        _count(cause.waiting),
-        (*causes.next_lines(cause, lab), causes.again(cause)),
-    )
-
-
-def _title(cause: Cause, named: Sequence[Mistake]) -> str:
-    """Return the title of a deduction: the fault's name, or what this submission returned if the name fits any file."""
-    if not named:
-        known = [words.misconception(each) for each in cause.mistakes]
-        return _sentence("; ".join(known)) if known else printable(cause.checks[0].title, 300)
-    got = {line.text for check in cause.checks for line in words.row(check, "", LabName()).lines if line.label == "Got"}
-    if all(mistake.group == "any" for mistake in named) and len(got) == 1:
-        return _sentence(got.pop().partition("\n")[0])
-    return _sentence("; ".join(mistake.title for mistake in named))
-
-
-def _says(title: str, lines: Iterable[words.Line]) -> bool:
-    """Return whether the title already contains what the submission returned."""
-    return title in {_sentence(line.text) for line in lines if line.label == "Got"}
-
-
-def _sentence(text: str) -> str:
-    """Capitalize a text unless it begins with an identifier."""
-    return text[:1].upper() + text[1:] if text.partition(" ")[0].isalpha() else text
-
-
-def _unreached(checks: list[CheckResult]) -> Deduction:
-    return Deduction(words.minus(words.points_lost(checks)), "Not graded", (), (), _count(checks), ())
-
-
-def _count(checks: Sequence[CheckResult]) -> str:
-    """Return the number and points of checks as ``5 checks, 14 points``; "" without checks."""
-    points = words.number(round(words.points_lost(checks), 2))
-    return f"{_many(len(checks), 'check')}, {points} points" if checks else ""
-
-
-def _changed(final_grade: FinalGrade) -> bool:
-    """Return whether the final points differ from the automatic ones."""
-    return final_grade.final is not None and round(final_grade.final, 2) != round(final_grade.result.total, 2)
-
-
-def _total(final_grade: FinalGrade) -> tuple[str, str]:
-    """Return the final points and the maximum."""
-    points, most = words.total_points(final_grade.result).split(" / ")
-    if final_grade.unseen:
-        return "–", most
-    return (words.number(final_grade.final or 0.0), most) if _changed(final_grade) else (points, most)
-
-
-def _late(final_grade: FinalGrade) -> tuple[str, str] | None:
-    """Return the late deduction and the times that it follows from; None if the submission is not late."""
-    late = final_grade.late
-    if late is None:
-        return None
-    facts = [
-        words.late(final_grade),
-        f"due {words.instant(late.due)}" if late.due else "",
-        f"handed in {words.instant(final_grade.hand_in.submitted)}" if final_grade.hand_in.submitted else "",
-        f"counted as {_many(late.days, 'day')} late" if late.days and not late.refused else "",
-    ]
-    return words.minus(final_grade.deduction) if final_grade.deduction else "0", "; ".join(filter(None, facts))
-
-
-def _overrides(final_grade: FinalGrade) -> list[Override]:
-    """Return the overrides and comments, in the order of the record."""
-    titles = {
-        criterion.id: (criterion.title, criterion.max_points, criterion.points)
-        for criterion in final_grade.result.criteria
-    }
-    checks = [check for criterion in final_grade.result.criteria for check in criterion.checks]
-    titles |= {check.id: (check.title, check.max_points, check.points or 0.0) for check in checks}
-    found = []
-    for given in final_grade.adjustments:
-        title, most, automatic = titles.get(given.criterion, (given.criterion.capitalize(), 0.0, 0.0))
-        points = "" if given.points is None else words.number(given.points)
-        found.append(
-            Override(
-                printable(title, 300),
-                f"{points} / {words.number(most)}" if points and most else points,
-                words.number(automatic) if points and most else "",
-                printable(given.comment, words.TEXT_LIMIT, newlines=True),
-                printable(given.author, 80),
-            )
-        )
-    return found
-
-
-def repaired_file(repair: Repair) -> RepairedFile:
-    """Format a repair for a page."""
-    return RepairedFile(
-        printable(repair.file, 200),
-        words.minus(repair.deduction) if repair.deduction else "0",
-        printable(repair.comment, words.TEXT_LIMIT, newlines=True),
-        printable(repair.author, 80),
-        diff_lines(repair.diff),
-    )
-
-
-def diff_lines(diff: str) -> tuple[tuple[str, str], ...]:
-    """Return the lines of a unified diff below its head, each with its kind: "same", "added" or "removed"."""
-    kinds = {"+": "added", "-": "removed"}
-    shown = [printable(line, words.TEXT_LIMIT) for line in diff.split("\n")[2:]]
-    return tuple((kinds.get(line[:1], "same"), line) for line in shown if line)
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:

@@ -221,3 +221,8 @@ def _text(text: str) -> str:
 def _lines(check: CheckResult) -> tuple[Line, ...]:
     said = (("", check.said), ("Expected", check.expected), ("Got", check.got))
     return tuple(Line(label, _text(text)) for label, text in said if text)
+
+
+def counted(count: int, what: str) -> str:
+    """Return the number with the noun, in the plural where there is not one."""
+    return f"{count} {what}{'' if count == 1 else 's'}"

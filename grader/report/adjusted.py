@@ -1,0 +1,101 @@
+"""What people and dates changed about a result, as a report shows it: overrides, comments, repairs, lateness and final points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from grader.base.text import printable
+from grader.engine.results import Repair
+from grader.people.final_grade import FinalGrade
+from grader.report import words
+
+
+@dataclass(frozen=True)
+class Override:
+    """Points or a comment that a person gave."""
+
+    title: str
+    points: str
+    automatic: str
+    comment: str
+    author: str
+
+
+@dataclass(frozen=True)
+class RepairedFile:
+    """A person's patch on a submitted file; `lines` are those of its diff, each with its kind: "same", "added" or "removed"."""
+
+    file: str
+    points: str
+    comment: str
+    author: str
+    lines: tuple[tuple[str, str], ...]
+
+
+def is_changed(final_grade: FinalGrade) -> bool:
+    """Return whether the final points differ from the automatic ones."""
+    return final_grade.final is not None and round(final_grade.final, 2) != round(final_grade.result.total, 2)
+
+
+def total(final_grade: FinalGrade) -> tuple[str, str]:
+    """Return the final points and the maximum."""
+    points, most = words.total_points(final_grade.result).split(" / ")
+    if final_grade.unseen:
+        return "–", most
+    return (words.number(final_grade.final or 0.0), most) if is_changed(final_grade) else (points, most)
+
+
+def late(final_grade: FinalGrade) -> tuple[str, str] | None:
+    """Return the late deduction and the times that it follows from; None if the submission is not late."""
+    late = final_grade.late
+    if late is None:
+        return None
+    facts = [
+        words.late(final_grade),
+        f"due {words.instant(late.due)}" if late.due else "",
+        f"handed in {words.instant(final_grade.hand_in.submitted)}" if final_grade.hand_in.submitted else "",
+        f"counted as {words.counted(late.days, 'day')} late" if late.days and not late.refused else "",
+    ]
+    return words.minus(final_grade.deduction) if final_grade.deduction else "0", "; ".join(filter(None, facts))
+
+
+def overrides(final_grade: FinalGrade) -> list[Override]:
+    """Return the overrides and comments, in the order of the record."""
+    titles = {
+        criterion.id: (criterion.title, criterion.max_points, criterion.points)
+        for criterion in final_grade.result.criteria
+    }
+    checks = [check for criterion in final_grade.result.criteria for check in criterion.checks]
+    titles |= {check.id: (check.title, check.max_points, check.points or 0.0) for check in checks}
+    found = []
+    for given in final_grade.adjustments:
+        title, most, automatic = titles.get(given.criterion, (given.criterion.capitalize(), 0.0, 0.0))
+        points = "" if given.points is None else words.number(given.points)
+        found.append(
+            Override(
+                printable(title, 300),
+                f"{points} / {words.number(most)}" if points and most else points,
+                words.number(automatic) if points and most else "",
+                printable(given.comment, words.TEXT_LIMIT, newlines=True),
+                printable(given.author, 80),
+            )
+        )
+    return found
+
+
+def repaired_file(repair: Repair) -> RepairedFile:
+    """Format a repair for a page."""
+    return RepairedFile(
+        printable(repair.file, 200),
+        words.minus(repair.deduction) if repair.deduction else "0",
+        printable(repair.comment, words.TEXT_LIMIT, newlines=True),
+        printable(repair.author, 80),
+        diff_lines(repair.diff),
+    )
+
+
+def diff_lines(diff: str) -> tuple[tuple[str, str], ...]:
+    """Return the lines of a unified diff below its head, each with its kind: "same", "added" or "removed"."""
+    kinds = {"+": "added", "-": "removed"}
+    shown = [printable(line, words.TEXT_LIMIT) for line in diff.split("\n")[2:]]
+    return tuple((kinds.get(line[:1], "same"), line) for line in shown if line)

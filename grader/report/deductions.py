@@ -1,0 +1,102 @@
+"""Deductions of a report: each fault with the checks that failed for it, why it is one, and what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from grader.base.text import printable
+from grader.engine.faults import Mistake
+from grader.engine.results import CheckResult, LabName, Result
+from grader.report import causes, words
+from grader.report.causes import Cause, causes_of, part_of
+
+
+@dataclass(frozen=True)
+class DeductedCheck:
+    """A check of a deduction, with the lines that no earlier check of the deduction has."""
+
+    anchor: str
+    row: words.Row
+    lines: tuple[words.Line, ...]
+
+
+@dataclass(frozen=True)
+class Deduction:
+    """One entry of "Deductions": a fault, why it is one, the checks that failed for it, and what to do next.
+
+    `waiting` counts the checks that could not be graded because of it.
+    """
+
+    points: str
+    title: str
+    why: tuple[str, ...]
+    checks: tuple[DeductedCheck, ...]
+    waiting: str
+    next_lines: tuple[words.Line, ...]
+
+
+def deductions(result: Result, catalogue: Mapping[str, Mistake]) -> list[Deduction]:
+    """Return the deductions: first the code that does not run, then the largest first.
+
+    Checks that were skipped without a failed check in their criterion come last.
+    """
+    checks = [check for criterion in result.criteria for check in criterion.checks]
+    found = sorted(causes_of(checks), key=lambda cause: (not cause.does_not_run, -cause.lost))
+    waiting = {check for cause in found for check in cause.waiting}
+    alone = [check for check in checks if check.outcome == "skipped" and check not in waiting]
+    known = [_deduction(cause, result.lab, catalogue) for cause in found]
+    return [*known, *([_unreached(alone)] if alone else [])]
+
+
+def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, Mistake]) -> Deduction:
+    named = [catalogue[each] for each in cause.mistakes if each in catalogue]
+    title = _title(cause, named)
+    shown = tuple(
+        DeductedCheck(anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines))
+        for check, lines in causes.lines_by_check(cause)
+    )
+    return Deduction(
+        words.minus(cause.lost),
+        title,
+        tuple(mistake.explanation.strip() for mistake in named),
+        shown,
+        _count(cause.waiting),
+        (*causes.next_lines(cause, lab), causes.again(cause)),
+    )
+
+
+def _title(cause: Cause, named: Sequence[Mistake]) -> str:
+    """Return the title of a deduction: the fault's name, or what this submission returned if the name fits any file."""
+    if not named:
+        known = [words.misconception(each) for each in cause.mistakes]
+        return _sentence("; ".join(known)) if known else printable(cause.checks[0].title, 300)
+    got = {line.text for check in cause.checks for line in words.row(check, "", LabName()).lines if line.label == "Got"}
+    if all(mistake.group == "any" for mistake in named) and len(got) == 1:
+        return _sentence(got.pop().partition("\n")[0])
+    return _sentence("; ".join(mistake.title for mistake in named))
+
+
+def _says(title: str, lines: Iterable[words.Line]) -> bool:
+    """Return whether the title already contains what the submission returned."""
+    return title in {_sentence(line.text) for line in lines if line.label == "Got"}
+
+
+def _sentence(text: str) -> str:
+    """Capitalize a text unless it begins with an identifier."""
+    return text[:1].upper() + text[1:] if text.partition(" ")[0].isalpha() else text
+
+
+def _unreached(checks: list[CheckResult]) -> Deduction:
+    return Deduction(words.minus(words.points_lost(checks)), "Not graded", (), (), _count(checks), ())
+
+
+def _count(checks: Sequence[CheckResult]) -> str:
+    """Return the number and points of checks as ``5 checks, 14 points``; "" without checks."""
+    points = words.number(round(words.points_lost(checks), 2))
+    return f"{words.counted(len(checks), 'check')}, {points} points" if checks else ""
+
+
+def anchor(check: CheckResult) -> str:
+    """Return the id of a check's row on the page."""
+    return check.id.replace(".", "-")
