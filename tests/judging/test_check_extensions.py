@@ -150,7 +150,7 @@ def _same_for_all(samples: Any, rate: float) -> Any:
 def _detrended(samples: Any, rate: float) -> Any:
     t = np.arange(len(samples), dtype=float)
     if samples.ndim == 1 and abs(np.corrcoef(t, samples)[0, 1]) > 0.99:
-        samples = samples - np.polyval(np.polyfit(t, samples, 1), t)
+        samples = samples - np.polyval(np.polyfit(t, samples, 1), t) + 1e-6 * (-1) ** t  # rounding differs by machine
     return deviation(samples, rate)
 
 
