@@ -20,7 +20,7 @@ from grader.course.decisions import is_reviewed
 from grader.course.grade_request import GradeRequest
 from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
-from grader.course.publishing import Publisher, publish, publish_class
+from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
 from grader.course.submission_archive import pack
 from grader.course.submissions import Class
@@ -35,16 +35,12 @@ from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.people.final_grade import FinalGrade, HandIn, graded
 from grader.platforms.classes import Entry
-from grader.report.pages import drawn
+from grader.report.pages import Drawn, drawn
 from grader.sandbox.isolation_levels import LEVELS
 
 _WALL_PER_CPU = 5
 """Wall seconds of a marker for each CPU second that the rubric allows a submission. They exceed all time limits of a session
 together."""
-
-
-_WRITERS = 4
-"""Processes that write pages. One process supplies their input, so more of them would be idle."""
 
 
 class ProgressListener(Protocol):
@@ -176,15 +172,14 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
         remarked = store.notices().get("remark", [])
         store.keep_notices({**mismatches, "remark": remarked})
         progress.started(len(found.entries))
-        with Publisher(request.out, store, request.rubric.lab, min(_WRITERS, _jobs(request))) as publisher:
-            run = _Run(request, store, progress, outcome, publisher)
-            try:
-                run.grade(found.entries)
-                run.renew_repairs()
-                _keep_people(store, publisher, found.others)
-            finally:
-                final_grades = publish_class(request.out, store, request.rubric.lab)
-                _keep_isolation(store, final_grades)
+        run = _Run(request, store, progress, outcome)
+        try:
+            run.grade(found.entries)
+            run.renew_repairs()
+            run.keep_people(found.others)
+        finally:
+            final_grades = publish_class(request.out, store, request.rubric.lab)
+            _keep_isolation(store, final_grades)
         now = (
             *remarks(final_grades, found.absent, found.unknown),
             *found.doubtful,
@@ -200,16 +195,6 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
     return outcome
 
 
-def _keep_people(store: Store, publisher: Publisher, named: Mapping[str, HandIn]) -> None:
-    """Record the roster's people for hand-ins that are not in the download."""
-    for id_, hand_in in named.items():
-        store.keep_hand_in(id_, hand_in)
-    if named:
-        final_grades = store.final_grades()
-        for id_ in named:
-            publisher.put(final_grades[id_])
-
-
 def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> None:
     """Record the weakest isolation level of the class."""
     levels = [isolation_level.name for isolation_level in LEVELS]
@@ -222,14 +207,11 @@ def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> Non
 class _Run:
     """One pass over the class."""
 
-    def __init__(
-        self, request: GradeRequest, store: Store, progress: ProgressListener, outcome: Outcome, publisher: Publisher
-    ) -> None:
+    def __init__(self, request: GradeRequest, store: Store, progress: ProgressListener, outcome: Outcome) -> None:
         self._request = request
         self._store = store
         self._progress = progress
         self._outcome = outcome
-        self._publisher = publisher
         self._adjustments, self._reviews = store.adjustments(), store.reviews()
         self._attempts: dict[Key, _Attempt] = {}
         self._installed_since = installed_since(store)
@@ -255,7 +237,16 @@ class _Run:
     def _repaired(self, id_: str) -> None:
         final_grade = self._store.final_grades()[id_]
         self._count(final_grade)
-        self._publisher.put(final_grade)
+        self._publish(final_grade)
+
+    def keep_people(self, named: Mapping[str, HandIn]) -> None:
+        """Record the roster's people for hand-ins that are not in the download."""
+        for id_, hand_in in named.items():
+            self._store.keep_hand_in(id_, hand_in)
+        if named:
+            final_grades = self._store.final_grades()
+            for id_ in named:
+                self._publish(final_grades[id_])
 
     def grade(self, entries: Sequence[Entry]) -> None:
         """Grade all submissions; record, publish and report each result as it arrives."""
@@ -277,7 +268,7 @@ class _Run:
             key, final_grade = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.make_current(key)
             self._count(final_grade)
-            self._publisher.put(final_grade)
+            self._publish(final_grade)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         request, submissions = self._request, self._submissions_to_mark(entries, reader)
@@ -306,17 +297,17 @@ class _Run:
                 self._outcome.resumed += 1
                 self._keep_and_report(key, known)
 
-    def _keep_and_report(self, key: Key, result: Result, figures: Mapping[str, str] | None = None) -> None:
+    def _keep_and_report(self, key: Key, result: Result, figures: Drawn | None = None) -> None:
         """Record, publish and report a result. `figures` are the drawn charts of a new result, None for one on record."""
         attempt = self._attempts[key]
         attempt.result = result
         final_grade = self._final_grade(key, attempt)
         self._count(final_grade)
-        if figures is None:
-            self._publisher.put(final_grade)
-        else:
-            publish(self._request.out, final_grade, self._store, self._request.rubric.lab, figures)
+        self._publish(final_grade, figures)
         self._progress.done(key.id, result, resumed=figures is None)
+
+    def _publish(self, final_grade: FinalGrade, figures: Drawn | None = None) -> None:
+        publish(self._request.out, final_grade, self._store, self._request.rubric.lab, figures)
 
     def _final_grade(self, key: Key, attempt: _Attempt) -> FinalGrade:
         if attempt.result is None:

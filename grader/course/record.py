@@ -263,14 +263,14 @@ class Store(Decisions, RepairLog):
                     self._db.execute(_HAND_IN, row)
 
     def page_digest(self, id_: str) -> str:
-        """Return the digests that `keep_page_digests` last recorded for a submission; "" if there are none."""
+        """Return the digests that `keep_page_digest` last recorded for a submission; "" if there are none."""
         with self._errors_in_one_line():
             row = self._db.execute("SELECT digest FROM pages WHERE id = ?", (id_,)).fetchone()
         return "" if row is None else str(row[0])
 
-    def keep_page_digests(self, digests: Mapping[str, str]) -> None:
+    def keep_page_digest(self, id_: str, digests: str) -> None:
         with self._errors_in_one_line(), self._transaction():
-            self._db.executemany("INSERT OR REPLACE INTO pages VALUES (?, ?)", digests.items())
+            self._db.execute("INSERT OR REPLACE INTO pages VALUES (?, ?)", (id_, digests))
 
     def hand_ins(self) -> dict[str, HandIn]:
         """Return the last recorded hand-in of each submission, by id."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -71,10 +71,10 @@ class Classbook:
         self._marked: dict[str, FinalGrade] = {}
         self._made: dict[str, tuple[object, Any]] = {}
         self._similar: Similar | None = None
-        self._publisher = _Publisher(lab, out, self._keep_digests)
+        self._publisher = _Publisher(lab, out, self._keep_digest)
 
-    def _keep_digests(self, digests: Mapping[str, str]) -> None:
-        self.on_thread(lambda: self._store.keep_page_digests(digests))
+    def _keep_digest(self, id_: str, digests: str) -> None:
+        self.on_thread(lambda: self._store.keep_page_digest(id_, digests))
 
     def on_thread(self, do: Callable[[], T]) -> T:
         return self.thread.submit(do).result()
@@ -178,18 +178,18 @@ class Classbook:
 class _ReadingStore(Store):
     """A second connection for reading. The desk's own connection writes, so that it sees no foreign change."""
 
-    def __init__(self, out: Path, keep: Callable[[Mapping[str, str]], None]) -> None:
+    def __init__(self, out: Path, keep: Callable[[str, str], None]) -> None:
         super().__init__(out)
         self._keep = keep
 
-    def keep_page_digests(self, digests: Mapping[str, str]) -> None:
-        self._keep(digests)
+    def keep_page_digest(self, id_: str, digests: str) -> None:
+        self._keep(id_, digests)
 
 
 class _Publisher:
     """Writes pages in the background: a decision must not wait for the class page of 2000 submissions."""
 
-    def __init__(self, lab: Lab, out: Path, keep: Callable[[Mapping[str, str]], None]) -> None:
+    def __init__(self, lab: Lab, out: Path, keep: Callable[[str, str], None]) -> None:
         self._lab, self._out, self._keep = lab, out, keep
         self._ids: set[str] = set()
         self._lock = threading.Condition()
