@@ -24,7 +24,7 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
 from grader.report import words
 from grader.report.pages import index_page, report_page
-from grader.report.terminal import show
+from grader.report.terminal import screen, show_line
 from tests.fake_results import HOSTILE, check, lost, result
 from tests.pages import Page
 
@@ -36,7 +36,9 @@ HOSTILE_RESULT = result(
 def terminal(made: Result, *, width: int = 90, colours: str | None = "auto", **how: Any) -> str:
     """What a terminal shows: its letters, and with truecolor its codes."""
     out = io.StringIO()
-    show(made, Console(file=out, width=width, force_terminal=True, color_system=colours, highlight=False), LAB, **how)  # type: ignore[arg-type]
+    console = Console(file=out, width=width, force_terminal=True, color_system=colours, highlight=False)  # type: ignore[arg-type]
+    for line in screen(made, console, LAB, **how):
+        show_line(line, console)
     return out.getvalue() if colours == "truecolor" else re.sub(r"\x1b\[[0-9;]*m", "", out.getvalue())
 
 

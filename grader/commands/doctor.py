@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from grader.base.text import printable
 from grader.commands.common import console
+
+if TYPE_CHECKING:
+    from grader.commands.machine import Finding
 
 
 def doctor(
@@ -23,9 +28,25 @@ def doctor(
       imugrade doctor
       imugrade doctor submissions
     """
-    from grader.commands import machine as doctors  # noqa: PLC0415
-    from grader.report import terminal  # noqa: PLC0415
+    from grader.commands import machine  # noqa: PLC0415
 
-    found = doctors.examine() if not paths else [("Packages", doctors.packages_of(paths))]
-    terminal.show_findings(found, console())
+    _show(machine.examine() if not paths else [("Packages", machine.packages_of(paths))])
     return 0
+
+
+def _show(sections: Sequence[tuple[str, Sequence[Finding]]]) -> None:
+    """Print the findings, one section after the other."""
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    screen = console()
+    for heading, findings in sections:
+        screen.print(Text(heading, "bold"))
+        table = Table.grid(expand=True, padding=(0, 1, 0, 0))
+        table.add_column(width=3, no_wrap=True)
+        table.add_column(width=14, no_wrap=True)
+        table.add_column(ratio=1)
+        for finding in findings:
+            sign = {True: "✓", False: "✗", None: " "}[finding.good]
+            table.add_row(Text(f" {sign}"), Text(finding.name), Text(printable(finding.text, 500)))
+        screen.print(table)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,6 +16,7 @@ from grader.platforms import registry
 
 if TYPE_CHECKING:
     from grader.course.class_settings import Change
+    from grader.course.classroom import Outcome
 
 
 def grade(
@@ -83,12 +85,14 @@ def grade(
       imugrade grade canvas.zip -o out --roster gradebook.csv
       imugrade grade submissions -o out --only alice --force
     """
+    from rich.text import Text  # noqa: PLC0415
+
     from grader.course import class_settings, classroom, submissions  # noqa: PLC0415
     from grader.course.grade_request import GradeRequest  # noqa: PLC0415
     from grader.labs.imu.hidden_coverage import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
-    from grader.report import progress, terminal  # noqa: PLC0415
+    from grader.report import progress  # noqa: PLC0415
 
     if cluster is not None and jobs is not None:
         raise RequestError("--jobs does not work with --cluster; start more workers on the cluster instead")
@@ -119,7 +123,7 @@ def grade(
     screen = console()
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as listener:
         outcome = classroom.grade_class(request, found, listener)
-    terminal.show_class(outcome, shown_path(out / "index.html"), screen)
+    screen.print(Text("\n".join(_summary(outcome, shown_path(out / "index.html")))), soft_wrap=True)
     if spot := blind_spot(bundle):
         say(spot)
     if seed is None:
@@ -134,6 +138,26 @@ def grade(
         )
     below = min_score is not None and bool(outcome.below(min_score))
     return 3 if outcome.incomplete else int(below)
+
+
+def _summary(outcome: Outcome, index: str) -> Iterator[str]:
+    """Yield the last lines of a run: counts, mean, submissions that were not graded, where the pages are."""
+    import statistics  # noqa: PLC0415
+
+    from grader.base.text import printable  # noqa: PLC0415
+
+    facts = [f"{len(outcome.results) - outcome.resumed} graded"]
+    facts += [f"{outcome.resumed} on record"] if outcome.resumed else []
+    for status in ("empty", "unreadable"):
+        count = sum(result.status == status for result in outcome.results.values())
+        facts += [f"of these {count} {status}"] if count else []
+    facts += [f"mean of graded {statistics.fmean(outcome.grades):.1f}"] if outcome.grades else []
+    yield " · ".join(facts)
+    yield from (f"Not placed: {printable(leftover, 300)}" for leftover in outcome.leftovers)
+    if outcome.incomplete:
+        names = ", ".join(printable(id_, 120) for id_ in outcome.incomplete)
+        yield f"Not judged, because the grader failed: {names}. Run the command again: only these are graded again."
+    yield f"Open {printable(index, 1000)}"
 
 
 def _confirmed(changed: Change, change: bool) -> bool:

@@ -202,17 +202,14 @@ class Database:
                 "(what was recorded before is kept)"
             ) from problem
         except ForeignError as problem:
-            raise foreign(self.path, problem) from problem
+            raise RequestError(
+                f"{self.path}: has contents that this version of imugrade does not write ({problem}); "
+                "choose another folder with -o"
+            ) from problem
 
 
 class ForeignError(Exception):
     """A row holds data that imugrade does not write; the message describes it."""
-
-
-def foreign(path: Path, problem: ForeignError) -> RequestError:
-    return RequestError(
-        f"{path}: has contents that this version of imugrade does not write ({problem}); choose another folder with -o"
-    )
 
 
 def read(parse: Callable[[Any], T], record: object) -> T:

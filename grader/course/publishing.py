@@ -10,8 +10,7 @@ from pathlib import Path
 from grader import __version__
 from grader.base.files import write_whole
 from grader.course import class_settings
-from grader.course.database import FILE_NAME
-from grader.course.record import Store, charts
+from grader.course.record import Store
 from grader.engine.faults import catalogue
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
@@ -47,7 +46,7 @@ def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab, figures:
     source = _Source.of(final_grade, store)
     if source.is_current(out):
         return
-    files, digests = _made(out, source, lab, figures)
+    files, digests = _made(out, source, store, lab, figures)
     for path, content in files.items():
         write_whole(path, content)
     store.keep_page_digest(final_grade.id, digests)
@@ -95,7 +94,7 @@ class _Source:
         return _digest(made_from, page, repr((final_grade.hand_in, final_grade.adjustments, final_grade.unseen)))
 
 
-def _made(out: Path, source: _Source, lab: Lab, given: Drawn | None) -> tuple[dict[Path, bytes], str]:
+def _made(out: Path, source: _Source, store: Store, lab: Lab, given: Drawn | None) -> tuple[dict[Path, bytes], str]:
     """Return the files of a submission to write, and the digests to record once they are written."""
     (record, report), final_grade, known = source.paths(out), source.final_grade, source.known
     files, made_from = {}, _digest(source.result, _bytes(record))
@@ -105,7 +104,7 @@ def _made(out: Path, source: _Source, lab: Lab, given: Drawn | None) -> tuple[di
     figures, of_figures = drawn_in(_bytes(report).decode("utf-8", "replace")), known.figures
     drawn_anew = _of_figures(figures, source) != of_figures
     if drawn_anew:  # drawing takes ten times as long as the rest of a page
-        figures = given or drawn(charts(source.charts, out / FILE_NAME))
+        figures = given or drawn(store.charts(final_grade.id))
     page = report_around(figures, final_grade, catalogue(lab))
     if drawn_anew:
         of_figures = _of_figures(drawn_in(page), source)

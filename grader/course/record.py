@@ -19,7 +19,7 @@ from typing import TypeVar
 from grader.base import stamps
 from grader.course import class_settings
 from grader.course.class_settings import ClassSettings
-from grader.course.database import ForeignError, foreign, read
+from grader.course.database import read
 from grader.course.decisions import Decisions, is_reviewed
 from grader.course.repair_log import RepairLog
 from grader.engine.chart_data import Chart, unpacked
@@ -227,7 +227,8 @@ class Store(Decisions, RepairLog):
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
         """Return the charts of a submission's present result."""
-        return charts(self.packed_charts(id_), self.path)
+        with self._errors_in_one_line():
+            return read(unpacked, self.packed_charts(id_))
 
     def packed_charts(self, id_: str) -> bytes:
         """Return the charts of a submission's present result as recorded bytes; empty if there are none."""
@@ -323,14 +324,6 @@ class Store(Decisions, RepairLog):
             "ON CONFLICT (id) DO UPDATE SET seq = excluded.seq",
             astuple(key),
         )
-
-
-def charts(packed: bytes, path: Path) -> tuple[Chart, ...]:
-    """Unpack charts that were recorded in the file `path`."""
-    try:
-        return read(unpacked, packed)
-    except ForeignError as problem:
-        raise foreign(path, problem) from problem
 
 
 def _text(result: Result) -> str:

@@ -14,6 +14,7 @@ from typing import Protocol
 
 from grader.course.patches import diff_of
 from grader.course.repair_candidates import limited
+from grader.engine.findings import Where
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
@@ -123,14 +124,8 @@ def _returns_nothing(check: CheckResult) -> bool:
     return check.outcome == "failed" and "wrong-return-type" in check.misconceptions
 
 
-@dataclass(frozen=True)
-class _Defined:
-    file: str
-    line: int | None = None
-
-
-def _definition(name: str, handed_in: Submission) -> _Defined | None:
+def _definition(name: str, handed_in: Submission) -> Where | None:
     """Return the file that defines a name, without a line; None if no file does."""
     defines = re.compile(rf"^(?:class|def)[ \t]+{re.escape(name)}\b".encode(), re.MULTILINE)
     files = (path for path, content in handed_in.files.items() if path.endswith(".py") and defines.search(content))
-    return next((_Defined(path) for path in files), None)
+    return next((Where(path) for path in files), None)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from rich.cells import cell_len
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from grader.base.text import printable
@@ -24,46 +21,6 @@ WIDTH = 100
 _BAR = 20  # columns
 _NEVER_CALLED = frozenset({"file-missing", "name-missing", "does-not-import", "not-written"})
 _STYLE = {"passed": "green", "partial": "yellow", "failed": "red", "blank": "bright_black"}
-
-
-class ClassTotals(Protocol):
-    """Totals of a run over a class."""
-
-    results: dict[str, Result]
-    grades: list[float]
-    resumed: int
-    leftovers: tuple[str, ...]
-
-    @property
-    def incomplete(self) -> list[str]: ...
-
-
-class Found(Protocol):
-    """One finding of `doctor`."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def good(self) -> bool | None: ...
-
-    @property
-    def text(self) -> str: ...
-
-
-def show(
-    result: Result,
-    console: Console,
-    lab: Lab,
-    *,
-    only: str | None = None,
-    before: Mapping[str, float] | None = None,
-    command: str = "imugrade check",
-    verbose: bool = False,
-) -> None:
-    """Print a result, or one criterion or extension of it; see `screen`."""
-    for line in screen(result, console, lab, only=only, before=before, command=command, verbose=verbose):
-        show_line(line, console)
 
 
 def show_line(line: Text, console: Console) -> None:
@@ -286,39 +243,3 @@ def _again(found: Sequence[Cause], command: str, setting: Setting) -> list[Text]
 
 def _more(command: str, setting: Setting) -> list[Text]:
     return setting.hang(Text("All lines  ", LABEL), Text(f"{command} -v"))
-
-
-def show_class(outcome: ClassTotals, index: str, console: Console) -> None:
-    """Print the last lines of a run over a class: counts, mean, submissions that were not graded, where the pages are."""
-    fresh = len(outcome.results) - outcome.resumed
-    facts = [f"{fresh} graded"] + ([f"{outcome.resumed} on record"] if outcome.resumed else [])
-    for status in ("empty", "unreadable"):
-        count = sum(result.status == status for result in outcome.results.values())
-        facts += [f"of these {count} {status}"] if count else []
-    facts += [f"mean of graded {statistics.fmean(outcome.grades):.1f}"] if outcome.grades else []
-    console.print(Text(" · ".join(facts)), soft_wrap=True)
-    for leftover in outcome.leftovers:
-        console.print(Text(f"Not placed: {printable(leftover, 300)}"), soft_wrap=True)
-    if outcome.incomplete:
-        names = ", ".join(printable(id_, words.NAME_LIMIT) for id_ in outcome.incomplete)
-        console.print(
-            Text(
-                f"Not judged, because the grader failed: {names}. Run the command again: only these are graded again."
-            ),
-            soft_wrap=True,
-        )
-    console.print(Text(f"Open {printable(index, 1000)}"), soft_wrap=True)
-
-
-def show_findings(sections: Sequence[tuple[str, Sequence[Found]]], console: Console) -> None:
-    """Print what `doctor` found, one section after the other."""
-    for heading, findings in sections:
-        console.print(Text(heading, "bold"))
-        table = Table.grid(expand=True, padding=(0, 1, 0, 0))
-        table.add_column(width=3, no_wrap=True)
-        table.add_column(width=14, no_wrap=True)
-        table.add_column(ratio=1)
-        for finding in findings:
-            sign = {True: "✓", False: "✗", None: " "}[finding.good]
-            table.add_row(Text(f" {sign}"), Text(finding.name), Text(printable(finding.text, 500)))
-        console.print(table)

@@ -48,7 +48,8 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 def _on_terminal(result: Result) -> str:
     out = io.StringIO()
     screen = Console(file=out, width=100, highlight=False, markup=False, emoji=False)
-    terminal.show(result, screen, LAB)
+    for line in terminal.screen(result, screen, LAB):
+        terminal.show_line(line, screen)
     return out.getvalue()
 
 
