@@ -59,7 +59,7 @@ def row(out: Path, id_: str) -> dict[str, str]:
 
 
 def give(desk: Desk, id_: str, target: str, points: object, comment: str = "seen", **more: object):  # type: ignore[no-untyped-def]
-    seen = more.pop("seen", desk.book.on_thread(desk.book.last_number))
+    seen = more.pop("seen", desk.book.on_thread(desk.book.store.last_adjustment))
     who = str(more.pop("who", ""))
     fields = {"target": target, "points": points, "comment": comment, "seen": seen, **more}
     answer = desk.post(f"/submission/{id_}/override", fields, who)
@@ -360,11 +360,11 @@ def test_a_folder_of_regrade_requests_is_read_whole_or_not_at_all(desk: Desk, tm
     (folder / "notes.docx").write_bytes(b"PK")
     with pytest.raises(RequestError, match=r"b\.json, request 1: no student zed"):
         read_in(desk.book, folder)
-    assert desk.book.on_thread(desk.book.requests) == []
+    assert desk.book.on_thread(desk.book.store.regrade_requests) == []
     (folder / "b.json").write_text(json.dumps({"submission": "ada", "check": "", "text": "And mine"}))
     assert read_in(desk.book, folder) == "2 regrade requests added"
     assert read_in(desk.book, folder) == "0 regrade requests added, 2 already on record"
-    found = desk.book.on_thread(desk.book.requests)
+    found = desk.book.on_thread(desk.book.store.regrade_requests)
     told = [(each.id, each.about, each.text) for each in found]
     assert told == [("bob", ADDRESS, "Please look"), ("ada", "", "And mine")]
 
@@ -540,6 +540,8 @@ def test_a_table_of_requests_is_read_whole_or_not_at_all(desk: Desk) -> None:
     assert answer.status == 400
     assert "line 3: no student nobody" in words(answer.text)
     assert "line 4: there is no check no.such" in words(answer.text)
-    assert desk.book.on_thread(desk.book.requests) == []
+    assert desk.book.on_thread(desk.book.store.regrade_requests) == []
     desk.post("/regrade-requests", {"text": "name;check;appeal\nBob Bird;;Please look\nada;;\n"})
-    assert [(each.id, each.text) for each in desk.book.on_thread(desk.book.requests)] == [("bob", "Please look")]
+    assert [(each.id, each.text) for each in desk.book.on_thread(desk.book.store.regrade_requests)] == [
+        ("bob", "Please look")
+    ]

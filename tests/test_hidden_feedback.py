@@ -18,6 +18,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.platforms.gradescope import gradescope
+from grader.platforms.prairielearn import prairielearn
 from grader.report.pages import report_page
 from tests.corpus.pieces import tidy
 from tests.sandboxes import Opened
@@ -108,6 +109,7 @@ def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Resu
             *_words(result),
             json.dumps([told["criteria"], told["extensions"], told["misconceptions"]]),
             gradescope(result, hidden=True).split('"extra_data"')[0],
+            prairielearn(result),
             report_page(FinalGrade("spy", result)).split("<main", 1)[1].split("Provenance")[0],
         ]
         for text in outputs:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from grader.commands import completion
 from grader.commands.common import SECRET_VARIABLE, LevelOption, RubricOption, console
 
 if TYPE_CHECKING:
@@ -36,9 +35,7 @@ def check(
     json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON.")] = None,
     only: Annotated[
         str | None,
-        typer.Option(
-            "--only", metavar="CRITERION", help="Check only this criterion.", autocompletion=completion.criteria
-        ),
+        typer.Option("--only", metavar="CRITERION", help="Check only this criterion."),
     ] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Check again whenever a file is saved.")] = False,
     prints: Annotated[bool, typer.Option("--prints", "-s", help="Show what your own code prints.")] = False,

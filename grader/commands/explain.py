@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from grader.commands import completion
 from grader.commands.common import console
 
 
@@ -17,7 +16,6 @@ def explain(
         typer.Argument(
             metavar="ID",
             help="A fault, a check or a criterion. Without it: list them all.",
-            autocompletion=completion.explained,
         ),
     ] = None,
 ) -> int:

@@ -8,14 +8,13 @@ from typing import Annotated
 
 import typer
 
-from grader.commands import completion
 from grader.commands.common import LevelOption, RubricOption
 
 
 def repro(
     check: Annotated[
         str,
-        typer.Argument(metavar="CHECK", help="The id of a check, as in the report.", autocompletion=completion.checks),
+        typer.Argument(metavar="CHECK", help="The id of a check, as in the report."),
     ],
     path: Annotated[
         Path, typer.Argument(metavar="PATH", help="A folder. Default: the working folder.", show_default=False)

@@ -1,9 +1,9 @@
-"""Groups of submissions with the same fault, the same failed checks or similar code, and decisions on whole groups."""
+"""Groups of submissions with the same fault, the same failed check or similar code, and decisions on whole groups."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from grader.engine.rubric_nodes import guess_at
 from grader.people.final_grade import Adjustment, FinalGrade
 from grader.report import words
 
-MISTAKE, CHECK, SAME, ALIKE = "mistake", "check", "same", "alike"
+MISTAKE, CHECK, ALIKE = "mistake", "check", "alike"
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Group:
     @property
     def what(self) -> str:
         """Return the subject of a decision on this group, such as ``mistake: <title>``."""
-        kind = {MISTAKE: "mistake", CHECK: "lost", SAME: "the same lost checks", ALIKE: "alike"}[self.kind]
+        kind = {MISTAKE: "mistake", CHECK: "lost", ALIKE: "alike"}[self.kind]
         return printable(f"{kind}: {self.title}", 200)
 
 
@@ -51,31 +51,27 @@ class Decision:
 
 
 def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
-    """Return the groups with two members or more: by fault, by failed check, by equal set of failed checks; largest first."""
+    """Return the groups with two members or more: by fault and by failed check; largest first."""
     mistakes: dict[str, dict[str, list[CheckResult]]] = {}
     checks: dict[str, dict[str, list[CheckResult]]] = {}
-    same: dict[tuple[str, ...], dict[str, list[CheckResult]]] = {}
     for id_, final_grade in final_grades.items():
-        lost = _lost(final_grade.result)
-        for check in lost:
+        for check in _lost(final_grade.result):
             checks.setdefault(check.id, {})[id_] = [check]
             for mistake in check.misconceptions:
                 mistakes.setdefault(mistake, {}).setdefault(id_, []).append(check)
-        if len(lost) > 1:
-            same.setdefault(tuple(check.id for check in lost), {})[id_] = lost
     found = [
         *(_group(MISTAKE, id_, words.misconception(id_), members) for id_, members in mistakes.items()),
         *(_group(CHECK, id_, _titles(members), members) for id_, members in checks.items()),
-        *(_group(SAME, _digest(ids), f"{len(ids)} checks: {', '.join(ids)}", members) for ids, members in same.items()),
     ]
-    order = (MISTAKE, CHECK, SAME)
+    order = (MISTAKE, CHECK)
     several = [group for group in found if len(group.ids) > 1]
     return sorted(several, key=lambda group: (order.index(group.kind), -len(group.ids), group.title))
 
 
 def similar_group(ids: Sequence[str]) -> Group:
     """Return a group of submissions with the same files or similar code."""
-    return Group(ALIKE, _digest(ids), f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
+    digest = hashlib.sha256(" ".join(ids).encode()).hexdigest()[:16]
+    return Group(ALIKE, digest, f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
 
 
 def members_of(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
@@ -88,7 +84,7 @@ def members_of(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
     """
     with Store.existing(out) as store:
         found = groups(store.final_grades())
-    named = {group.key: group for group in found if group.kind in (MISTAKE, CHECK)}
+    named = {group.key: group for group in found}
     if name not in named:
         raise RequestError(f"--having {printable(name)}: no two submissions have this in common{guess_at(name, named)}")
     return named[name].what, named[name].ids
@@ -138,7 +134,3 @@ def _group(kind: str, key: str, title: str, members: Mapping[str, Sequence[Check
 
 def _titles(members: Mapping[str, Sequence[CheckResult]]) -> str:
     return next(printable(lost[0].title, 300) for lost in members.values())
-
-
-def _digest(ids: Iterable[str]) -> str:
-    return hashlib.sha256(" ".join(ids).encode()).hexdigest()[:16]

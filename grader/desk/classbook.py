@@ -14,7 +14,7 @@ from grader.base.errors import RequestError
 from grader.base.stamps import now
 from grader.course import class_grading, class_settings
 from grader.course.adjusting import OverrideRequest, RecordedOverride, decide
-from grader.course.decisions import RegradeRequest, Review
+from grader.course.decisions import Review
 from grader.course.publishing import publish_all, publish_class
 from grader.course.record import Store
 from grader.course.regrade import remark
@@ -91,8 +91,8 @@ class Classbook:
         seen = self._store.changes()
         if seen != self._seen:
             self._marked, self._seen, self._similar = self._store.final_grades(), seen, None
-            self._last = self.last_number()
-        elif self._last != (last := self.last_number()):
+            self._last = self._store.last_adjustment()
+        elif self._last != (last := self._store.last_adjustment()):
             adjustments, self._last = self._store.adjustments(), last
             self._marked = {id_: replace(s, adjustments=adjustments.get(id_, ())) for id_, s in self._marked.items()}
         return self._marked
@@ -128,10 +128,6 @@ class Classbook:
     def history(self, id_: str) -> list[Adjustment]:
         return [each for who, each in self._store.history() if who == id_]
 
-    def last_number(self) -> int:
-        """Return the number of the last override: a page loaded now shows everything up to it."""
-        return self._store.last_adjustment()
-
     def decide(
         self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
     ) -> list[RecordedOverride]:
@@ -151,10 +147,6 @@ class Classbook:
         marked = remark(self.out, self._store, rubric)
         self.rubric, self._seen = rubric, -1
         self._publisher.changed(marked)
-
-    def requests(self) -> list[RegradeRequest]:
-        """Return all regrade requests."""
-        return self._store.regrade_requests()
 
     def settled(self) -> None:
         """Wait until the files of OUT match the record."""

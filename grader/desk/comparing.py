@@ -17,8 +17,6 @@ from grader.desk.overviews import framed
 from grader.desk.review_queue import address
 from grader.desk.web_requests import WebRequest
 from grader.engine.fingerprint import lines_with
-from grader.people.final_grade import FinalGrade
-from grader.report.similarity import Pair
 
 _AROUND = 2  # context lines above and below shared lines
 _MOST_FILES = 20
@@ -60,15 +58,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
     kept = [book.kept(each).files for each in (first, second)]
     sides = [(each, excerpts(files, shared), bool(files)) for each, files in zip((first, second), kept, strict=True)]
     same = any(equal((first, second)))
-    return framed(
-        book, web_request, "pair.html.j2", sides=sides, pair=pair, same=same, others=_others(book, first, second)
-    )
-
-
-def _others(book: Classbook, first: FinalGrade, second: FinalGrade) -> list[Pair]:
-    """Return the other pairs that contain one of the two."""
-    ids = {first.id, second.id}
-    return [each for each in book.similar().pairs if len({each.first, each.second} & ids) == 1]
+    return framed(book, web_request, "pair.html.j2", sides=sides, pair=pair, same=same)
 
 
 def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:

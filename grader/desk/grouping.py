@@ -10,7 +10,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.course import adjusting
 from grader.course.adjusting import OverrideRequest
-from grader.course.groups import CHECK, MISTAKE, SAME, Group, decisions, groups, similar_group
+from grader.course.groups import CHECK, MISTAKE, Group, decisions, groups, similar_group
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
@@ -22,7 +22,7 @@ from grader.people.final_grade import BONUS, TOTAL
 def show_all(book: Classbook, web_request: WebRequest) -> Response:
     """Return the page with all groups and the decisions on them."""
     found = groups(book.final_grades())
-    kinds = {MISTAKE: "Same fault", CHECK: "Same failed check", SAME: "Same set of failed checks"}
+    kinds = {MISTAKE: "Same fault", CHECK: "Same failed check"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
     return framed(
         book,
@@ -58,7 +58,7 @@ def _page(book: Classbook, web_request: WebRequest, group: Group, errors: Mappin
         targets=targets,
         covering=adjusting.covering,
         checks_of=lambda final_grade: {c.id: c for part in final_grade.result.criteria for c in part.checks},
-        seen=book.last_number(),
+        seen=book.store.last_adjustment(),
         decisions=[each for each in decisions(book.store, final_grades) if each.what == group.what],
     )
 

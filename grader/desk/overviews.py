@@ -20,7 +20,13 @@ from grader.report import overview
 
 def queue(book: Classbook) -> list[Item]:
     """Return the review queue. It is computed again only after the record has changed."""
-    facts = (book.final_grades(), book.similar().groups, book.store.notices(), book.requests(), book.store.reviews())
+    facts = (
+        book.final_grades(),
+        book.similar().groups,
+        book.store.notices(),
+        book.store.regrade_requests(),
+        book.store.reviews(),
+    )
     return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
 
 

@@ -60,7 +60,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 def _page(book: Classbook, web_request: WebRequest, problem: str = "", code: int = 200) -> Response:
     """Show the requests and the form; `problem` says what is wrong with the typed text, which is kept."""
-    requests = book.requests()
+    requests = book.store.regrade_requests()
     final_grades = book.final_grades()
     about = dict.fromkeys(target for final_grade in final_grades.values() for target in targets(final_grade))
     return framed(

@@ -133,7 +133,7 @@ def _page(
     """Return the page of a submission: report, code, history and forms."""
     items = queue(book)
     history = book.history(final_grade.id)
-    requests = [each for each in book.requests() if each.id == final_grade.id]
+    requests = [each for each in book.store.regrade_requests() if each.id == final_grade.id]
     extras = _PageExtras(requests, typed)
     kept = replace(book.kept(final_grade), files=repairing.current(book, final_grade))
     result = final_grade.result

@@ -42,7 +42,7 @@ def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility =
     result
         A complete result.
     hidden
-        Whether it comes from hidden scenarios. Students then see what is wrong, without any data of the scenarios.
+        Whether it comes from hidden scenarios; the output then says so.
     visibility
         When students see the tests. With "hidden" Gradescope hides their total as well.
 
@@ -53,17 +53,16 @@ def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility =
     """
     if result.status == "incomplete":
         raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
-    shown = rows.held_back(result) if hidden else result
     record = {
         "score": result.total,
         "execution_time": round(result.duration_s, 3),
-        "output": _output(shown, hidden),
+        "output": _output(result, hidden),
         "output_format": "html",
         "visibility": "visible",
         "stdout_visibility": "hidden",
         "tests": [
             _test(check, part, f"{i}.{j}", visibility, result.lab)
-            for i, part in enumerate(rows.parts(shown), 1)
+            for i, part in enumerate(rows.parts(result), 1)
             for j, check in enumerate(part.checks, 1)
         ]
         + _extra_credit(result, visibility),

@@ -59,7 +59,7 @@ class Fill(Protocol):
 class ResultContext:
     """Context of a result on a platform: the submission, its path, the environment, and how to report the result.
 
-    `hidden` says that the scenarios are secret. Students then see what is wrong, without any data of the scenarios.
+    `hidden` says that the scenarios are secret. The result then holds no data of the scenarios.
     """
 
     lab: Lab

@@ -15,11 +15,10 @@ SUBMISSION = "grade/student"
 LIMIT_BYTES = 1_000_000  # PrairieLearn refuses more
 
 
-def prairielearn(result: Result, *, hidden: bool = False) -> str:
-    """Return the text of `results.json`; `hidden` leaves out text that may contain data of hidden scenarios."""
-    shown = rows.held_back(result) if hidden else result
-    text = _text(_record(shown))
-    return text if len(text.encode()) <= LIMIT_BYTES else _text({**_record(shown), "tests": [], "output": ""})
+def prairielearn(result: Result) -> str:
+    """Return the text of `results.json`."""
+    text = _text(_record(result))
+    return text if len(text.encode()) <= LIMIT_BYTES else _text({**_record(result), "tests": [], "output": ""})
 
 
 def _text(record: dict[str, Any]) -> str:
@@ -61,7 +60,7 @@ PLATFORM = Platform(
 An external grader whose `entrypoint` runs `imugrade ci --format prairielearn`. What cannot be graded (an empty or unreadable
 submission, a fault of the grader) comes back as not gradable and costs no attempt.""",
     ),
-    respond=lambda result, handed: prairielearn(result, hidden=handed.hidden),
+    respond=lambda result, _: prairielearn(result),
     recognise=lambda _, root: (root / SUBMISSION).is_dir(),
     submission=SUBMISSION,
     answer="grade/results/results.json",

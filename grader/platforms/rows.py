@@ -1,26 +1,17 @@
-"""Content shared by all CI formats: the parts of a result, a check's text, and what hidden scenarios withhold."""
+"""Content shared by all CI formats: the parts of a result, and a check's text."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from grader.base.text import printable
-from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
 from grader.report import causes, words
 from grader.report.causes import Cause
 
 Part = CriterionResult | ExtensionResult
 
 NOTES_LIMIT = 20
-_LOST: frozenset[Outcome] = frozenset({"failed", "partial", "error", "timeout", "crashed"})
-_HELD_BACK = {
-    "failed": "It does not do this in a hidden scenario.",
-    "partial": "It does a part of this in a hidden scenario.",
-    "error": "Your code raised an exception in a hidden scenario.",
-    "timeout": "Your code did not answer within the time limit in a hidden scenario.",
-    "crashed": "Your code ended its process in a hidden scenario.",
-}
 
 
 def parts(result: Result) -> Iterator[Part]:
@@ -65,24 +56,3 @@ def notes(result: Result) -> list[str]:
     lines = [*words.repairs(result), *words.notes(result)]
     more = [f"… and {len(lines) - NOTES_LIMIT} more"] if len(lines) > NOTES_LIMIT else []
     return lines[:NOTES_LIMIT] + more
-
-
-def lost(check: CheckResult) -> bool:
-    """Return whether the check itself found a reason to lose points."""
-    return check.outcome in _LOST
-
-
-def held_back(result: Result) -> Result:
-    """Return a result of hidden scenarios as students may see it: what is wrong and the hint, without data of the scenarios.
-
-    Messages are replaced, because an exception's text comes from code that has seen the input.
-    """
-    return replace(
-        result,
-        criteria=tuple(replace(part, checks=_held_back(part)) for part in result.criteria),
-        extensions=tuple(replace(part, checks=_held_back(part)) for part in result.extensions),
-    )
-
-
-def _held_back(part: Part) -> tuple[CheckResult, ...]:
-    return tuple(c.with_message(_HELD_BACK[c.outcome]) if lost(c) else c for c in part.checks)

@@ -1,4 +1,4 @@
-"""Content of the class page: table rows, statistics, common mistakes, checks, isolation and times. Nothing renders here."""
+"""Content of the class page: table rows, statistics, common mistakes, checks and isolation levels. Nothing renders here."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from grader.report import words
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
 
-_SLOWEST = 5
 _BINS = 10
 """Number of histogram bins. All have the same width; the last one includes the maximum."""
 _SINGLE = ("grader", "rubric_sha256", "traces_sha256", "mujoco")  # comparable results have one of each
@@ -111,17 +110,6 @@ class SimilarPair:
     first: Link
     second: Link
     pair: Pair
-
-
-@dataclass(frozen=True)
-class Timing:
-    """Seconds per submission, and the isolation levels in use."""
-
-    median_s: float
-    most_s: float
-    total_s: float
-    slowest: tuple[tuple[Link, float], ...]
-    isolation: tuple[tuple[str, int], ...]
 
 
 _PLAIN = str.maketrans({"ł": "l", "ø": "o", "đ": "d", "ı": "i", "æ": "ae", "œ": "oe", "ð": "d", "þ": "th"})
@@ -308,20 +296,10 @@ def similar_pairs(
     return [SimilarPair(link(final_grades[p.first]), link(final_grades[p.second]), p) for p in pairs(known, given)]
 
 
-def timing(final_grades: Iterable[FinalGrade]) -> Timing | None:
-    marked = [each for each in final_grades if each.result.status not in ("empty", "unreadable")]
-    if not marked:
-        return None
-    seconds = [each.result.duration_s for each in marked]
-    slowest = sorted(marked, key=lambda each: (-each.result.duration_s, each.id))[:_SLOWEST]
-    isolation = Counter(printable(str(each.result.provenance.get("isolation", "not known")), 40) for each in marked)
-    return Timing(
-        statistics.median(seconds),
-        max(seconds),
-        sum(seconds),
-        tuple((link(each), each.result.duration_s) for each in slowest),
-        tuple(isolation.most_common()),
-    )
+def isolation(final_grades: Iterable[FinalGrade]) -> list[tuple[str, int]]:
+    """Return the isolation levels that the class was graded at, each with the number of submissions, most frequent first."""
+    provenances = (each.result.provenance for each in final_grades if each.result.status not in ("empty", "unreadable"))
+    return Counter(printable(str(each.get("isolation", "not known")), 40) for each in provenances).most_common()
 
 
 def mixtures(results: Iterable[Result]) -> list[str]:

@@ -188,7 +188,7 @@ def index_page(
         mistakes=mistakes,
         checks=checks,
         alike=overview.similar_pairs(final_grades, fingerprints or {}, given),
-        timing=overview.timing(final_grades.values()),
+        isolation=overview.isolation(final_grades.values()),
         mixtures=overview.mixtures(results),
         attention=[words.distinct(each) for each in final_grades.values() if each.result.status == "incomplete"],
         outdated=[words.distinct(each) for each in final_grades.values() if each.outdated()],
