@@ -80,6 +80,8 @@ NO_ARCHIVE = "alice.zip is not a readable zip or tar archive; make it again."
 FOREIGN = "is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it."
 ELSEWHERE = "Not read, because the path leads out of the archive or names a drive: "
 LINKS = "Not read, because links are never followed: "
+CAPITALS = "Read under a name in small letters, as Python needs it: "
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:%064d\nsize 1290\n" % 1
 DEVICES = "Not read, because devices, pipes and sockets are never opened: "
 PLAIN, ZEROS = zipped(HANDED_IN), zipped({"zeros.bin": bytes(70_001), **HANDED_IN})
 LITTER = (
@@ -215,6 +217,39 @@ FOUND: dict[str, tuple[str, Files, Files | str, tuple[str, ...]]] = {
     "no notebook, and a program": (
         "folder", {"lab.ipynb": b"[1, 2]", "filters.py": b""}, {"lab.ipynb": b"[1, 2]", "filters.py": b""},
         ("filters.py is empty: save it, check its size and hand it in again.",),
+    ),
+    "an empty required file, and an empty helper": (
+        "folder", {**HANDED_IN, "filters.py": b"\n", "settings.py": b""}, {**HANDED_IN, "filters.py": b"\n", "settings.py": b""},
+        ("filters.py is empty: save it, check its size and hand it in again.",),
+    ),
+    **{
+        f"{what} in place of a file": (
+            "folder", {"filters.py": content, "imu_reader.py": b"x"}, {"imu_reader.py": b"x"}, (f"Not read, because {why}: filters.py.",),
+        )
+        for what, content, why in (
+            ("a Git LFS pointer", POINTER, "it is a Git LFS pointer and not the file (run `git lfs push --all origin` where the"
+             " file is, or stop tracking it with LFS and commit it again)"),
+            ("a web page", b"\n<!DOCTYPE html><title>Log in</title>", "it is a web page, such as a login page saved in place of the file"
+             " (download the file again)"),
+            ("null bytes", bytes(4096), "it holds null bytes only, as an interrupted sync leaves it (copy the file again)"),
+        )
+    },
+    "a file that iCloud had not downloaded": (
+        "folder", {".filters.py.icloud": b"bplist00\xd3", "imu_reader.py": b"x"}, {"imu_reader.py": b"x"},
+        ("Not read, because iCloud had not downloaded the file (open it once in Finder, then hand in again): .filters.py.icloud.",),
+    ),
+    "suffixes in capitals": (
+        ANY_WAY, {name.replace(".py", ".PY"): data for name, data in HANDED_IN.items()}, HANDED_IN,
+        (f"{CAPITALS}filters.PY, imu_reader.PY, noisy_imu.PY.",),
+    ),
+    "a notebook in capitals": ("folder", {"LAB.IPYNB": b"{}"}, {"lab.ipynb": b"{}"}, (f"{CAPITALS}LAB.IPYNB.",)),
+    "an archive and its files in capitals": (
+        "file", {"LAB4.ZIP": zipped({name.upper(): data for name, data in HANDED_IN.items()})}, HANDED_IN,
+        (f"{CAPITALS}FILTERS.PY, IMU_READER.PY, NOISY_IMU.PY.",),
+    ),
+    "a name in the code page of Western Windows": (
+        "file", {"alice.zip": zipped(below("MXller/lab")).replace(b"MXller", "Müller".encode("cp437"))}, HANDED_IN,
+        ("The lab's files were found in Müller/lab.",),
     ),
 }  # fmt: skip
 
@@ -412,7 +447,7 @@ def room(tmp_path: Path) -> Path:
         **below("bob"),
         "Alice/lab/filters.py": b"",
         "empty/": b"",
-        "carol.zip": PLAIN,
+        "carol.ZIP": PLAIN,
         "dave.tar.gz": tarred(HANDED_IN),
     }
     graded = {"bob/results.sqlite": b"", "Alice/results.sqlite": b""}  # call themselves graded; are graded all the same
@@ -440,7 +475,11 @@ def test_loose_files_and_links_are_listed_as_left_over(room: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "names", ["imu_reader.py noisy_imu.py filters.py", "filters.py", "lab.ipynb", "main.py helpers/tools.py data/x.csv"]
+    "names",
+    [
+        *("imu_reader.py noisy_imu.py filters.py", "IMU_READER.PY FILTERS.PY", "filters.py", "lab.ipynb"),
+        "main.py helpers/tools.py data/x.csv",
+    ],
 )
 def test_one_submission_is_told_from_a_class(tmp_path: Path, names: str) -> None:
     folder = write(dict.fromkeys(names.split(), b""), tmp_path / "alice")

@@ -1,5 +1,5 @@
-"""Situations from outside bug reports. Those about time zones, capitals, rosters and Git LFS are in `test_class_dates`,
-`test_file_name_case`, `test_class_people` and `test_placeholders`.
+"""Situations from outside bug reports. Those about time zones, rosters, capitals and Git LFS are in `test_class_dates`,
+`test_class_people` and `test_intake`.
 """
 
 from __future__ import annotations
