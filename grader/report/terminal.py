@@ -200,7 +200,7 @@ def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]
     call = lab.call_of(first.id)
     if not repeat or not call or not _NEVER_CALLED.isdisjoint(first.misconceptions):
         return []
-    return setting.labelled("Reproduce", f"{repeat.format(first.id)}\n{call}, on the same input")
+    return setting.labelled("Reproduce", f"{repeat.format(first.id)}\nwith the same input as here: {call}")
 
 
 def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:

@@ -91,4 +91,4 @@ def _furthest_row(found: Explained, numbers: dict[str, object], affected: float)
         "wanted": f"{wanted} {unit} under {key!r} in row {gap.row}",
         "came": f"{came} (RMS difference over all rows {gap.rms:.3g} {unit}{beside})",
     }
-    return Deviation({**numbers, **words}, size=Size("the rows differ", gap.rms, unit), affected=affected)
+    return Deviation({**numbers, **words}, size=Size("the rows are off", gap.rms, unit), affected=affected)
