@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import pytest
@@ -23,7 +24,7 @@ from grader.engine.results import (
     to_json,
     to_record,
 )
-from grader.people.final_grade import HandIn, Lateness, Person, hand_in_from_dict, hand_in_to_dict
+from grader.people.final_grade import HandIn, Lateness, Person, hand_in_from_dict
 
 NUMBERS = st.floats(-1e6, 1e6)
 POINTS = st.lists(st.floats(width=32, allow_nan=False, allow_infinity=False), max_size=3).map(tuple)
@@ -77,7 +78,7 @@ def _result_in_the_record(made: Result) -> Result:
         (RESULTS, lambda made: from_dict(json.loads(to_json(made)))),
         (RESULTS, _result_in_the_record),
         (CHARTS, lambda made: unpacked(packed(made))),
-        (HAND_INS, lambda made: hand_in_from_dict(json.loads(json.dumps(hand_in_to_dict(made))))),
+        (HAND_INS, lambda made: hand_in_from_dict(json.loads(json.dumps(asdict(made))))),
         (SETTINGS, lambda made: class_settings.from_json(class_settings.to_json(made))),
     ],
     ids=["result.json", "a result", "charts", "a hand-in", "settings"],

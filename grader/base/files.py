@@ -1,4 +1,4 @@
-"""Files that are whole or absent: no reader ever sees half of one."""
+"""Files of the instructor: read within a limit, and written whole, so that no reader ever sees half of one."""
 
 from __future__ import annotations
 
@@ -7,6 +7,26 @@ import tempfile
 from pathlib import Path
 
 from grader.base.errors import RequestError
+from grader.base.text import printable
+
+
+def read_file(path: Path, most: int, advice: str) -> bytes:
+    """Return the bytes of a file that a command names.
+
+    Raises
+    ------
+    RequestError
+        If it cannot be read or has more than `most` bytes; the message ends with the `advice`.
+    """
+    source = printable(str(path), 500)
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read(most + 1)
+    except OSError as error:
+        raise RequestError(f"{source}: cannot be read ({error.strerror}); {advice}") from error
+    if len(data) > most:
+        raise RequestError(f"{source}: is larger than {most // 1_000_000} MB; {advice}")
+    return data
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

@@ -78,10 +78,10 @@ def repair(
 
 
 def _read(path: Path | None) -> bytes | None:
-    try:
-        return None if path is None else path.read_bytes()
-    except OSError as problem:
-        raise RequestError(f"{path}: cannot be read ({problem.strerror})") from problem
+    from grader.base.files import read_file  # noqa: PLC0415
+    from grader.course.patches import LARGEST  # noqa: PLC0415
+
+    return None if path is None else read_file(path, LARGEST, "give the path of a repaired file or of a diff")
 
 
 def _text(path: Path | None) -> str | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from grader.base import stamps, tables
 from grader.base.errors import RequestError
+from grader.base.files import read_file
 from grader.base.text import printable
 from grader.course.publishing import publish_all, write_class
 from grader.course.record import Store
@@ -28,6 +29,7 @@ from grader.report import words
 
 COLUMNS = ("id", "criterion", "points", "comment")
 MAX_COMMENT = 2000
+MAX_TABLE = 16_000_000
 ALONE = "comment"
 """Value of the points column that makes a row a comment without points."""
 
@@ -63,14 +65,12 @@ def read_overrides(path: Path) -> list[OverrideRequest]:
     """
     source = printable(str(path), 500)
     try:
-        table = tables.reader(path.read_bytes())
+        table = tables.reader(read_file(path, MAX_TABLE, "give the path of a CSV file"))
         titles = [title.strip().casefold() for title in next(table, [])]
         if not set(COLUMNS) <= set(titles):
             raise RequestError(f"{source}:1: the first line must name the columns {', '.join(COLUMNS)}")
         rows = ((dict(zip(titles, cells, strict=False)), table.line_num) for cells in table if any(cells))
         return [_request({column: row.get(column) for column in COLUMNS}, f"{source}:{line}") for row, line in rows]
-    except OSError as error:
-        raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.base.errors import RequestError
-from grader.base.files import write_whole
+from grader.base.files import read_file, write_whole
 from grader.base.text import printable
 from grader.course import class_settings
 from grader.course.publishing import outdated_pages
@@ -176,7 +176,8 @@ def _filled(
 ) -> Draft:
     """Return the platform's own file with the grades filled in, and the lists of people to review."""
     source = printable(str(template), 500)
-    filled = fill(_bytes(template, source), source, order.column, final_grades, scaled=order.scaled)
+    data = read_file(template, MAX_TEMPLATE, "give the file that the platform exports")
+    filled = fill(data, source, order.column, final_grades, scaled=order.scaled)
     known = directory(final_grades)
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
@@ -200,22 +201,6 @@ def _one_of(final_grade: FinalGrade, person: Person) -> str:
     """Return the name of one of those who submitted, with the id if somebody else of the class has the name."""
     name = person.name or final_grade.id
     return f"{name} ({final_grade.id})" if final_grade.namesake and name != final_grade.id else name
-
-
-def _bytes(path: Path, source: str) -> bytes:
-    """Return the bytes of the template; refuse one that is too large or cannot be read."""
-    try:
-        with open(path, "rb") as stream:
-            data = stream.read(MAX_TEMPLATE + 1)
-    except OSError as error:
-        raise RequestError(
-            f"{source}: cannot be read ({error.strerror}); give the file that the platform exports"
-        ) from error
-    if len(data) > MAX_TEMPLATE:
-        raise RequestError(
-            f"{source}: is larger than {MAX_TEMPLATE // 1_000_000} MB; give the file that the platform exports"
-        )
-    return data
 
 
 def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, list[str]]:

@@ -12,7 +12,7 @@ import json
 from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -31,7 +31,6 @@ from grader.people.final_grade import (
     FinalGrade,
     HandIn,
     hand_in_from_dict,
-    hand_in_to_dict,
 )
 
 T = TypeVar("T")
@@ -335,7 +334,7 @@ def _result(record: object) -> Result:
 
 
 def _hand_in_text(hand_in: HandIn) -> str:
-    return json.dumps(hand_in_to_dict(hand_in), ensure_ascii=True, allow_nan=False)
+    return json.dumps(asdict(hand_in), ensure_ascii=True, allow_nan=False)
 
 
 def _hand_in(text: str) -> HandIn:

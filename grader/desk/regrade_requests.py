@@ -13,6 +13,7 @@ from urllib.parse import quote
 from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
+from grader.base.files import read_file
 from grader.base.stamps import now
 from grader.base.text import printable
 from grader.course.adjusting import targets
@@ -115,16 +116,11 @@ def read_in(book: Classbook, path: Path) -> str:
 
 def _read_file(path: Path) -> list[ReceivedRequest]:
     """Return the regrade requests in a text, JSON or CSV file."""
+    advice = "give a text, .json or .csv in UTF-8"
     try:
-        with open(path, "rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
-        text = data.decode("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise RequestError(
-            f"--requests {printable(str(path), 500)}: cannot be read; give a text, .json or .csv in UTF-8"
-        ) from error
-    if len(data) > MOST_BYTES:
-        raise RequestError(f"--requests {printable(str(path), 500)}: is larger than {MOST_BYTES // 1_000_000} MB")
+        text = read_file(path, MOST_BYTES, advice).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise RequestError(f"{printable(str(path), 500)}: is not UTF-8; {advice}") from error
     name = printable(path.name, 120)
     return [replace(each, place=f"{name}, {each.place}") for each in read(text, path.stem, "")]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -279,12 +279,8 @@ def maximum_points(result: Result, target: str) -> float | None:
     return (most | {criterion.id: criterion.max_points for criterion in result.criteria}).get(target)
 
 
-def hand_in_to_dict(hand_in: HandIn) -> dict[str, Any]:
-    return asdict(hand_in)
-
-
 def hand_in_from_dict(record: Mapping[str, Any]) -> HandIn:
-    """Return the hand-in that `hand_in_to_dict` turned into a record."""
+    """Return the hand-in of a record that `dataclasses.asdict` made."""
     people = tuple(Person(**{**person, "ids": tuple(person.get("ids", ()))}) for person in record["people"])
     late = None if record["late"] is None else Lateness(**record["late"])
     return HandIn(**{**record, "people": people, "late": late})

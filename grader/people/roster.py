@@ -11,6 +11,7 @@ from pathlib import Path
 
 from grader.base import tables
 from grader.base.errors import RequestError
+from grader.base.files import read_file
 from grader.base.stamps import read_stamp, stamp
 from grader.base.text import printable
 from grader.people.final_grade import HandIn, Person
@@ -91,15 +92,7 @@ def load(path: Path) -> Roster:
     RequestError
         If it cannot be read, has no column that identifies people, or holds an invalid date. The message names the line.
     """
-    source = printable(str(path), 500)
-    try:
-        with open(path, "rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
-    if len(data) > MAX_BYTES:
-        raise RequestError(f"{source}: is larger than {MAX_BYTES // 1_000_000} MB; give a roster")
-    return parse(data, source)
+    return parse(read_file(path, MAX_BYTES, "give the path of a CSV file"), printable(str(path), 500))
 
 
 def parse(data: bytes, source: str) -> Roster:
