@@ -7,6 +7,7 @@ XML and CI commands is the business of the formats.
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Sequence
 
 # Cc: C0 and C1 controls, so ESC and with it every ANSI sequence. Cf: bidi controls, zero-width characters, tags.
 # Cs: lone surrogates, which no encoder takes. Zl, Zp: line ends that only some readers break at.
@@ -56,6 +57,12 @@ def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
     ).isprintable():  # most text is, and this is asked a million times a class
         shown = "".join(char if newlines and char in "\n\t" else _shown(char) for char in shown)
     return shown if len(shown) <= limit else shown[: max(limit - 1, 0)] + "…"[:limit]
+
+
+def some(names: Sequence[str], most: int, between: str = ", ") -> str:
+    """Return the first names as printable text, and the number of the others: ``a, b and 3 more``."""
+    shown = between.join(printable(name, 120) for name in names[:most])
+    return f"{shown} and {len(names) - most:,} more" if len(names) > most else shown
 
 
 def csv_cell(text: str) -> str:

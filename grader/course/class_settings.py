@@ -227,7 +227,14 @@ def change(
     kept = {} if again else {id_: each for id_, each in final_grades.items() if same or fits(each.result, rubric)}
     known_of = hand_ins if old.roster != new.roster else {}
     after = {
-        id_: _judged(each if same else replace(each, result=marked(each.result, rubric)), rubric, known_of.get(id_))
+        id_: late_policy.judged_again(
+            replace(
+                each,
+                result=each.result if same else marked(each.result, rubric),
+                hand_in=known_of.get(id_) or each.hand_in,
+            ),
+            rubric.late,
+        )
         for id_, each in kept.items()
     }
     finals = [(kept[id_].final, each.final) for id_, each in after.items()]
@@ -263,12 +270,6 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
         f"another version of imugrade ({new.grader} in place of {old.grader})": old.grader != new.grader,
     }
     return tuple(words for words, differs in found.items() if differs)
-
-
-def _judged(final_grade: FinalGrade, rubric: Rubric, found: HandIn | None) -> FinalGrade:
-    """Return the final grade by the late policy of a rubric, with another hand-in than on record where one is given."""
-    names = (final_grade.id, final_grade.result.submission)
-    return replace(final_grade, hand_in=late_policy.judged(found or final_grade.hand_in, rubric.late, names))
 
 
 def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> list[str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from grader.base.errors import RequestError
 from grader.base.files import read_file, write_whole
-from grader.base.text import printable
+from grader.base.text import printable, some
 from grader.course import class_settings
 from grader.course.publishing import outdated_pages
 from grader.course.record import Store
@@ -125,9 +125,8 @@ def plan(order: Export) -> Plan:
         sent = [each for each in final_grades.values() if order.feedback and each.hand_in.reply]
         outdated = outdated_pages(order.out, sent, store)
     if outdated:
-        named = ", ".join(printable(id_, 80) for id_ in outdated[:5]) + ", …" * (len(outdated) > 5)
         raise RequestError(
-            f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({named}); "
+            f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({some(outdated, 5)}); "
             "give the `imugrade grade` command again: it writes them again"
         )
     absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})

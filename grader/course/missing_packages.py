@@ -11,7 +11,7 @@ import shlex
 import sys
 from collections.abc import Iterable, Mapping
 
-from grader.base.text import printable
+from grader.base.text import some
 from grader.engine.results import Result
 from grader.intake import Submission
 from grader.sandbox import packages
@@ -60,7 +60,7 @@ def lines(missing: Mapping[str, Iterable[str]]) -> list[str]:
     users: dict[str, list[str]] = {}
     for id_, names in missing.items():
         for name in sorted(names):
-            users.setdefault(name, []).append(printable(id_, 80))
+            users.setdefault(name, []).append(id_)
     if not users:
         return []
     lines = [f"{name} is not installed for student code: {_who(ids)}" for name, ids in sorted(users.items())]
@@ -77,5 +77,6 @@ def command(distributions: Iterable[str]) -> str:
 
 
 def _who(ids: list[str]) -> str:
-    more = f" and {len(ids) - _MOST_NAMES} more" if len(ids) > _MOST_NAMES else ""
-    return f"{len(ids)} submission{'s' * (len(ids) > 1)} import{'s' * (len(ids) == 1)} it ({'; '.join(ids[:_MOST_NAMES])}{more})"
+    return (
+        f"{len(ids)} submission{'s' * (len(ids) > 1)} import{'s' * (len(ids) == 1)} it ({some(ids, _MOST_NAMES, '; ')})"
+    )

@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from grader.base.errors import RequestError
-from grader.base.text import printable
+from grader.base.text import some
 from grader.course.publishing import write_class
 from grader.course.record import Store
 from grader.engine.marks import fits, marked
 from grader.engine.rubric import Rubric
 from grader.people import late_policy
-from grader.people.final_grade import FinalGrade, HandIn
+from grader.people.final_grade import FinalGrade
 
 _A_LINE = 10  # names
 
@@ -29,10 +29,13 @@ def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str
     others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:
         raise RequestError(
-            f"{rubric.source}: needs other measurements than those of {_in_words(others)} (limits, model or checks differ, or "
+            f"{rubric.source}: needs other measurements than those of {some(others, _A_LINE)} (limits, model or checks differ, or "
             "the record is older); grade the class again"
         )
-    return {id_: _under(final_grade, rubric) for id_, final_grade in final_grades.items()}
+    return {
+        id_: late_policy.judged_again(replace(final_grade, result=marked(final_grade.result, rubric)), rubric.late)
+        for id_, final_grade in final_grades.items()
+    }
 
 
 def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
@@ -46,16 +49,3 @@ def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
     after = store.remark_class(lambda before: regraded(before, rubric), rubric)
     write_class(out, after, store, rubric.lab)
     return after
-
-
-def _under(final_grade: FinalGrade, rubric: Rubric) -> FinalGrade:
-    return replace(final_grade, result=marked(final_grade.result, rubric), hand_in=_judged(final_grade, rubric))
-
-
-def _judged(final_grade: FinalGrade, rubric: Rubric) -> HandIn:
-    return late_policy.judged(final_grade.hand_in, rubric.late, (final_grade.id, final_grade.result.submission))
-
-
-def _in_words(ids: list[str]) -> str:
-    more = f" and {len(ids) - _A_LINE} more" if len(ids) > _A_LINE else ""
-    return ", ".join(printable(id_, 80) for id_ in ids[:_A_LINE]) + more

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grader.base.errors import RequestError
-from grader.base.text import printable
+from grader.base.text import printable, some
 from grader.course.database import FILE_NAME
 from grader.course.grade_request import GradeRequest
 from grader.course.record import Store
@@ -51,7 +51,7 @@ def find(request: GradeRequest) -> Class:
     submissions = _without_output_folder(found.entries, request)
     if not submissions:
         raise RequestError(
-            f"{_in_words(request.paths)}: no submission found there; give a folder of submissions or an archive"
+            f"{some([*map(str, request.paths)], 3)}: no submission found there; give a folder of submissions or an archive"
         )
     placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
     entries = _chosen(
@@ -136,7 +136,3 @@ def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: PersonLookup
                 f"{guess_at(word, [*ids, *(entry.name for entry in entries)])}; --list shows all"
             )
     return [entry for entry in entries if not only or entry.id in wanted]
-
-
-def _in_words(paths: tuple[Path, ...]) -> str:
-    return ", ".join(printable(str(path)) for path in paths[:3]) + (", …" if len(paths) > 3 else "")

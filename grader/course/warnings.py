@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-from grader.base.text import printable
+from grader.base.text import printable, some
 from grader.course import missing_packages
 from grader.engine.results import AUTOMATIC, Result
 from grader.engine.rubric import LatePolicy
@@ -62,10 +62,9 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
 
     A smaller download holds resubmissions only, so nobody is missing from it.
     """
-    left = [printable(id_, 80) for id_ in final_grades if id_ not in found]
+    left = [id_ for id_ in final_grades if id_ not in found]
     if left and 2 * len(left) <= len(final_grades):
-        more = f"; and {len(left) - _A_FEW} more" if len(left) > _A_FEW else ""
-        yield f"on record and in the gradebook, but not in this download: {'; '.join(left[:_A_FEW])}{more}"
+        yield f"on record and in the gradebook, but not in this download: {some(left, _A_FEW, '; ')}"
 
 
 def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Iterator[str]:

@@ -22,7 +22,7 @@ from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import MOST_BYTES, WebRequest
 from grader.engine.rubric_nodes import guess_at
-from grader.people.final_grade import TOTAL, FinalGrade
+from grader.people.final_grade import FinalGrade
 from grader.people.identity import Directory, Row
 
 LONGEST = 8000
@@ -177,11 +177,6 @@ def placed(received: Sequence[ReceivedRequest], final_grades: Mapping[str, Final
     if problems:
         raise RequestError("\n".join(problems[:20]))
     return requests
-
-
-def target(request: RegradeRequest) -> str:
-    """Return what the answer overrides: the check, or the total."""
-    return request.about or TOTAL
 
 
 def _bounded(received: ReceivedRequest) -> ReceivedRequest:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from urllib.parse import quote
 
-from grader.base.text import printable
+from grader.base.text import printable, some
 from grader.course import missing_packages
 from grader.course.decisions import RegradeRequest, Review, about, why_empty
 from grader.course.groups import Group, similar_group
@@ -40,6 +40,7 @@ KINDS = {
     "boundary": "Near a grade boundary",
 }
 """Titles of the reasons, in the order of the queue."""
+_NAMED = 8  # checks
 _STEP = 10
 """Number of grade steps: a boundary is at every tenth of the maximum."""
 _NEAR = 1.0
@@ -129,7 +130,9 @@ def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
         open_ = [
             check.title for part in result.criteria for check in part.checks if final_grade.check_points(check) is None
         ]
-        yield Reason("not-judged", f"The grader failed on these checks, so their points are open: {_some(open_)}")
+        yield Reason(
+            "not-judged", f"The grader failed on these checks, so their points are open: {some(open_, _NAMED)}"
+        )
     if result.status in ("empty", "unreadable"):
         yield Reason(result.status, why_empty(result))
     if result.status == "graded" and not result.score:
@@ -170,7 +173,7 @@ def _near_a_boundary(final_grade: FinalGrade, result: Result) -> Iterator[Reason
         yield Reason(
             "boundary",
             f"{words.number(below)} below {boundary}, and {words.number(room)} points were lost on partial checks: "
-            f"{_some([check.title for check in partial])}",
+            f"{some([check.title for check in partial], _NAMED)}",
         )
 
 
@@ -194,8 +197,3 @@ def _of_several(
 def _request(request: RegradeRequest) -> Reason:
     about = f" about {printable(request.about, 80)}" if request.about else ""
     return Reason("request", f"Request {request.number}{about}: {printable(' '.join(request.text.split()), 160)}")
-
-
-def _some(names: Sequence[str], most: int = 8) -> str:
-    shown = ", ".join(printable(name, 80) for name in names[:most])
-    return f"{shown} and {len(names) - most} more" if len(names) > most else shown

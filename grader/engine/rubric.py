@@ -6,7 +6,6 @@ numbers, keep duplicate keys apart and build no objects.
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 import os.path
@@ -20,7 +19,7 @@ from grader.base.text import printable
 from grader.engine import rubric_sections as sections
 from grader.engine.check_catalog import checks_of
 from grader.engine.lab import Lab
-from grader.engine.rubric_nodes import MAX_BYTES, Reader, RubricError, guess_at, refuse
+from grader.engine.rubric_nodes import MAX_BYTES, Reader, RubricError, did_you_mean, guess_at, refuse
 from grader.engine.rubric_records import (
     CheckWeight,
     Criterion,
@@ -172,8 +171,7 @@ def know_part(rubric: Rubric, only: str | None) -> None:
     known = [part.id for part in rubric.parts]
     if only is None or only in known:
         return
-    near = difflib.get_close_matches(only, known, 1)
-    guess = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+    guess = did_you_mean(only, known, f"there are {', '.join(known)}")
     raise RequestError(f"--only {printable(only)}: the rubric has no such criterion; {guess}")
 
 

@@ -45,6 +45,12 @@ def nearest(word: str, known: Iterable[str]) -> str:
     return next(iter(difflib.get_close_matches(word[:100], list(known), n=1)), "")
 
 
+def did_you_mean(word: str, known: Iterable[str], otherwise: str) -> str:
+    """Return "did you mean …?" with the nearest known word, or `otherwise`."""
+    guess = nearest(word, known)
+    return f"did you mean {guess}?" if guess else otherwise
+
+
 def guess_at(word: str, known: Iterable[str]) -> str:
     """Return " (did you mean …?)" with the nearest known word, or ""."""
     guess = nearest(word, known)

@@ -131,11 +131,3 @@ class Rubric:
     def checks(self) -> tuple[CheckWeight, ...]:
         """The checks of the criteria, then those of the extensions."""
         return tuple(check for part in self.parts for check in part.checks)
-
-    @property
-    def max_score(self) -> float:
-        return round(sum(criterion.points for criterion in self.criteria), 2)
-
-    def check(self, check_id: str) -> CheckWeight:
-        """Return the check with this id; raise KeyError if there is none."""
-        return {check.id: check for check in self.checks}[check_id]

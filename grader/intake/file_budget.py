@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 
-from grader.base.text import printable
+from grader.base.text import some
 from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, has_suffix, is_code, is_litter, joined
 from grader.intake.placeholders import placeholder
 
@@ -130,6 +130,4 @@ class FileBudget:
 
 def listing(names: list[str]) -> str:
     """Return the first few names as printable text, and the number of the others."""
-    shown = ", ".join(printable(name, 120) for name in names[:MAX_NAMED])
-    more = len(names) - MAX_NAMED
-    return f"{shown} and {more:,} more" if more > 0 else shown
+    return some(names, MAX_NAMED)

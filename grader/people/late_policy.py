@@ -9,7 +9,7 @@ from zoneinfo import ZoneInfo
 
 from grader.base.stamps import read_stamp
 from grader.engine.rubric import LatePolicy
-from grader.people.final_grade import HandIn, Lateness, Person
+from grader.people.final_grade import FinalGrade, HandIn, Lateness, Person
 
 DAY = 86_400
 
@@ -27,6 +27,12 @@ def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -
         Further names under which the policy may list an extension, such as the id of the submission.
     """
     return replace(hand_in, late=_late(hand_in, policy, names))
+
+
+def judged_again(final_grade: FinalGrade, policy: LatePolicy | None) -> FinalGrade:
+    """Return the final grade with the lateness by this policy."""
+    names = (final_grade.id, final_grade.result.submission)
+    return replace(final_grade, hand_in=judged(final_grade.hand_in, policy, names))
 
 
 def _late(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -> Lateness | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import sys
 from collections.abc import Mapping
@@ -18,6 +17,7 @@ from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.reading import read_apart
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
+from grader.engine.rubric_nodes import did_you_mean
 from grader.engine.traces import Traces
 from grader.platforms import registry
 from grader.platforms.platform import Platform, ResultContext, Visibility
@@ -67,8 +67,7 @@ def named(name: str) -> Platform:
         return recognise(os.environ)
     known = (registry.AUTO, *registry.names("respond"))
     if name not in known:
-        near = difflib.get_close_matches(name, known, 1)
-        guess = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+        guess = did_you_mean(name, known, f"there are {', '.join(known)}")
         raise RequestError(f"--format {printable(name)}: there is no such format; {guess}")
     return registry.platform(name)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from functools import lru_cache
 
@@ -12,6 +11,7 @@ from grader.engine.check_catalog import Check, checks_of
 from grader.engine.faults import Mistake, catalogue
 from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
+from grader.engine.rubric_nodes import did_you_mean
 from grader.report.words import number
 
 
@@ -32,8 +32,7 @@ def explain(lab: Lab, id_: str) -> str:
         return criterion(lab, parts[id_])
     if id_ in weights:
         return check(lab, weights[id_])
-    near = difflib.get_close_matches(id_, [*catalogue(lab), *parts, *weights], 1)
-    guess = f"did you mean {near[0]}?" if near else "`imugrade explain` lists all of them"
+    guess = did_you_mean(id_, [*catalogue(lab), *parts, *weights], "`imugrade explain` lists all of them")
     raise RequestError(f"{printable(id_)}: no fault, check or criterion has this id; {guess}")
 
 
