@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.engine.results import Result
 from grader.intake import Submission
-from tests.corpus.writing import Files
+from tests.corpus.writing import Files, as_bytes
 from tests.recordings import Marking
 
 Changes = dict[str, str]
@@ -19,9 +19,13 @@ def changed(files: Files, path: str, changes: Changes) -> Files:
     return files | {path: text}
 
 
-def marked(player: Marking, files: Files, only: str | None = None) -> Result:
-    content = {name: str(text).encode() for name, text in files.items()}
-    return player.mark(Submission("s", "s", content, (), "ready", ""), only=only)
+def submission_of(files: Files) -> Submission:
+    """A submission that is not written to disk and read again."""
+    return Submission("s", "s", {name: as_bytes(content) for name, content in files.items()}, (), "ready", "")
+
+
+def marked(marker: Marking, files: Files, only: str | None = None) -> Result:
+    return marker.mark(submission_of(files), only=only)
 
 
 def lost_by(result: Result) -> dict[str, float]:

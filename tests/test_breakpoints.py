@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from grader.engine.breakpoints import breakpoints
-from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import open_sandbox_for
-from grader.engine.rubric import load
-from grader.intake import read_submission
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy
+from tests.recordings import Marking
+from tests.single_faults import changed, marked
 
 
 @pytest.mark.parametrize(
@@ -39,15 +33,11 @@ def test_a_flood_is_looked_at_in_no_time() -> None:
     assert list(breakpoints(b"a." * 200_000)) == []
 
 
-def test_a_check_that_passes_over_one_says_so_and_takes_nothing_for_it(tmp_path: Path) -> None:
-    source = tidy()["filters.py"].replace(
-        "def update(self, measurement):", "def update(self, measurement):\n        breakpoint()"
-    )
-    (tmp_path / "filters.py").write_text(source)
-    submission = read_submission(tmp_path, LAB.files)
-    with Marker(load(LAB), bundles.obtain(None), sandbox=open_sandbox_for(LAB, submission.files)) as marker:
-        result = marker.mark(submission, only="filtering")
-    line = source.splitlines().index("        breakpoint()") + 1
+def test_a_check_that_passes_over_one_says_so_and_takes_nothing_for_it(player: Marking) -> None:
+    head = "def update(self, measurement):"
+    files = changed({"filters.py": tidy()["filters.py"]}, "filters.py", {head: f"{head}\n        breakpoint()"})
+    result = marked(player, files, "filtering")
+    line = str(files["filters.py"]).splitlines().index("        breakpoint()") + 1
     assert result.score == 20.0
     assert result.notes[-1] == (
         f"filters.py, line {line}: breakpoint() was skipped: nobody can type during grading. A program from `imugrade repro` stops there"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from grader.engine.grader import Marker
-from grader.intake import Submission
 from tests.corpus.pieces import COLLECT_WHILE, lab
+from tests.single_faults import marked
 
 BY_THE_CLOCK = COLLECT_WHILE.replace(
     "while data.time < duration_seconds:", "start = time.CLOCK()\n    while time.CLOCK() - start < SECONDS:"
@@ -14,9 +14,8 @@ BY_THE_CLOCK = COLLECT_WHILE.replace(
 
 
 def told(marker: Marker, files: dict[str, str]) -> list[tuple[str, float | None, str]]:
-    submission = Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", "")
-    result = marker.mark(submission, only="data_collection")
-    return [(check.id, check.points, check.message) for check in result.criteria[0].checks]
+    (criterion,) = marked(marker, files, "data_collection").criteria
+    return [(check.id, check.points, check.message) for check in criterion.checks]
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 
 from grader.engine.results import CriterionResult
-from grader.intake import Submission
 from tests.corpus.cases import Case, of
 from tests.corpus.pieces import COMPARE, PLOT_LOOP, edit, lab
+from tests.corpus.writing import Files
 from tests.recordings import Marking
+from tests.single_faults import marked
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
 CONSTANT = READER + "    return np.array([0.0, 0.0, -9.81]), np.zeros(3)\n"
@@ -38,10 +39,8 @@ WRITTEN_FOR_EACH_OTHER = [case for case in of("faulty") if case.name.startswith(
 """A part with another interface than the sheet's, and everything else written for it."""
 
 
-def _criterion(player: Marking, criterion: str, files: dict[str, str]) -> CriterionResult:
-    content = {name: text.encode() for name, text in files.items()}
-    result = player.mark(Submission("s", "s", content, (), "ready", ""), only=criterion)
-    return result.criteria[0]
+def _criterion(player: Marking, criterion: str, files: Files) -> CriterionResult:
+    return marked(player, files, criterion).criteria[0]
 
 
 def test_a_reader_of_constants_earns_the_form_of_its_answer_alone(player: Marking) -> None:
@@ -61,8 +60,7 @@ def test_an_unknown_treatment_of_the_right_sensor_costs_once(player: Marking) ->
 
 @pytest.mark.parametrize("fault", WRITTEN_FOR_EACH_OTHER, ids=lambda fault: fault.name)
 def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(player: Marking, fault: Case) -> None:
-    content = {name: str(text).encode() for name, text in fault.files.items()}
-    result = player.mark(Submission("s", "s", content, (), "ready", ""))
+    result = marked(player, fault.files)
     lost = {criterion.id for criterion in result.criteria if criterion.points < criterion.max_points}
     assert lost == {"sensor_access"}
     assert set(result.misconceptions) <= {fault.fault, *fault.also}
@@ -78,7 +76,7 @@ def test_who_uses_what_is_not_there_is_told_what_is(player: Marking) -> None:
 def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(player: Marking) -> None:
     files = lab()
     files["noisy_imu.py"] += "\n\n1 / 0\n"
-    result = player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
+    result = marked(player, files)
     assert (result.score, [note for note in result.notes if "was skipped" in note]) == (
         100.0,
         [
@@ -109,7 +107,7 @@ def test_a_statement_that_fails_below_a_main_guard_costs_nothing_and_is_told(
     player: Marking, slip: str, why: str
 ) -> None:
     files = lab(compare=COMPARE.replace("    compare()\n", f"    {slip}\n    compare()\n"))
-    result = player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
+    result = marked(player, files)
     (note,) = [note for note in result.notes if "went on" in note]
     line = files["filters.py"].split("\n").index(f"    {slip}") + 1
     assert result.score == 100.0
@@ -127,9 +125,7 @@ def test_of_a_name_that_is_defined_twice_a_note_says_which_one_was_graded(player
         ({**files, "filters.py": again}, "filters.py; the last one in filters.py"),
         ({**files, "report.txt": files["filters.py"]}, ""),
     ):
-        content = {name: text.encode() for name, text in given.items()}
-        notes = player.mark(Submission("s", "s", content, (), "ready", ""), only="filtering").notes
-        said = [note for note in notes if "is defined" in note]
+        said = [note for note in marked(player, given, "filtering").notes if "is defined" in note]
         assert said == ([f"LowPassFilter is defined 2 times, in {told} was graded"] if told else [])
 
 

@@ -13,10 +13,10 @@ from PIL import Image
 
 from grader.engine.findings import NEEDS_REVIEW
 from grader.engine.grader import Marker
-from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.worker.pictures import decode
 from tests.corpus.pieces import lab
+from tests.single_faults import marked
 
 NOISE = Image.fromarray(np.random.default_rng(1).integers(0, 256, (600, 900, 3), np.uint8))
 
@@ -45,9 +45,8 @@ def drawn() -> Any:
 def test_a_plot_without_code_earns_its_form_and_a_person_is_asked_to_look(
     picture: Any, earned: float, marker: Marker
 ) -> None:
-    files = {name: text.encode() for name, text in lab(plot="", compare="").items()}
-    files["imu_data.png"] = content(picture)
-    result = marker.mark(Submission("s", "s", files, (), "ready", ""), only="visualization")
+    files = {**lab(plot="", compare=""), "imu_data.png": content(picture)}
+    result = marked(marker, files, "visualization")
     points = [check.points or 0.0 for check in result.criteria[0].checks if not check.id.endswith("comparison_plot")]
     assert sum(points) == pytest.approx(earned)
     assert any(NEEDS_REVIEW in note for note in result.notes) is bool(earned)

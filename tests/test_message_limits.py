@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 from grader.engine.grader import Marker
-from grader.engine.results import Result
-from grader.intake import Submission
 from grader.intake.file_budget import MAX_FILES
 from tests.corpus.pieces import edit, verbatim
+from tests.single_faults import marked
 
 LARGE = edit(
     verbatim(),
@@ -18,21 +17,16 @@ LARGE = edit(
 """A recording just below the cap of an answer, 32 MiB: 4,095,000 numbers beside its three series."""
 
 
-def mark(marker: Marker, files: dict[str, str], only: str | None = None) -> Result:
-    content = {name: text.encode() for name, text in files.items()}
-    return marker.mark(Submission("s", "s", content, (), "ready", ""), only=only)
-
-
 @pytest.mark.parametrize("part", ["data_collection", "visualization"])
 def test_a_recording_just_below_the_cap_is_judged_in_every_question(marker: Marker, part: str) -> None:
-    result = mark(marker, LARGE, part)
+    result = marked(marker, LARGE, part)
     assert result.status == "graded"
     assert {check.outcome for check in result.criteria[0].checks} == {"passed"}
 
 
 def test_a_recording_above_the_cap_costs_its_own_checks(marker: Marker) -> None:
     larger = {**LARGE, "imu_reader.py": LARGE["imu_reader.py"].replace("range(7)", "range(8)")}
-    result = mark(marker, larger)
+    result = marked(marker, larger)
     points = {criterion.id: criterion.points for criterion in result.criteria}
     assert result.status == "graded"
     assert points == {
@@ -50,5 +44,5 @@ def test_a_thousand_programs_and_a_thousand_tables_with_the_longest_names_are_se
     folder = "/".join([letter * wide] * 3)
     more = {f"{folder}/{n:04}.py": "x = 1\n" for n in range(MAX_FILES)}
     more |= {f"{folder}/{n:04}.csv": "1,2\n" for n in range(MAX_FILES)}
-    result = mark(marker, {**verbatim(), **more}, "filtering")
+    result = marked(marker, {**verbatim(), **more}, "filtering")
     assert (result.status, result.criteria[0].points) == ("graded", 20)

@@ -8,9 +8,9 @@ from grader.engine.grader import Marker
 from grader.intake import Submission
 from tests.corpus.cases import Case, of
 from tests.corpus.layouts import LAYOUTS, above
-from tests.corpus.writing import as_bytes
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, look_at_edit
+from tests.single_faults import submission_of
 
 _WAITING = ("loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard")
 _ALIKE = ("sys-exit-in-", "segfault-in-", "abort-in-")
@@ -24,10 +24,7 @@ ELSEWHERE = (
 
 
 def in_layout(edit: Case, layout: str) -> Submission:
-    files = LAYOUTS[layout](edit.files).items()
-    return Submission(
-        "s", "s", {name: as_bytes(text) for name, text in files if isinstance(text, str)}, (), "ready", ""
-    )
+    return submission_of({name: text for name, text in LAYOUTS[layout](edit.files).items() if isinstance(text, str)})
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from grader.intake import Submission
 from tests.corpus.pieces import verbatim
 from tests.recordings import Marking
+from tests.single_faults import lost_by, marked
 
 ODD = {
     "half a character in a message": "raise ValueError('caf\\udce9')\n",
@@ -47,9 +47,6 @@ ODD = {
 
 @pytest.mark.parametrize("name", ODD)
 def test_odd_data_at_module_level_costs_nothing(name: str, player: Marking) -> None:
-    files = verbatim()
-    odd = {path: f"{ODD[name]}\n{text}\n{ODD[name]}" for path, text in files.items()}
-    result = player.mark(Submission("s", "s", {p: t.encode() for p, t in odd.items()}, (), "ready", ""))
-    lost = {c.id: c.message for part in result.criteria for c in part.checks if c.outcome != "passed"}
-    assert (result.status, lost) == ("graded", {})
+    result = marked(player, {path: f"{ODD[name]}\n{text}\n{ODD[name]}" for path, text in verbatim().items()})
+    assert (result.status, lost_by(result)) == ("graded", {})
     "\n".join(result.notes).encode()

@@ -14,6 +14,7 @@ from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
 from tests.corpus.pieces import tidy, verbatim
+from tests.single_faults import changed, submission_of
 
 NOISY = """
 import os, random, secrets, threading, time, uuid, datetime
@@ -58,8 +59,7 @@ ODD = {
 
 
 def noisy(draw: str) -> Submission:
-    files = {**tidy(), "noisy_imu.py": NOISY + draw}
-    return Submission("s", "s", {path: text.encode() for path, text in files.items()}, (), "ready", "")
+    return submission_of({**tidy(), "noisy_imu.py": NOISY + draw})
 
 
 def settled(result: Result) -> Result:
@@ -101,10 +101,7 @@ def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker
     other = {"label='X'": "label=repr(object())", "'imu_data.png'": "repr(object())[1:-1] + '.png'"}.get(
         part, "repr(object())"
     )
-    files = verbatim()
-    assert part in files["imu_reader.py"]
-    files["imu_reader.py"] = files["imu_reader.py"].replace(part, other)
-    submission = Submission("s", "s", {path: text.encode() for path, text in files.items()}, (), "ready", "")
+    submission = submission_of(changed(verbatim(), "imu_reader.py", {part: other}))
     first, second = (settled(marker.mark(submission, only="visualization")) for _ in range(2))
     assert first == second
     assert first.evidence == second.evidence

@@ -13,14 +13,13 @@ import pytest
 from grader.engine import rubric
 from grader.engine.findings import Charged, Missing, Raised, Skipped
 from grader.engine.grader import Marker
-from grader.intake import Submission
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.noise_model import checks
 from tests.corpus.cases import Case
 from tests.corpus.pieces import verbatim
-from tests.corpus.writing import as_bytes
 from tests.judging.fake_students import FakeStudent, truth
 from tests.recordings import Marking
+from tests.single_faults import marked
 
 _WITHOUT_MEMORY = (
     "np.tanh({x})", "{x} * {x}", "np.clip({x}, -1, 1)", "np.round({x}, 3)", "np.round({x}, 1)", "np.abs({x})", "np.sign({x})", "{x} + 1",
@@ -153,8 +152,7 @@ def name_of(part: Case) -> str:
 
 
 def earned(marker: Marking, part: Case) -> tuple[float, dict[str, float]]:
-    files = {path: as_bytes(content) for path, content in part.files.items()}
-    (criterion,) = marker.mark(Submission("s", "s", files, (), "ready", ""), only=part.criterion).criteria
+    (criterion,) = marked(marker, part.files, part.criterion).criteria
     return criterion.points, {check.id: check.points for check in criterion.checks if check.points}
 
 
