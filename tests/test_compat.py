@@ -7,7 +7,7 @@ import pytest
 from tests.corpus.pieces import edit, verbatim
 from tests.corpus.writing import Files
 from tests.recordings import Marking
-from tests.scoreboard import Case, handed_in
+from tests.single_faults import marked
 
 READER, FILTER = "imu_reader.py", "filters.py"
 PLOT, SAVE, RECORDER = "def plot_imu_data(imu_data):", "    plt.savefig(", "times = np.zeros(n_steps)"
@@ -58,12 +58,12 @@ ELSEWHERE = {
 @pytest.mark.parametrize("name", ELSEWHERE)
 def test_what_runs_there_loses_nothing_here(name: str, player: Marking) -> None:
     files, part = ELSEWHERE[name]
-    (criterion,) = player.mark(handed_in(Case("sound", name, files)), only=part).criteria
+    (criterion,) = marked(player, files, part).criteria
     assert {check.id: check.message for check in criterion.checks if check.points != check.max_points} == {}
 
 
 def test_what_this_release_means_by_a_name_stays(player: Marking) -> None:
     kept = "import numpy as np\nassert np.bool is np.bool_ and 'seaborn-v0_8' in plt.style.available\n"
     files = _with(READER, PLOT, f"{kept}\n{PLOT}")
-    result = player.mark(handed_in(Case("sound", "kept", files)), only="visualization")
+    result = marked(player, files, "visualization")
     assert result.notes == ()

@@ -28,8 +28,8 @@ from reference.extension_scenarios import tilt_drifting, tilt_shaken, tilt_steep
 from reference.scene import Recording, generator
 from tests.corpus.cases import EXTENSIONS, Case, case, of
 from tests.corpus.pieces import tidy
-from tests.corpus.writing import write
 from tests.sandboxes import Opened
+from tests.single_faults import marked
 
 FOLDER = Path(reference.__file__).parent
 FAULTY = [case for case in of("extensions") if case.loses]
@@ -46,11 +46,9 @@ Mark = Callable[..., Result]
 
 
 @pytest.fixture
-def mark(marker: Marker, tmp_path: Path) -> Mark:
-    def marked(files: dict[str, str], *, only: str | None = None, by: Marker = marker) -> Result:
-        return by.mark(read_submission(write({**tidy(), **files}, tmp_path / "s"), LAB.files), only=only)
-
-    return marked
+def mark(marker: Marker) -> Mark:
+    """Mark a sound submission with these files."""
+    return lambda files, *, only=None, by=marker: marked(by, {**tidy(), **files}, only)
 
 
 def lost(result: ExtensionResult) -> set[str]:

@@ -22,7 +22,7 @@ from grader.platforms.prairielearn import prairielearn
 from grader.report.pages import report_page
 from tests.corpus.pieces import tidy
 from tests.sandboxes import Opened
-from tests.scoreboard import Case, handed_in
+from tests.single_faults import marked
 
 PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 MISTAKES = catalogue(LAB)
@@ -74,7 +74,7 @@ def results(cache: Path, hidden: Traces, opened: Opened) -> list[Result]:
     found = []
     for truth in (hidden, bundles.obtain("another secret", cache)):
         with opened(truth) as marker:
-            found.append(marker.mark(handed_in(Case("sound", "spy", SPY))))
+            found.append(marked(marker, SPY))
     return found
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import mujoco
 import pytest
@@ -11,14 +10,12 @@ import pytest
 from grader.engine import traces
 from grader.engine.grader import Marker
 from grader.engine.results import Result
-from grader.intake import read_submission
 from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_graded_robot
 from tests.corpus import pieces, sheet
 from tests.corpus.cases import Case, of
-from tests.corpus.writing import Files, write
 from tests.sandboxes import Opened
+from tests.single_faults import changed, marked
 
 MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
 SHEET_PATH = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
@@ -34,47 +31,38 @@ def marker(hidden: traces.Traces, opened: Opened) -> Iterator[Marker]:
         yield warm
 
 
-def marked(marker: Marker, files: Files, folder: Path, only: str | None = None) -> Result:
-    return marker.mark(read_submission(write(files, folder / "submission"), LAB.files), only=only)
-
-
 def lost(result: Result) -> set[str]:
     checks = [check for criterion in result.criteria for check in criterion.checks]
     return {check.id.split(".")[1] for check in checks if check.points != check.max_points}
 
 
 @pytest.mark.parametrize("case", COLLECTORS, ids=lambda case: case.name)
-def test_a_recorded_push_earns_its_form_alone(marker: Marker, tmp_path: Path, case: Case) -> None:
-    result = marked(marker, case.files, tmp_path, "data_collection")
+def test_a_recorded_push_earns_its_form_alone(marker: Marker, case: Case) -> None:
+    result = marked(marker, case.files, "data_collection")
     assert result.criteria[0].points <= MOST
     assert lost(result) == {"sample_count", "matches_truth", "starts_from_reset", "applies_push"}
 
 
 @pytest.mark.parametrize("case", READERS, ids=lambda case: case.name)
-def test_recorded_readings_earn_their_form_alone(marker: Marker, tmp_path: Path, case: Case) -> None:
-    result = marked(marker, case.files, tmp_path, "sensor_access")
+def test_recorded_readings_earn_their_form_alone(marker: Marker, case: Case) -> None:
+    result = marked(marker, case.files, "sensor_access")
     assert result.criteria[0].points <= MOST
     assert {"matches_truth", "follows_address"} <= lost(result)
 
 
 @pytest.mark.parametrize("treatment", ["np.round(accel, 1)", "accel + [0, 0, 9.81]", "-accel", "accel / 9.81"])
-def test_rows_that_are_altered_are_still_of_a_run_that_was_reset_and_pushed(
-    marker: Marker, tmp_path: Path, treatment: str
-) -> None:
+def test_rows_that_are_altered_are_still_of_a_run_that_was_reset_and_pushed(marker: Marker, treatment: str) -> None:
     altered = sheet.COLLECT.replace("accelerations[i] = accel", f"accelerations[i] = {treatment}").replace(
         "angular_velocities[i] = gyro", "angular_velocities[i] = np.round(gyro, 2)"
     )
-    files = {**sheet.VERBATIM, "imu_reader.py": sheet.VERBATIM["imu_reader.py"].replace(sheet.COLLECT, altered)}
-    assert altered in files["imu_reader.py"]
-    assert lost(marked(marker, files, tmp_path, "data_collection")) == {"matches_truth"}
+    files = changed(sheet.VERBATIM, "imu_reader.py", {sheet.COLLECT: altered})
+    assert lost(marked(marker, files, "data_collection")) == {"matches_truth"}
 
 
 @pytest.mark.parametrize("ending", [b"\n", b"\r\n"])
-def test_a_handed_in_copy_of_the_lab_model_is_the_robot_that_is_graded_with(
-    marker: Marker, tmp_path: Path, ending: bytes
-) -> None:
+def test_a_handed_in_copy_of_the_lab_model_is_the_robot_that_is_graded_with(marker: Marker, ending: bytes) -> None:
     copy = bundles.shipped().models["lab"].encode().replace(b"\n", ending)
-    result = marked(marker, {**sheet.VERBATIM, SHEET_PATH: copy, "model/robot.xml": copy}, tmp_path, "data_collection")
+    result = marked(marker, {**sheet.VERBATIM, SHEET_PATH: copy, "model/robot.xml": copy}, "data_collection")
     assert (result.criteria[0].points, lost(result)) == (20.0, set())
 
 
@@ -102,17 +90,13 @@ LEARNT = {
 
 
 @pytest.mark.parametrize("mistake", LEARNT)
-def test_what_was_learnt_by_heart_from_the_public_model_is_named(marker: Marker, tmp_path: Path, mistake: str) -> None:
+def test_what_was_learnt_by_heart_from_the_public_model_is_named(marker: Marker, mistake: str) -> None:
     edits, checks = LEARNT[mistake]
-    code = sheet.VERBATIM["imu_reader.py"]
-    for old, new in edits.items():
-        assert old in code
-        code = code.replace(old, new)
-    result = marked(marker, {**sheet.VERBATIM, "imu_reader.py": code}, tmp_path)
+    result = marked(marker, changed(sheet.VERBATIM, "imu_reader.py", edits))
     assert (lost(result), result.misconceptions) == (checks, (mistake,))
 
 
 @pytest.mark.parametrize("name", ["verbatim", "tidy", "listy", "looping"])
-def test_sound_work_gets_everything_on_another_robot(marker: Marker, tmp_path: Path, name: str) -> None:
-    result = marked(marker, getattr(pieces, name)(), tmp_path)
+def test_sound_work_gets_everything_on_another_robot(marker: Marker, name: str) -> None:
+    result = marked(marker, getattr(pieces, name)())
     assert (result.score, lost(result)) == (100.0, set())

@@ -25,7 +25,7 @@ from grader.platforms.platform import ResultContext
 from grader.report.pages import report_page
 from tests.corpus.pieces import MODEL_PATH, tidy, verbatim
 from tests.sandboxes import Opened
-from tests.scoreboard import Case, handed_in
+from tests.single_faults import marked, submission_of
 
 # `token` holds eight masses of the robot that is graded with, `digit` one digit of them.
 SPIES = f"""
@@ -147,7 +147,7 @@ def outputs(result: Result, files: dict[str, str]) -> dict[str, str]:
     told = to_dict(result)
     told["provenance"] = {k: v for k, v in told["provenance"].items() if k != "traces_sha256"}
     told["duration_s"] = 0
-    handed = ResultContext(LAB, handed_in(Case("sound", "x", files)), Path("x"), {}, hidden=True)
+    handed = ResultContext(LAB, submission_of(files), Path("x"), {}, hidden=True)
     found = {"result.json": json.dumps(told), "report.html": _DIGEST.sub("", report_page(FinalGrade("x", result)))}
     for name in ("json", "gradescope"):
         respond = registry.platform(name).respond
@@ -164,7 +164,7 @@ def test_two_secrets_lead_to_the_same_outputs(
     told, files = [], LEAKS[only][name]
     for truth in secrets:
         with opened(truth) as marker:
-            result = marker.mark(handed_in(Case("sound", "spy", files)), only=only)  # type: ignore[arg-type]
+            result = marked(marker, files, only)
         told.append(outputs(result, files))
         for text in told[-1].values():
             assert [mass for mass in _masses(truth)[1:9] if f"{mass:.9f}" in text or f"{mass:.6f}"[:-1] in text] == []
@@ -176,7 +176,7 @@ def test_a_student_still_learns_why_a_file_does_not_import(secrets: tuple[Traces
     """By the words of a process that has the public robot: the same as without a secret."""
     files = added("noisy_imu.py", "raise ValueError('no file ' + 'data.csv')\n")
     with opened(secrets[0]) as marker:
-        result = marker.mark(handed_in(Case("sound", "honest", files)))  # type: ignore[arg-type]
+        result = marked(marker, files)
     (note,) = [note for note in result.notes if "was skipped" in note]
     assert note.startswith("noisy_imu.py, line ")
     assert note.endswith("was skipped: ValueError: no file data.csv; the rest of the file was used")
@@ -190,7 +190,7 @@ def test_a_name_that_only_the_hidden_robot_lacks_is_told_in_our_words(
     head, made = tidy()["filters.py"].split("def compare")[0].split("class LowPassFilter", 1)
     there = f"if abs(_spied.body_mass[2] - {public!r}) < 1e-9:\n" + indent(f"class LowPassFilter{made}", "    ")
     files = {**tidy(), "filters.py": f"{head}\n{SPIES}\n{there}"}
-    submission = handed_in(Case("sound", "hides", files))  # type: ignore[arg-type]
+    submission = submission_of(files)
     assert marker.mark(submission, only="filtering").score == 20
     with opened(secrets[0]) as hidden_marker:
         result = hidden_marker.mark(submission, only="filtering")
@@ -205,6 +205,6 @@ def test_a_name_that_only_the_hidden_robot_lacks_is_told_in_our_words(
 
 def test_durations_under_a_secret_are_whole_seconds(secrets: tuple[Traces, Traces], opened: Opened) -> None:
     with opened(secrets[0]) as marker:
-        result = marker.mark(handed_in(Case("sound", "sound", verbatim())))  # type: ignore[arg-type]
+        result = marked(marker, verbatim())
     assert {check.duration_s for part in result.parts for check in part.checks} == {0.0}
     assert result.duration_s == int(result.duration_s)

@@ -7,13 +7,9 @@ import pytest
 from grader.engine.results import Result
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.recordings import Marking
-from tests.scoreboard import Case, handed_in
+from tests.single_faults import marked
 
 NO_COLON = ("def update(self, measurement):", "def update(self, measurement)")
-
-
-def graded(player: Marking, files: dict[str, str]) -> Result:
-    return player.mark(handed_in(Case("broken", "unparsed-filter", files)))
 
 
 def points(result: Result) -> dict[str, float]:
@@ -35,7 +31,7 @@ def points(result: Result) -> dict[str, float]:
 def test_a_filter_that_does_not_parse_keeps_the_comparison_that_its_file_draws(
     files: object, change: tuple[str, str], player: Marking
 ) -> None:
-    result = graded(player, edit(files(), "filters.py", change))  # type: ignore[operator]
+    result = marked(player, edit(files(), "filters.py", change))  # type: ignore[operator]
     assert points(result)["visualization"] == 20
     assert points(result)["filtering"] == 0
     assert not any("was stopped" in note for note in result.notes), result.notes
@@ -53,6 +49,6 @@ def test_a_filter_that_does_not_parse_keeps_the_comparison_that_its_file_draws(
 )
 def test_a_filter_file_that_draws_no_comparison_loses_it(source: str, player: Marking) -> None:
     files = tidy() | {"filters.py": source}
-    result = graded(player, files)
+    result = marked(player, files)
     assert points(result)["visualization"] == 16
     assert points(result)["filtering"] == 0
