@@ -152,4 +152,4 @@ def lines_of(*checks: CheckResult, repeat: str = "imugrade repro {} my_lab") -> 
 def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> None:
     lines = lines_of(lost())
     assert "Reproduce imugrade repro sensor_access.follows_address my_lab" in lines
-    assert "accel, gyro = get_imu_readings(model, data, accel_id, gyro_id), on the same input" in lines
+    assert "with the same input as here: accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)" in lines

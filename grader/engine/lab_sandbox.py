@@ -26,8 +26,8 @@ def open_sandbox(
     Parameters
     ----------
     isolation_level : the best that this machine allows if None
-    libraries : imported in advance. A marker later adds those of `Lab.libraries` that a submission may import, for it and all that
-        follow. Any other library is imported by the submission that uses it, with the same marks.
+    libraries : imported in advance, to save time. A `Marker` adds those of `Lab.libraries` once a submission may import them. A
+        submission imports any other library itself; its points are the same.
     thorough : also run each part of the worker code once in advance, so that no submission is charged for a first use
     """
     return Sandbox(

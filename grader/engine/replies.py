@@ -236,7 +236,7 @@ def node(answer: Answer, depth: int = 0) -> Kind:
 
 
 def _member(answer: Answer, depth: int) -> Callable[[Any], None]:
-    """Return the rule for a member of a dictionary or object: a name and a node."""
+    """Return a validator of one dictionary item or attribute: a list of its name and its node."""
 
     def rule(value: Any) -> None:
         if not isinstance(value, list) or len(value) != 2:

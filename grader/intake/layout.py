@@ -126,7 +126,7 @@ def _around(folder: str, elsewhere: Iterable[str], inside: Iterable[str]) -> dic
 
 
 def _from_above(path: str, folder: str) -> tuple[int, str]:
-    """Return the level above the lab's folder, and the path there, of the nearest outer folder that holds this path."""
+    """Return how many levels above the lab's folder the nearest folder with this path is, and the path seen from there."""
     shared = posixpath.commonpath((posixpath.dirname(path), folder))
     return _level(folder) - _level(shared), path[len(shared) + 1 :] if shared else path
 

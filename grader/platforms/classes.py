@@ -268,14 +268,14 @@ def _is_submission(folder: Path, required: Collection[str]) -> bool:
 
 
 def _holds(folder: Path, wanted: Callable[[str], bool]) -> bool:
-    """Return whether a file with such a name lies in this folder or up to four levels below."""
+    """Return whether a file whose name is `wanted` lies in this folder or up to `MAX_LEVELS` below."""
     looked_at = 0
     for here, folders, names in os.walk(folder):
         level = len(Path(here).relative_to(folder).parts)
         looked_at += len(folders) + len(names)
         if any(map(wanted, names)):
             return True
-        if level > MAX_LEVELS or looked_at > MAX_LOOKED_AT:
+        if level >= MAX_LEVELS or looked_at > MAX_LOOKED_AT:
             folders.clear()
         folders[:] = [name for name in folders if not is_litter((name,))]
     return False

@@ -120,11 +120,11 @@ def criterion_points(criterion: CriterionResult) -> str:
 
 
 def extension_points(extension: ExtensionResult) -> str:
-    """Format an extension as ``4 of 5 shown``, or as points where the rubric makes it extra credit."""
+    """Format an extension as ``4 of 5 passed``, or as points where the rubric makes it extra credit."""
     if extension.max_points:
         return fraction(extension.points, extension.max_points)
-    shown = sum(check.outcome == "passed" for check in extension.checks)
-    return f"{shown} of {len(extension.checks)} shown"
+    passed = sum(check.outcome == "passed" for check in extension.checks)
+    return f"{passed} of {len(extension.checks)} passed"
 
 
 def extra_credit(result: Result) -> str:

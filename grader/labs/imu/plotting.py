@@ -226,7 +226,7 @@ class Plotting(SubmissionSession):
             return None
 
     def further_scripts(self) -> list[str]:
-        """Programs that nothing is asked of: they save a figure, or may call what does, as nobody imports them."""
+        """Return up to three other scripts to run for their figures: those that call `savefig`, or that no file imports."""
         code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
         saving = {path for path, content in code.items() if b"savefig" in content}
         if not saving:

@@ -65,7 +65,7 @@ def _by_place(node: Node | None, arrays: Arrays) -> dict[str, Reading]:
 
 @dataclass(frozen=True)
 class World:
-    """Readings in one model beside the truth, by place: (k, 6) acceleration and angular velocity in k states."""
+    """Readings of all IMUs of one model and the truth, by name of the IMU: (k, 6) acceleration and angular velocity in k states."""
 
     got: ImuReadings
     true: Mapping[str, Array]

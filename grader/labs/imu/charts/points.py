@@ -14,7 +14,7 @@ _LARGEST = 1e12
 def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
     """Return a curve without points that cannot be drawn."""
     fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
-    return Curve(name, role, _single(x[fine]), _single(y[fine]), colour)
+    return Curve(name, role, _to_float32(x[fine]), _to_float32(y[fine]), colour)
 
 
 def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
@@ -27,6 +27,6 @@ def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
     return np.asarray(stretches.argmax(axis=1) + width * np.arange(len(stretches)))
 
 
-def _single(values: Array) -> tuple[float, ...]:
-    """Round as the record does, see `chart_data.packed`."""
+def _to_float32(values: Array) -> tuple[float, ...]:
+    """Round to single precision, as `chart_data.packed` stores it."""
     return tuple(values.astype(np.float32).tolist())

@@ -97,7 +97,7 @@ class Panel:
 
     @property
     def words(self) -> str:
-        """Everything that is written on the panel to say what it shows."""
+        """The title and the y label of the panel, joined by " | "."""
         return " | ".join([self.axes.title, self.axes.ylabel])
 
 
@@ -176,13 +176,13 @@ class Plot:
 
 def joined(figures: Sequence[Figure]) -> Figure:
     """Return several figures as the panels of one; each panel keeps the title, labels and legend of its own figure."""
-    axes = tuple(_alone(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
+    axes = tuple(_moved_axes(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
     texts = tuple(text for figure in figures for text in figure.texts)
     return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts)
 
 
-def _alone(axes: Axes, figure: Figure, number: int) -> Axes:
-    """Return the axes of one figure for a joint one: with that figure's titles and labels, and a position beside the others."""
+def _moved_axes(axes: Axes, figure: Figure, number: int) -> Axes:
+    """Return one axes for a joined figure: with the titles and labels of its own figure, moved beside the others."""
     left, low, right, high = axes.position
     return replace(
         axes,

@@ -187,7 +187,7 @@ def _own_recording(student: Student, truth: Traces) -> Collection | None:
 
 
 def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:
-    """Return the true series under the submission's own names."""
+    """Return the true series under the names of the submission's own recording, if it has names."""
     if own is None or any(name.isdigit() for name in own.keys.values()):
         return series
     return {own.keys.get(key, key): value for key, value in series.items()}
@@ -354,8 +354,8 @@ def _distance(y: Array, other: Array) -> float:
 def _comparison(student: Student) -> Comparison:
     """Run the submission's programs until one saves a figure of noisy and filtered data.
 
-    A figure without noise counts if no other one is meant to compare: some channel of a robot that comes to rest is smoother than
-    another one, in any plot.
+    A figure without noise counts only if no other figure is meant as the comparison: in any plot, one channel of a robot that comes
+    to rest is smoother than another.
     """
     drawn, meant = False, (0, "")
     fault: Fault | None = None

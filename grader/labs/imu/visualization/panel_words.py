@@ -24,7 +24,7 @@ def quoted(text: str) -> str:
 
 @dataclass(frozen=True)
 class Misnamed:
-    """Texts on a panel that name the other sensor alone; `share` is 1 if no text is left that names its own."""
+    """Texts on a panel that name only the other sensor. `share` is lost: 1 if all texts of the panel do, else 0.5."""
 
     said: list[str]
     shows: str
