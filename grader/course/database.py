@@ -132,8 +132,23 @@ class Database:
 
     def changes(self) -> int:
         """Return a number that changes when another connection writes to the record."""
+        return int(self._value("PRAGMA data_version"))
+
+    def _value(self, query: str, *parameters: object) -> Any:
+        """Return the first column of the first row that a query finds; None if it finds none."""
         with self._errors_in_one_line():
-            return int(self._db.execute("PRAGMA data_version").fetchone()[0])
+            row = self._db.execute(query, parameters).fetchone()
+            return None if row is None else row[0]
+
+    def _read(self, parse: Callable[[Any], T], record: object) -> T:
+        """Parse a value of the record."""
+        with self._errors_in_one_line():
+            return read(parse, record)
+
+    def _write(self, statement: str, *parameters: object) -> int:
+        """Execute one statement in a transaction of its own, and return the number of rows that it changed."""
+        with self._errors_in_one_line(), self._transaction():
+            return self._db.execute(statement, parameters).rowcount
 
     def _address(self) -> str:
         """Return the SQLite URI of the file. A read-only file without pending writes is opened as immutable."""
@@ -172,7 +187,7 @@ class Database:
 
     def _identity(self) -> tuple[int, int, int]:
         ask = ("PRAGMA application_id", "PRAGMA user_version", "SELECT count(*) FROM sqlite_master")
-        application, version, tables = (int(self._db.execute(query).fetchone()[0]) for query in ask)
+        application, version, tables = (int(self._value(query)) for query in ask)
         return application, version, tables
 
     @contextmanager

@@ -130,8 +130,7 @@ class Decisions(Database):
 
     def last_adjustment(self) -> int:
         """Return the number of the last adjustment on record; 0 if there is none."""
-        with self._errors_in_one_line():
-            return int(self._db.execute("SELECT coalesce(max(seq), 0) FROM adjustments").fetchone()[0])
+        return int(self._value("SELECT coalesce(max(seq), 0) FROM adjustments"))
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
         """Return the adjustments in force, by id of the submission: the last one of each target, unless it is a withdrawal."""
@@ -176,9 +175,8 @@ class Decisions(Database):
             return [RegradeRequest(*row) for row in rows.fetchall()]
 
     def answer(self, number: int, answer: str, author: str, at: str) -> None:
-        with self._errors_in_one_line(), self._transaction():
-            query = "UPDATE appeals SET answer = ?, author = ?, answered = ? WHERE number = ?"
-            self._db.execute(query, (answer, author, at, number))
+        query = "UPDATE appeals SET answer = ?, author = ?, answered = ? WHERE number = ?"
+        self._write(query, answer, author, at, number)
 
 
 def _automatic_points_text(adjustment: Adjustment) -> str:

@@ -94,15 +94,12 @@ class Store(Decisions, RepairLog):
 
     def result(self, key: Key) -> Result | None:
         """Return the result recorded under this key without making it the present one; None if there is none."""
-        with self._errors_in_one_line():
-            row = self._db.execute(f"SELECT record FROM results {_WHERE}", astuple(key)).fetchone()
-            return None if row is None else _result(row[0])
+        record = self._value(f"SELECT record FROM results {_WHERE}", *astuple(key))
+        return None if record is None else self._read(_result, record)
 
     def is_first_search(self, key: Key) -> bool:
         """Record that a repair of these files was searched for, and return whether it is the first search."""
-        with self._errors_in_one_line(), self._transaction():
-            what = json.dumps(astuple(key))
-            return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
+        return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
         """Regrade a submission by another rubric from its record, and store the result; None if that needs another run."""
@@ -129,9 +126,8 @@ class Store(Decisions, RepairLog):
 
     def settings(self) -> ClassSettings | None:
         """Return the settings that the class is graded by; None if the record has none."""
-        with self._errors_in_one_line():
-            row = self._db.execute("SELECT record FROM settings ORDER BY number DESC LIMIT 1").fetchone()
-            return None if row is None else read(class_settings.from_json, row[0])
+        record = self._value("SELECT record FROM settings ORDER BY number DESC LIMIT 1")
+        return None if record is None else self._read(class_settings.from_json, record)
 
     def keep_settings(self, settings: ClassSettings, *, keep_before: bool = False) -> None:
         """Record the settings of the class.
@@ -146,16 +142,13 @@ class Store(Decisions, RepairLog):
 
     def _keep_settings(self, settings: ClassSettings, keep_before: bool) -> None:
         """Write the settings with the next number if the former results are kept, else in place of the last ones."""
-        number = self._last_version()
+        number = self._value("SELECT coalesce(max(number), 0) FROM settings")
         if keep_before:
             self._db.execute(_FORMER, (number,))
         if keep_before or not number:
             number += 1
         row = (number, stamps.now(), class_settings.to_json(settings))
         self._db.execute("INSERT OR REPLACE INTO settings VALUES (?, ?, ?)", row)
-
-    def _last_version(self) -> int:
-        return int(self._db.execute("SELECT coalesce(max(number), 0) FROM settings").fetchone()[0])
 
     def former(self) -> dict[str, FinalGrade]:
         """Return the final grades of the previous version with the present overrides; empty if there is no such version."""
@@ -178,10 +171,9 @@ class Store(Decisions, RepairLog):
 
     def has(self, key: Key, rubric: Rubric) -> bool:
         """Return whether a complete result is on record under this key, or one that can be regraded by its rubric."""
-        query = f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'"
+        if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
+            return True
         with self._errors_in_one_line():
-            if self._db.execute(query, astuple(key)).fetchone() is not None:
-                return True
             return self._fitting(key, rubric) is not None
 
     def remark_class(
@@ -219,22 +211,17 @@ class Store(Decisions, RepairLog):
 
     def digest(self, id_: str) -> str:
         """Return a digest of the present result as it is recorded; "" if there is none."""
-        query = "SELECT record FROM class JOIN results USING (seq) WHERE class.id = ?"
-        with self._errors_in_one_line():
-            row = self._db.execute(query, (id_,)).fetchone()
-            return "" if row is None else hashlib.sha256(read(str.encode, row[0])).hexdigest()
+        record = self._value("SELECT record FROM class JOIN results USING (seq) WHERE class.id = ?", id_)
+        return "" if record is None else hashlib.sha256(self._read(str.encode, record)).hexdigest()
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
         """Return the charts of a submission's present result."""
-        with self._errors_in_one_line():
-            return read(unpacked, self.packed_charts(id_))
+        return self._read(unpacked, self.packed_charts(id_))
 
     def packed_charts(self, id_: str) -> bytes:
         """Return the charts of a submission's present result as recorded bytes; empty if there are none."""
-        query = "SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?"
-        with self._errors_in_one_line():
-            row = self._db.execute(query, (id_,)).fetchone()
-            return b"" if row is None else read(_blob, row[0])
+        record = self._value("SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?", id_)
+        return b"" if record is None else self._read(_blob, record)
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
         """Return the fingerprint of every submission's code, by id."""
@@ -257,20 +244,15 @@ class Store(Decisions, RepairLog):
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
         """Record people and time of a submission in place of the earlier record."""
         row = (id_, _hand_in_text(hand_in))
-        with self._errors_in_one_line():
-            if self._db.execute("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", row).fetchone() is None:
-                with self._transaction():
-                    self._db.execute(_HAND_IN, row)
+        if self._value("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", *row) is None:
+            self._write(_HAND_IN, *row)
 
     def page_digest(self, id_: str) -> str:
         """Return the digests that `keep_page_digest` last recorded for a submission; "" if there are none."""
-        with self._errors_in_one_line():
-            row = self._db.execute("SELECT digest FROM pages WHERE id = ?", (id_,)).fetchone()
-        return "" if row is None else str(row[0])
+        return str(self._value("SELECT digest FROM pages WHERE id = ?", id_) or "")
 
     def keep_page_digest(self, id_: str, digests: str) -> None:
-        with self._errors_in_one_line(), self._transaction():
-            self._db.execute("INSERT OR REPLACE INTO pages VALUES (?, ?)", (id_, digests))
+        self._write("INSERT OR REPLACE INTO pages VALUES (?, ?)", id_, digests)
 
     def hand_ins(self) -> dict[str, HandIn]:
         """Return the last recorded hand-in of each submission, by id."""
@@ -280,21 +262,12 @@ class Store(Decisions, RepairLog):
 
     def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
         """Record submitted files unless they are already on record; `pack` is called only if they are not."""
-        with self._errors_in_one_line():
-            if (
-                self._db.execute("SELECT 1 FROM files WHERE submission_sha256 = ?", (submission_sha256,)).fetchone()
-                is None
-            ):
-                with self._transaction():
-                    self._db.execute("INSERT OR IGNORE INTO files VALUES (?, ?)", (submission_sha256, pack()))
+        if self._value("SELECT 1 FROM files WHERE submission_sha256 = ?", submission_sha256) is None:
+            self._write("INSERT OR IGNORE INTO files VALUES (?, ?)", submission_sha256, pack())
 
     def files(self, submission_sha256: str) -> bytes:
         """Return the files that `keep_files` recorded, packed; empty if there are none."""
-        with self._errors_in_one_line():
-            row = self._db.execute(
-                "SELECT packed FROM files WHERE submission_sha256 = ?", (submission_sha256,)
-            ).fetchone()
-        return b"" if row is None else bytes(row[0])
+        return bytes(self._value("SELECT packed FROM files WHERE submission_sha256 = ?", submission_sha256) or b"")
 
     def keep_notices(self, notices: Mapping[str, Sequence[str]]) -> None:
         """Record the messages of a run about the class, by kind, in place of those of the previous run."""

@@ -55,19 +55,17 @@ class RepairLog(Database):
 
     def keep_repair(self, made: LoggedRepair) -> None:
         """Record a repair; its number is given here."""
-        row = (made.id, made.file, made.file_sha256, made.diff.encode("utf-8", "surrogateescape"), made.deduction)
-        with self._errors_in_one_line(), self._transaction():
-            self._db.execute(
-                "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
-                "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                (*row, made.comment, made.author, made.at),
-            )
+        diff = made.diff.encode("utf-8", "surrogateescape")
+        self._write(
+            "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
+            "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+            *(made.id, made.file, made.file_sha256, diff, made.deduction, made.comment, made.author, made.at),
+        )
 
     def undo_repair(self, number: int, author: str) -> None:
         """Record that somebody took a repair back."""
-        with self._errors_in_one_line(), self._transaction():
-            query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
-            self._db.execute(query, (author, stamps.now(), number))
+        query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
+        self._write(query, author, stamps.now(), number)
 
 
 def _logged(row: Sequence[object]) -> LoggedRepair:
