@@ -167,7 +167,7 @@ def test_a_watching_check_says_at_once_that_it_checks_and_is_ended_by_an_interru
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def marked(*_: object, begins: Callable[[], None], **__: object) -> Iterator[Result]:
-        for made in (result(lost()), result()):
+        for made in (result(lost()), result(check(id=lost().id))):
             begins()
             yield made
         raise KeyboardInterrupt
@@ -177,7 +177,10 @@ def test_a_watching_check_says_at_once_that_it_checks_and_is_ended_by_an_interru
     lines = [re.sub(r"\d\d:\d\d:\d\d", "TIME", line) for line in out.splitlines()]
     assert (code, err) == (0, "")
     assert lines[:3] == ["me  checking …", "me  checking …", "me  checked at TIME; again on every save, Ctrl-C ends"]
-    assert [line for line in lines if "Score" in line] == ["   Score  0 / 6", "   Score  20 / 20"]
+    assert [line for line in lines if "Score" in line] == [
+        "   Score  0 / 6",
+        "   Score  6 / 6  +6 since the last check",
+    ]
 
 
 # --- grade ------------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What a student sees of `imugrade check` beside the table: the last check remembered, their own prints, a screen that is watched."""
+"""What a student sees of `imugrade check` beside the table: their own prints, a screen that is watched."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from grader import cli
-from grader.commands import history
 from grader.commands.prints import Prints
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import open_sandbox_for
@@ -21,19 +20,8 @@ from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import write
-from tests.fake_results import check, result
 
 ROOT = Path(__file__).parent.parent
-POINTS = {"sensor_access.follows_address": 6.0, "allan_variance.white_noise": 0.0}
-
-
-# --- the last check ---------------------------------------------------------------------------------------------------
-
-
-def test_a_check_remembers_the_points_of_the_last_one(tmp_path: Path) -> None:
-    assert history.last_points(tmp_path, result()) == {}
-    history.remember(tmp_path, result(check()), {})
-    assert history.last_points(tmp_path, result()) == POINTS
 
 
 # --- their own prints -------------------------------------------------------------------------------------------------
@@ -83,7 +71,6 @@ def test_a_syntax_error_is_told_once_with_its_line_and_a_caret(
     assert shown.count("SyntaxError") == 1
     assert "   Got       SyntaxError: " in shown
     assert re.search(r"at imu_reader.py, line \d\n {13}(\S.*)\n {13} *\^\n", shown)
-    assert history.place_of(tmp_path).exists()
     assert cli.main(["check", str(tmp_path), "--only", "sensor_access", "-s"]) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["imu_reader.py"]
     assert capsys.readouterr().out.endswith("\n\nYour code printed nothing.\n")

@@ -73,7 +73,7 @@ def check(
         ready = submission.status == "ready"
         if ready:
             print(opening.found(LAB, submission), flush=True)
-        from grader.commands import checking, history  # noqa: PLC0415
+        from grader.commands import checking  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
         from grader.engine.grader import Stopped  # noqa: PLC0415
         from grader.report import terminal  # noqa: F401, PLC0415
@@ -88,12 +88,10 @@ def check(
             )
         except Stopped as stopped:
             print()  # below the terminal's own ^C
-            _show(stopped.result, arguments, {}, printed)
+            _show(stopped.result, arguments, printed)
             raise
-    before = history.last_points(path, result)
-    _show(result, arguments, before, printed)
+    _show(result, arguments, printed)
     _write(result, arguments)
-    history.remember(path, result, before)
     return 3 if result.status == "incomplete" else 0
 
 
@@ -144,12 +142,12 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
     screen = console()
     view = View(screen, original_name(arguments.path), arguments.command)
     view.tell(_CHECKING)  # at once: the rest takes seconds on a cold machine
-    from grader.commands import checking, history  # noqa: PLC0415
+    from grader.commands import checking  # noqa: PLC0415
     from grader.commands.prints import Prints  # noqa: PLC0415
 
     bundle = LAB.truth(None, chosen.settings)
     written = [each for each in (arguments.html, arguments.json) if each is not None]
-    before: dict[str, float] | None = None
+    before: dict[str, float] = {}
     printed = Prints()
 
     def begins() -> None:
@@ -162,11 +160,11 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
             begins=begins, waits=view.refit,
             waiting=view.tell, listen=printed.add,
         ):  # fmt: skip
-            known = history.last_points(arguments.path, result) if before is None else before
             prints = printed.lines(LAB) if arguments.prints else []
-            view.show(partial(_lines, result, arguments, screen, known, prints), _checked_at())
+            view.show(partial(_lines, result, arguments, screen, before, prints), _checked_at())
             _write(result, arguments)
-            before = history.remember(arguments.path, result, known)
+            checks = [check for part in result.parts for check in part.checks]
+            before = before | {check.id: check.points for check in checks if check.points is not None}
     except KeyboardInterrupt:  # it is how one ends it
         print()
     return 0
@@ -180,12 +178,12 @@ def _has_secret() -> bool:
     return bool(os.environ.get(SECRET_VARIABLE, "").strip())
 
 
-def _show(result: Result, arguments: _Arguments, before: Mapping[str, float], printed: Prints) -> None:
+def _show(result: Result, arguments: _Arguments, printed: Prints) -> None:
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
     screen = console()
-    for line in _lines(result, arguments, screen, before, printed.lines(LAB) if arguments.prints else []):
+    for line in _lines(result, arguments, screen, {}, printed.lines(LAB) if arguments.prints else []):
         terminal.show_line(line, screen)
 
 

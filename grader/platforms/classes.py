@@ -29,13 +29,12 @@ from grader.intake.names import (
 from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.final_grade import NOTHING_KNOWN, HandIn
 from grader.platforms import registry
-from grader.platforms.found import Found, Shape, at_least_half
+from grader.platforms.found import Found, Shape
 
 UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"
 SUPERSEDED = "an earlier attempt; the latest one is graded"
 MAX_LOOKED_AT = 50_000  # largest number of entries searched to tell a class from a submission
 
-ITSELF = "the download itself, whose files lie beside it"
 ATTEMPTS = ("latest", "best")
 
 
@@ -149,20 +148,10 @@ def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape
                 platform.read(replace(top, known=known)) if platform.read and wanted in (None, platform.name) else None
             )
             if shape is not None and shape.found:
-                left = ((name, _itself(top, name) or why) for name, why in shape.left)
-                return Shape(shape.title, shape.found, (*left, *top.left))
+                return replace(shape, left=(*shape.left, *top.left))
     if wanted is not None:
         raise RequestError(f"--from {wanted}: {printable(str(path), 500)} does not have that shape; leave --from out")
     return None
-
-
-def _itself(download: Download, name: str) -> str:
-    """Return a reason if an archive beside a download's files is the one that they were unpacked from; else ""."""
-    place = download.path / download.place(name)
-    if not has_suffix(name, (".zip",)) or not os.path.isfile(place):
-        return ""
-    packed = {inner for top in open_download(place) for inner in top.top}
-    return ITSELF if at_least_half(inner in packed for inner in download.top if inner != name) else ""
 
 
 def _whole(place: Path) -> Found:
