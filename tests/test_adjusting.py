@@ -91,9 +91,9 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
     assert err.replace(f"imugrade: {table}:", "").splitlines() == [
         "3: there is no submission alicia (did you mean alice?)",
         "4: there is no criterion sensoraccess (did you mean sensor_access?)",
-        "5: points must be a number from 0 to 20, not 21",
-        "6: points must be a number from 0 to 20, not 1.005",
-        "7: points must be a number from 0 to 20, not nan",
+        "5: points must be a number from 0 to 20 with at most two decimals, not 21",
+        "6: points must be a number from 0 to 20 with at most two decimals, not 1.005",
+        "7: points must be a number from 0 to 20 with at most two decimals, not nan",
         "8: say why in a comment of at most 2000 characters",
         "9: bob has no adjustment of sensor_access to withdraw",
     ]

@@ -152,10 +152,12 @@ def test_points_for_a_check_a_criterion_the_total_and_a_bonus_reach_the_publishe
     assert row(out, "bob")["final"] == "100.5"
     give(desk, "bob", "filtering", "10")
     assert row(out, "bob")["final"] == "90.5"
-    assert "Bob Bird has an override of filtering" in give(desk, "bob", "filtering.follows_recursion", "5").text
+    assert (
+        "The override of filtering of Bob Bird replaces" in give(desk, "bob", "filtering.follows_recursion", "5").text
+    )
     give(desk, "bob", TOTAL, "50")
     assert row(out, "bob")["final"] == "52"
-    assert "Bob Bird has an override of total" in give(desk, "bob", "filtering", "5").text
+    assert "The override of total of Bob Bird replaces" in give(desk, "bob", "filtering", "5").text
     assert (out / "submissions" / "bob" / "result.json").read_bytes() == before
     report = (out / "submissions" / "bob" / "report.html").read_text()
     assert "Shown &lt;i&gt;later&lt;/i&gt;" in report
@@ -183,9 +185,9 @@ def test_undo_brings_back_the_override_before_with_its_comment_and_history_keeps
 @pytest.mark.parametrize(
     ("target", "points", "comment", "line"),
     [
-        (ADDRESS, "1.234", "x", "Enter at most two decimals."),
+        (ADDRESS, "1.234", "x", "Points must be a number from 0 to 6 with at most two decimals, not 1.234."),
         ("nothing", "1", "x", "there is no criterion nothing"),
-        (ADDRESS, "1", "x" * 2001, "Enter at most 2000 characters."),
+        (ADDRESS, "1", "x" * 2001, "Say why in a comment of at most 2000 characters."),
     ],
 )
 def test_a_wish_that_cannot_be_met_is_said_and_not_recorded(
@@ -508,7 +510,10 @@ def test_an_override_that_is_refused_keeps_what_was_typed(still: Desk) -> None:
     form = page.partition(f'id="override-{ADDRESS.replace(".", "-")}"')[2].partition("</form>")[0]
     assert "<details open>" in form
     assert 'value="7" aria-invalid="true" aria-describedby="error-points"' in form
-    assert '<span class="error" id="error-points">Enter points from 0 to 6, not 7.</span>' in form
+    assert (
+        '<span class="error" id="error-points">Points must be a number from 0 to 6 with at most two decimals, not 7.</span>'
+        in form
+    )
     assert "kept &lt;b&gt;</textarea>" in form
     assert page.count('class="error"') == 1
 

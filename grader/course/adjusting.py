@@ -241,22 +241,27 @@ def _problem(
     if most is None:
         near = guess_at(override.criterion, targets(final_grade))
         return f"{override.place}: there is no criterion {printable(override.criterion)}{near}"
-    points = _number(override.points)
-    if (
-        override.points
-        and not override.alone
-        and (points is None or not 0 <= points <= most or round(points, 2) != points)
-    ):
-        return f"{override.place}: points must be a number from 0 to {words.number(most)}, not {printable(override.points, 60)}"
     withdraws = not (override.comment.strip() if override.alone else override.points)
     if withdraws and (override.id, override.criterion, override.alone) not in said:
         return f"{override.place}: {printable(override.id)} has no adjustment of {override.criterion} to withdraw"
-    if points is not None and not override.alone and (over := covering(final_grade, override.criterion)):
-        covered = f"has an override of {over}, which replaces {override.criterion}"
-        return f"{override.place}: {printable(override.id)} {covered}; withdraw that first"
+    return next((f"{override.place}: {why}" for why in objections(override, final_grade).values()), "")
+
+
+def objections(override: OverrideRequest, final_grade: FinalGrade) -> dict[str, str]:
+    """Return what is wrong with the points and with the comment of a request, by field."""
+    found = {}
+    most = maximum_points(final_grade.result, override.criterion)
+    if override.points and not override.alone and most is not None:
+        points = _number(override.points)
+        if points is None or not 0 <= points <= most or round(points, 2) != points:
+            form = f"a number from 0 to {words.number(most)} with at most two decimals"
+            found["points"] = f"points must be {form}, not {printable(override.points, 60)}"
+        elif over := covering(final_grade, override.criterion):
+            replaced = f"the override of {over} of {words.distinct(final_grade)} replaces {override.criterion}"
+            found["points"] = f"{replaced}; withdraw that first"
     if not (override.comment.strip() or override.alone) or len(override.comment) > MAX_COMMENT:
-        return f"{override.place}: say why in a comment of at most {MAX_COMMENT} characters"
-    return ""
+        found["comment"] = f"say why in a comment of at most {MAX_COMMENT} characters"
+    return found
 
 
 def targets(final_grade: FinalGrade) -> list[str]:

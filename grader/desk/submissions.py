@@ -200,8 +200,6 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
         override = OverrideRequest(
             final_grade.id, target, points or ALONE, comment, place=final_grade.id, alone=not points
         )
-        if not comment:
-            raise RequestError("Enter a comment. Nothing was saved")
     book.decide([override], web_request.author, web_request.number("seen"))
     if answers := web_request.number("answers"):
         book.store.answer(answers, comment, web_request.author, now())
@@ -210,27 +208,11 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
 
 def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
     """Return the errors of a form that overrides `target` for these submissions, by field."""
-    most = min((m for each in final_grades if (m := maximum_points(each.result, target)) is not None), default=None)
-    covered = ((words.distinct(each), over) for each in final_grades if (over := adjusting.covering(each, target)))
-    errors = {}
-    if points and most is not None and not _is_from_0_to(points, most):
-        errors["points"] = f"Enter points from 0 to {words.number(most)}, not {printable(points, 40)}."
-    elif points and most is not None and round(float(points), 2) != float(points):
-        errors["points"] = "Enter at most two decimals."
-    elif points and (found := next(covered, None)):
-        errors["points"] = f"{found[0]} has an override of {found[1]}, which replaces {target}. Remove that first."
-    if not comment:
-        errors["comment"] = "Enter a comment."
-    elif len(comment) > adjusting.MAX_COMMENT:
-        errors["comment"] = f"Enter at most {adjusting.MAX_COMMENT} characters."
-    return errors
-
-
-def _is_from_0_to(text: str, most: float) -> bool:
-    try:
-        return 0 <= float(text) <= most
-    except ValueError:
-        return False
+    errors = {} if comment else {"comment": "say why in a comment"}
+    for each in final_grades:
+        request = OverrideRequest(each.id, target, points, comment, alone=not points)
+        errors = {**adjusting.objections(request, each), **errors}
+    return {field: f"{why[0].upper()}{why[1:]}." for field, why in errors.items()}
 
 
 def picture(book: Classbook, web_request: WebRequest) -> Response:
