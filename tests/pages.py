@@ -16,7 +16,7 @@ class Page(HTMLParser):
         self.feed(page)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, dict(attrs)))
+        self.tags.append((tag, dict(reversed(attrs))))  # of two attributes of one name a browser takes the first
         self._open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:

@@ -9,16 +9,7 @@ import numpy as np
 import pytest
 
 from grader.engine import replies
-from grader.engine.figures import (
-    Axes,
-    Curve,
-    Entry,
-    Figure,
-    Placed,
-    VisibleParts,
-    figures_of,
-    picture_of,
-)
+from grader.engine.figures import Axes, Curve, Entry, Figure, Placed, VisibleParts, figures_of, picture_of
 from grader.sandbox.wire import Frame
 from tests.random_figures import figure_of, frame_of
 

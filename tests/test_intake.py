@@ -418,7 +418,7 @@ def test_records_that_take_quadratic_time_are_bounded_together(tmp_path: Path, m
     assert "alice.tar was read in part: its names and attributes are too long." in read(tmp_path, files, "file").notes
 
 
-SEEDS = [zipped(below("lab")), tarred(below("lab")), tarred(HANDED_IN, "tar"), nested(2)]
+SEEDS = [zipped(below("lab")), tarred(below("lab")), tarred({**HANDED_IN, "l": Link("/etc/passwd")}, "tar"), nested(2)]
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -10,7 +10,6 @@ import unicodedata
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -27,6 +26,7 @@ from grader.report import terminal
 from grader.report.pages import index_page, report_page
 from tests import fake_results
 from tests.hostile.decoys import SECRET
+from tests.pages import Page
 
 ENVIRONMENT = {
     "CLASSROOM": "cs",
@@ -153,34 +153,21 @@ def _strings(value: object) -> Iterator[str]:
             yield from _strings(item)
 
 
-class _Page(HTMLParser):
-    def __init__(self) -> None:
-        super().__init__()
-        self.bad: list[str] = []
-        self._in_script = False
-
-    def handle_data(self, data: str) -> None:
-        if self._in_script:
-            self.bad.append(f"a script: {data}")
-
-    def handle_endtag(self, tag: str) -> None:
-        self._in_script = False
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        harmful = {"script", "iframe", "object", "embed", "img", "link", "base", "form", "input", "marquee", "b", "i"}
-        if tag == "img" and re.fullmatch(r"data:image/png;base64,[\w+/=]+", dict(attrs).get("src") or ""):
-            return  # a handed-in picture, set anew by the grader
-        if tag in harmful:
-            self.bad.append(f"a <{tag}>")
-        self._in_script = tag == "script"
-        self.bad += [f"an attribute {name}" for name, _ in attrs if name.startswith("on")]
-        self.bad += [f"{name}={value}" for name, value in attrs if name in ("href", "src") and ":" in (value or "")]
+_HARMFUL = {"script", "iframe", "object", "embed", "img", "link", "base", "form", "input", "marquee", "b", "i"}
+_PICTURE = r"data:image/png;base64,[\w+/=]+"
+"""A handed-in picture, set anew by the grader."""
 
 
 def _in_page(text: str) -> Iterator[str]:
-    page = _Page()
-    page.feed(text)
-    yield from page.bad
+    page = Page(text)
+    yield from (f"a script: {data}" for tag, data in page.texts if tag == "script")
+    for tag, attributes in page.tags:
+        if tag == "img" and re.fullmatch(_PICTURE, attributes.get("src") or ""):
+            continue
+        if tag in _HARMFUL:
+            yield f"a <{tag}>"
+        yield from (f"an attribute {name}" for name in attributes if name.startswith("on"))
+        yield from (f"{name}={attributes[name]}" for name in ("href", "src") if ":" in (attributes.get(name) or ""))
 
 
 def _in_page_of_ours(name: str, text: str) -> Iterator[str]:

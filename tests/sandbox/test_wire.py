@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -63,18 +64,6 @@ def test_a_frame_comes_back_as_it_was_sent_in_whatever_pieces(
         np.testing.assert_array_equal(frame.arrays[name], array, strict=True)
 
 
-@given(st.binary(max_size=60), st.integers(0, 10**6), st.integers(0, 255))
-def test_damaged_bytes_are_a_frame_or_a_wire_error_and_nothing_else(junk: bytes, place: int, value: int) -> None:
-    good = bytearray(wire.pack(NONCE, {"a": [1, 2.5, "é"]}, {"x": np.eye(2), "y": np.array([True])}))
-    good[place % len(good)] = value
-    for data in (bytes(good), bytes(good) + junk, junk, frame_of(junk), frame_of(junk, junk)):
-        try:
-            _, frame = sent(data)
-        except WireError:
-            continue
-        assert isinstance(frame, Frame)
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -123,9 +112,13 @@ def test_arrays_that_are_not_what_they_say_are_refused(layout: Any, body: bytes)
 
 @pytest.mark.parametrize("sizes", [(0xFFFFFFFF, 0), (0, 0xFFFFFFFF), ((1 << 20) + 1, 0), (0, (32 << 20) + 1)])
 def test_a_header_that_announces_too_much_is_refused_before_anything_is_allocated(sizes: tuple[int, int]) -> None:
-    incoming = wire.Incoming()
-    with pytest.raises(WireError, match="are allowed"):
-        incoming.feed(struct.pack("<II16s", *sizes, NONCE))
+    tracemalloc.start()
+    try:
+        with pytest.raises(WireError, match="are allowed"):
+            wire.Incoming().feed(struct.pack("<II16s", *sizes, NONCE))
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.parametrize(
