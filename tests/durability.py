@@ -25,6 +25,7 @@ from typing import Any
 
 from tests.corpus.pieces import FILTER_INCREMENT, tidy
 from tests.corpus.writing import write
+from tests.fake_results import without_durations
 from tests.hostile.decoys import below
 
 ROOT = Path(__file__).parent.parent
@@ -62,14 +63,8 @@ def results(out: Path) -> dict[str, Any]:
     """Every `result.json` without its durations."""
     found = {}
     for path in sorted(out.glob("submissions/*/result.json")):
-        found[path.parent.name] = _without_durations(json.loads(path.read_text(encoding="utf-8")))
+        found[path.parent.name] = without_durations(json.loads(path.read_text(encoding="utf-8")))
     return found
-
-
-def _without_durations(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _without_durations(item) for key, item in value.items() if key != "duration_s"}
-    return [_without_durations(item) for item in value] if isinstance(value, list) else value
 
 
 def recorded(out: Path) -> int:

@@ -21,6 +21,7 @@ from grader.labs.imu.visualization import comparing, labels
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 from tests.budgets import cpu_within, memory_within
+from tests.random_figures import figure_of, frame_of
 
 # Archives -------------------------------------------------------------------------------------------------------------
 
@@ -64,12 +65,7 @@ def test_a_tar_is_read_to_its_end_and_no_further_whatever_it_claims(
 
 @pytest.mark.parametrize(
     "source",
-    [
-        '"' + '\\"' * 190_000,
-        '"""' + "\"'" * 190_000,
-        'f"{' * 130_000,
-        "'\n\"" * 130_000,
-    ],
+    ['"' + '\\"' * 190_000, '"""' + "\"'" * 190_000, 'f"{' * 130_000, "'\n\"" * 130_000],
     ids=range(4),
 )
 def test_a_fingerprint_takes_time_in_proportion_to_the_code(source: str) -> None:
@@ -109,11 +105,6 @@ def nested(key: str) -> dict[str, object]:
     return {"kind": "list", "items": [{"kind": "list", "items": [leaf] * 64}] * 64}
 
 
-def curve(key: str) -> dict[str, object]:
-    words = dict.fromkeys(("label", "colour", "kind", "style", "marker", "stroke"), "line")
-    return {**words, "alpha": 1.0, "inks": [], "width": 1.0, "n": 1000, "x": key, "y": key}
-
-
 def test_a_reply_that_names_one_array_many_times_is_no_answer() -> None:
     """0.3 MB that came over the line became 2.6 GB."""
     frame = Frame({"error": None, "value": nested("a0"), "changed": []}, {"a0": np.zeros(40_000)})
@@ -123,24 +114,14 @@ def test_a_reply_that_names_one_array_many_times_is_no_answer() -> None:
 
 def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
     """One pair of such curves was compared for nine seconds, and there were 14,400 pairs."""
-    axes = {"visible": True, "position": [0.0, 0.0, 1.0, 1.0], "y_limits": [0.0, 1.0], "legend": None, "texts": []}
-    axes |= dict.fromkeys(("xlabel", "ylabel", "title"), "")
-    axes |= {"x_limits": [0.0, 1.0], "scales": ["linear", "linear"], "own_ticks": False, "own_height": False}
-    figure = {
-        "seen": "s",
-        "extent": [9.0, 9.0],
-        "dots": 1.0,
-        "event": "saved",
-        "path": None,
-        "format": "png",
-        "size_px": [1, 1],
-        "axes": [axes | {"curves": [curve("a0")]}],
-    }
-    figure |= {"title": "", "xlabel": "", "ylabel": "", "texts": [], "legends": []}
-    arrays = {"a0": np.zeros(40_000), "s": np.zeros((9, 9, 3), np.uint8)}
-    frame = Frame({"error": None, "figures": [figure]}, arrays)
+    with figure_of(0) as figure:
+        frame = frame_of(figure)
+    for axes in frame.fields["figures"][0]["axes"]:
+        for curve in axes["curves"]:
+            curve["x"] = curve["y"] = "a0"
+    arrays = {"a0": np.zeros(40_000), "seen": frame.arrays["seen"]}
     with pytest.raises(Malformed, match="array 'a0' in two places"):
-        LAB.checked("plot", frame, {}, {})
+        LAB.checked("plot", Frame({**frame.fields, "error": None}, arrays), {}, {})
 
 
 def drawn(x: Array, y: Array, label: str = "") -> Curve:

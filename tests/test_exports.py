@@ -256,12 +256,6 @@ def test_any_table_is_taken_apart_and_put_together_again_without_a_change(
 # ---- the command ----
 
 
-def test_what_could_not_be_read_is_blank_until_a_person_has_given_points() -> None:
-    nothing = result(check("skipped", 0.0), status="unreadable")
-    by_hand = Adjustment("sensor_access", 3.0, "by mail", "me", "now", points_by_check(nothing.criteria[0]))
-    assert [FinalGrade("bob", nothing, adjustments=given).final for given in ((), (by_hand,))] == [None, 3.0]
-
-
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [

@@ -11,6 +11,7 @@ import pytest
 from grader.base.errors import RequestError
 from grader.base.stamps import read_stamp, stamp
 from grader.course.warnings import gone, of_policy, outdated, remarks
+from grader.engine.results import Status
 from grader.engine.rubric import LatePolicy
 from grader.people import final_grade as grades
 from grader.people import roster
@@ -125,8 +126,11 @@ def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the
     ]
 
 
-def test_an_empty_submission_has_no_grade_until_a_person_has_given_points_or_reviewed_it() -> None:
-    empty = result(lost(), status="empty")
+@pytest.mark.parametrize("status", ["empty", "unreadable"])
+def test_without_gradable_files_there_is_no_grade_until_a_person_has_given_points_or_reviewed_it(
+    status: Status,
+) -> None:
+    empty = result(lost(), status=status)
     override = Adjustment("sensor_access", 5.0, "by e-mail", "me", "now")
     comment = Adjustment("sensor_access", None, "nothing here", "me", "now", alone=True)
     assert FinalGrade("a", empty, adjustments=(comment,)).final is None

@@ -119,10 +119,12 @@ def rubric_for(folder: Path, model: Path | str, accelerometer: str, gyroscope: s
     return path
 
 
-def exchanged(folder: Path, accelerometer: str, gyroscope: str, file: str = "humanoid-sensors.xml") -> Path:
-    """The sheet's own code with the names of these sensors, and of this model's file."""
+def exchanged(
+    folder: Path, accelerometer: str, gyroscope: str, file: str = "humanoid-sensors.xml", of: str = "s01-sheet-verbatim"
+) -> Path:
+    """The code of an example, by default the sheet's own, with the names of these sensors, and of this model's file."""
     folder.mkdir(parents=True, exist_ok=True)
-    for path in files("s01-sheet-verbatim"):
+    for path in files(of):
         content = path.read_bytes()
         if path.suffix == ".py":
             for old, new in (
@@ -217,11 +219,8 @@ def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
 ) -> None:
     rover(tmp_path)
     file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    (tmp_path / "lab").mkdir()
-    for path in files(example):
-        text = path.read_bytes().replace(b"torso_accelerometer", b"force").replace(b"torso_gyroscope", b"rates")
-        (tmp_path / "lab" / path.name).write_bytes(text)
-    assert list(lost(marked(opened, file, tmp_path / "lab", cache))) == [check]
+    submission = exchanged(tmp_path / "lab", "force", "rates", of=example)
+    assert list(lost(marked(opened, file, submission, cache))) == [check]
 
 
 def test_a_copy_without_the_files_that_it_includes_is_the_robot(opened: Opened, cache: Path, tmp_path: Path) -> None:
