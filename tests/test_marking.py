@@ -8,29 +8,22 @@ import pytest
 
 from grader.engine import check_runner, rubric
 from grader.engine.grader import Marker
-from grader.engine.results import Result
 from grader.engine.traces import Traces
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from tests.corpus.cases import case
-from tests.corpus.writing import as_bytes, write
+from tests.corpus.pieces import tidy
+from tests.corpus.writing import Files
 from tests.sandboxes import Opened
+from tests.single_faults import marked
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 _ZERO_READER = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    return np.zeros(3), np.zeros(3)\n"
 
 
-def _mark(marker: Marker, folder: Path, **changed: str) -> Result:
-    sound = case("sound", "tidy_functions").files
-    base = {name: as_bytes(content) for name, content in sound.items() if isinstance(content, str | bytes)}
-    more = {name.replace("__", "."): as_bytes(text) for name, text in changed.items()}
-    return marker.mark(read_submission(write({**base, **more}, folder), LAB.files))
-
-
-def _source(name: str) -> str:
-    content = case("sound", "tidy_functions").files[name]
-    assert isinstance(content, str | bytes)
-    return as_bytes(content).decode()
+def _with(**ends: str) -> Files:
+    """A sound submission, with code at the end of its reader or its filter."""
+    files = tidy()
+    return files | {f"{name}.py": files[f"{name}.py"] + code for name, code in ends.items()}
 
 
 def test_the_reference_handed_in_scores_100(marker: Marker) -> None:
@@ -39,11 +32,9 @@ def test_the_reference_handed_in_scores_100(marker: Marker) -> None:
 
 
 @pytest.fixture(scope="module")
-def honest(marker: Marker, tmp_path_factory: pytest.TempPathFactory) -> float:
+def honest(marker: Marker) -> float:
     """The score of a submission whose reader gives zeros."""
-    return _mark(
-        marker, tmp_path_factory.mktemp("honest"), imu_reader__py=_source("imu_reader.py") + _ZERO_READER
-    ).score
+    return marked(marker, _with(imu_reader=_ZERO_READER)).score
 
 
 @pytest.mark.parametrize(
@@ -58,43 +49,22 @@ def honest(marker: Marker, tmp_path_factory: pytest.TempPathFactory) -> float:
     ],
     ids=["patches numpy", "patches json", "always equal", "wants pytest", "shadows pytest"],
 )
-def test_a_wrong_reader_gains_nothing_by_a_trick(marker: Marker, honest: float, tmp_path: Path, trick: str) -> None:
-    forged = _mark(marker, tmp_path / "forged", imu_reader__py=_source("imu_reader.py") + _ZERO_READER + trick)
-    assert forged.score <= honest < 100
+def test_a_wrong_reader_gains_nothing_by_a_trick(marker: Marker, honest: float, trick: str) -> None:
+    assert marked(marker, _with(imu_reader=_ZERO_READER + trick)).score <= honest < 100
 
 
-def test_a_conftest_and_a_site_customisation_are_not_run(marker: Marker, tmp_path: Path) -> None:
+def test_a_conftest_and_a_site_customisation_are_not_run(marker: Marker) -> None:
     bomb = "import os\nos._exit(0)\n"
-    result = _mark(
-        marker, tmp_path / "s", conftest__py=bomb, sitecustomize__py=bomb, pytest__ini="[pytest]\naddopts = -x\n"
-    )
-    assert result.score == 100
+    more = {"conftest.py": bomb, "sitecustomize.py": bomb, "pytest.ini": "[pytest]\naddopts = -x\n"}
+    assert marked(marker, tidy() | more).score == 100
 
 
-def test_leaving_without_an_answer_is_a_lost_check(marker: Marker, tmp_path: Path) -> None:
-    leaving = _source("filters.py").replace(
-        "def update(self", "def update(self, *a):\n        import os\n        os._exit(0)\n\n    def _old(self"
-    )
-    result = _mark(marker, tmp_path / "s", filters__py=leaving)
-    points = {criterion.id: criterion.points for criterion in result.criteria}
-    assert points == {
-        "sensor_access": 20,
-        "data_collection": 20,
-        "visualization": 20,
-        "noise_model": 20,
-        "filtering": 0,
-    }
-    assert result.misconceptions == ("kills-its-process",)
-
-
-def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(
-    marker: Marker, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object) -> bool:
         raise ZeroDivisionError("a fault of ours")
 
     monkeypatch.setattr("grader.labs.imu.filtering.measure.Facts.noise_gain", property(broken))
-    result = _mark(marker, tmp_path / "s")
+    result = marked(marker, tidy())
     row = next(
         check for criterion in result.criteria for check in criterion.checks if check.id == "filtering.reduces_noise"
     )
@@ -103,36 +73,26 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(
 
 
 def test_checks_and_rubric_hold_the_same_ids() -> None:
-    known = check_runner.known_checks(LAB)
-    listed = [
-        weight.id for part in (*rubric.load(LAB).criteria, *rubric.load(LAB).extensions) for weight in part.checks
-    ]
-    assert sorted(known) == sorted(listed)
+    shipped = rubric.load(LAB)
+    listed = [weight.id for part in (*shipped.criteria, *shipped.extensions) for weight in part.checks]
+    assert sorted(check_runner.known_checks(LAB)) == sorted(listed)
 
 
-def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(
-    hidden: Traces, opened: Opened, tmp_path: Path
-) -> None:
+def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces, opened: Opened) -> None:
     reader = "\ndef get_imu_readings(model, data, a, g, frame):\n    return data.sensordata[:3], data.sensordata[3:6]\n"
     with opened(hidden) as marker:
-        result = _mark(marker, tmp_path / "own", imu_reader__py=_source("imu_reader.py") + reader)
+        result = marked(marker, _with(imu_reader=reader))
     told = result.criteria[0].checks[0].message
     assert told.endswith(
         "TypeError in the call itself, before a line of yours ran: compare its parameters with the sheet's"
     )
 
 
-def test_hidden_data_is_not_told(hidden: Traces, opened: Opened, tmp_path: Path) -> None:
+def test_hidden_data_is_not_told(hidden: Traces, opened: Opened) -> None:
     spy = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    raise ValueError(str(list(data.qpos)))\n"
     leaky = "\nclass LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        pass\n    def update(self, x):\n        return str(list(x))\n"
     with opened(hidden) as marker:
-        sound = _mark(marker, tmp_path / "sound")
-        result = _mark(
-            marker,
-            tmp_path / "spy",
-            imu_reader__py=_source("imu_reader.py") + spy,
-            filters__py=_source("filters.py") + leaky,
-        )
+        sound, result = (marked(marker, files) for files in (tidy(), _with(imu_reader=spy, filters=leaky)))
     assert sound.score == 100
     said = "\n".join(check.message for criterion in result.criteria for check in criterion.checks)
     for secret in (hidden["reading_lab"]["qpos"][0], hidden["filter"]["input"][0]):
