@@ -7,7 +7,7 @@ XML and CI commands is the business of the formats.
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 # Cc: C0 and C1 controls, so ESC and with it every ANSI sequence. Cf: bidi controls, zero-width characters, tags.
 # Cs: lone surrogates, which no encoder takes. Zl, Zp: line ends that only some readers break at.
@@ -57,6 +57,20 @@ def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
     ).isprintable():  # most text is, and this is asked a million times a class
         shown = "".join(char if newlines and char in "\n\t" else _shown(char) for char in shown)
     return shown if len(shown) <= limit else shown[: max(limit - 1, 0)] + "…"[:limit]
+
+
+def enumerated(names: Iterable[str], last: str = "and") -> str:
+    """Return names as ``a, b and c``."""
+    *others, end = names or [""]
+    return f"{', '.join(others)} {last} {end}" if others else end
+
+
+def decimal(text: str) -> float | None:
+    """Return the number in a text that a person wrote, with a point or a comma; None if there is none."""
+    try:
+        return float(text.strip().replace(",", "."))
+    except ValueError:
+        return None
 
 
 def some(names: Sequence[str], most: int, between: str = ", ") -> str:

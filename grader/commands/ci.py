@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from grader.commands.common import LevelOption, RubricOption, either
+from grader.base.text import enumerated
+from grader.commands.common import LevelOption, RubricOption
 from grader.platforms import registry
 
 
@@ -21,7 +22,9 @@ def ci(
     *,
     format_: Annotated[
         str,
-        typer.Option("--format", "-f", metavar="F", help=f"{either((*registry.names('respond'), registry.AUTO))}."),
+        typer.Option(
+            "--format", "-f", metavar="F", help=f"{enumerated((*registry.names('respond'), registry.AUTO), 'or')}."
+        ),
     ] = registry.AUTO,
     out: Annotated[
         Path | None,

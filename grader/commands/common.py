@@ -45,12 +45,6 @@ def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
     return value
 
 
-def either(names: Sequence[str]) -> str:
-    """Return names as ``a, b or c``."""
-    *others, last = names
-    return f"{', '.join(others)} or {last}" if others else last
-
-
 def shown_path(path: Path) -> str:
     """Return how a path is shown: relative to the working folder where it lies below it."""
     folder = Path.cwd()

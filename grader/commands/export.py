@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import either, one_of, say
+from grader.base.text import enumerated
+from grader.commands.common import one_of, say
 from grader.platforms import registry
 
 
@@ -18,7 +19,7 @@ def export(
     ],
     *,
     format_: Annotated[
-        str, typer.Option("--format", "-f", metavar="F", help=f"{either(registry.names('fill', 'write'))}.")
+        str, typer.Option("--format", "-f", metavar="F", help=f"{enumerated(registry.names('fill', 'write'), 'or')}.")
     ],
     target: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="The output file. Default: in OUT.")
@@ -28,7 +29,7 @@ def export(
         typer.Option(
             "--template",
             metavar="FILE",
-            help=f"The file exported by the platform, to fill in: {either(registry.names('fill'))}.",
+            help=f"The file exported by the platform, to fill in: {enumerated(registry.names('fill'), 'or')}.",
         ),
     ] = None,
     column: Annotated[

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import LevelOption, RubricOption, SeedOption, console, either, one_of, say, shown_path
+from grader.base.text import enumerated
+from grader.commands.common import LevelOption, RubricOption, SeedOption, console, one_of, say, shown_path
 from grader.platforms import registry
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def grade(
         typer.Option(
             "--from",
             metavar="NAME",
-            help=f"{either((registry.FOLDERS, *registry.names('read')))}; default: recognize it.",
+            help=f"{enumerated((registry.FOLDERS, *registry.names('read')), 'or')}; default: recognize it.",
         ),
     ] = None,
     roster: Annotated[

@@ -10,7 +10,7 @@ from pathlib import Path
 from grader.base import stamps, tables
 from grader.base.errors import RequestError
 from grader.base.files import read_file
-from grader.base.text import printable
+from grader.base.text import decimal, printable
 from grader.course.publishing import publish_all, write_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
@@ -252,7 +252,7 @@ def objections(override: OverrideRequest, final_grade: FinalGrade) -> dict[str, 
     found = {}
     most = maximum_points(final_grade.result, override.criterion)
     if override.points and not override.alone and most is not None:
-        points = _number(override.points)
+        points = decimal(override.points)
         if points is None or not 0 <= points <= most or round(points, 2) != points:
             form = f"a number from 0 to {words.number(most)} with at most two decimals"
             found["points"] = f"points must be {form}, not {printable(override.points, 60)}"
@@ -277,20 +277,13 @@ def covering(final_grade: FinalGrade, target: str) -> str:
     return next((each for each in above if final_grade.adjustment(each)), "")
 
 
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
-
-
 def _adjustment(override: OverrideRequest, final_grade: FinalGrade, author: str, now: str) -> Adjustment:
     comment = override.comment.strip().encode("utf-8", "replace").decode()
     if override.alone:
         return Adjustment(override.criterion, None, comment, author, now, alone=True)
     stands_for = automatic_points(final_grade.result, override.criterion) or {}
     out_of = maximum_by_check(final_grade.result, stands_for)
-    return Adjustment(override.criterion, _number(override.points), comment, author, now, stands_for, out_of)
+    return Adjustment(override.criterion, decimal(override.points), comment, author, now, stands_for, out_of)
 
 
 def _changes_nothing(override: Adjustment, final_grade: FinalGrade) -> bool:

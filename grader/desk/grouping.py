@@ -67,11 +67,7 @@ def decide(book: Classbook, web_request: WebRequest) -> Response:
     """Record one decision for the selected submissions of a group."""
     group = _one(book, web_request)
     chosen = [id_ for id_ in group.ids if id_ in set(web_request.all("id"))]
-    target, points, comment = (
-        web_request.text("target"),
-        web_request.text("points").replace(",", "."),
-        web_request.text("comment"),
-    )
+    target, points, comment = map(web_request.text, ("target", "points", "comment"))
     final_grades = book.final_grades()
     errors = refused([final_grades[id_] for id_ in chosen], target, points, comment)
     if not chosen:

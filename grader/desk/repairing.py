@@ -10,6 +10,7 @@ from urllib.parse import quote
 from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
+from grader.base.text import decimal
 from grader.course import repairs
 from grader.course.decisions import OvertakenError
 from grader.course.patches import diff_of
@@ -231,7 +232,7 @@ def _wrong(book: Classbook, web_request: WebRequest) -> dict[str, str]:
     """Return the errors of the form by field: deduction and comment."""
     found = {}
     most = max((each.result.max_score for each in book.final_grades().values()), default=0.0)
-    points = _number(web_request.text("deduct"))
+    points = decimal(web_request.text("deduct"))
     if points is None or not 0 <= points <= most or round(points, 2) != points:
         found["deduct"] = f"Enter points from 0 to {most:g}, with at most two decimals."
     if not web_request.text("comment"):
@@ -239,13 +240,6 @@ def _wrong(book: Classbook, web_request: WebRequest) -> dict[str, str]:
     elif len(web_request.text("comment")) > MAX_COMMENT:
         found["comment"] = f"At most {MAX_COMMENT} characters."
     return found
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:
-        return None
 
 
 def _preview(book: Classbook, job: Job, request: RepairRequest, grading: Grading) -> None:
@@ -267,7 +261,7 @@ def _suggest(book: Classbook, job: Job, request: RepairRequest, grading: Grading
 
 def _save(book: Classbook, job: Job, request: RepairRequest, ids: Sequence[str], author: str, grading: Grading) -> None:
     """Record the repair for each submission. A failure for the first one raises; later failures are reported and skipped."""
-    points = _number(job.deduct) or 0.0
+    points = decimal(job.deduct) or 0.0
     for place, id_ in enumerate(ids):
         job.step = f"Grading submission {place + 1} of {len(ids)}"
         one = RepairRequest(id_, request.file, request.fixed, None, points, job.comment, request.seen_sha256)

@@ -18,6 +18,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.base.stamps import now
+from grader.base.text import decimal
 from grader.course import regrade
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
@@ -213,9 +214,8 @@ def _without_places(problem: str) -> str:
 
 def _number(text: str) -> float | int | str:
     """Return the number in a text, or the text itself for the rubric reader to refuse."""
-    try:
-        value = float(text.replace(",", "."))
-    except ValueError:
+    value = decimal(text)
+    if value is None:
         return text
     return int(value) if value.is_integer() else value
 

@@ -183,15 +183,9 @@ def _page(
 def override(book: Classbook, web_request: WebRequest) -> Response:
     """Record an override or a comment, or undo the last one."""
     final_grade = one(book, web_request)
-    target, points, comment = (
-        web_request.text("target"),
-        web_request.text("points").replace(",", "."),
-        web_request.text("comment"),
-    )
+    target, points, comment = map(web_request.text, ("target", "points", "comment"))
     if web_request.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
-        return _page(
-            book, web_request, final_grade, None, 400, Typed(target, web_request.text("points"), comment, wrong)
-        )
+        return _page(book, web_request, final_grade, None, 400, Typed(target, points, comment, wrong))
     if web_request.text("do") in ("undo", "undo-comment"):
         override = adjusting.undone(book.store, final_grade.id, target, alone=web_request.text("do") == "undo-comment")
     elif web_request.text("do") == "withdraw":

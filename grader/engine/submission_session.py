@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Any, TypeVar
 
 from grader.base.errors import NoAnswer, TimedOut
-from grader.base.text import printable
+from grader.base.text import enumerated, printable
 from grader.engine.breakpoints import breakpoints
 from grader.engine.findings import Fault, GraderText, Missing, Where
 from grader.engine.load_report import Loaded, loaded_from, mistake_of
@@ -147,7 +147,7 @@ class SubmissionSession(SandboxSession):
         code = {each: content for each, content in sorted(self.files.items()) if each.endswith((".py", ".ipynb"))}
         found = {each: count for each, content in code.items() if (count := len(defines.findall(content)))}
         if sum(found.values()) > 1:
-            where = _enumerated([printable(each, 80) for each in [*found][:_MOST_PLACES]])
+            where = enumerated([printable(each, 80) for each in [*found][:_MOST_PLACES]])
             which = "last one" if found.get(path, 0) > 1 else "one"
             self.note(
                 f"{name} is defined {sum(found.values())} times, in {where}; the {which} in {printable(path, 80)} was graded"
@@ -211,17 +211,11 @@ def _refused(name: str, fault: Fault, path: str) -> Missing:
 
 def _found_in(path: str, strays: Mapping[str, str]) -> str:
     """Return the note about names that were found in another file than the lab expects."""
-    names, homes = _enumerated(strays), _enumerated(dict.fromkeys(strays.values()))
+    names, homes = enumerated(strays), enumerated(dict.fromkeys(strays.values()))
     were, them = ("were", "them") if len(strays) > 1 else ("was", "it")
     return printable(
         f"{names} {were} found in {printable(path, 80)}; the sheet expects {them} in {homes}", _LONGEST_NOTE
     )
-
-
-def _enumerated(names: Iterable[str]) -> str:
-    """Return the names as ``a, b and c``."""
-    *others, last = names or [""]
-    return f"{', '.join(others)} and {last}" if others else last
 
 
 def is_run(path: str) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from grader.base.errors import RequestError
+from grader.base.text import decimal
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory, Match
 from grader.people.identity import Row as Who
@@ -128,7 +129,7 @@ def _numbers(form: Form, row: Row) -> tuple[str, str]:
 def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
     """Write points into a row; list the row as replaced if it held another grade."""
     before = row.value(form.grade).strip()
-    known = _number(before)
+    known = decimal(before)
     if before not in ("", "-") and (known is None or words.number(known) != points.replace(",", ".")):
         filled.replaced.append(f"{form.name(row)} ({before} → {points})")
     form.sheet.set(row, form.grade, points)
@@ -137,7 +138,7 @@ def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
 
 def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> float:
     """Return the factor from the rubric's points to those of the file; refuse a different maximum unless `scaled`."""
-    most, ours = _number(form.out_of(row)), final_grade.result.max_score
+    most, ours = decimal(form.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:
         return 1.0  # the file names no other maximum
     if not scaled:
@@ -145,14 +146,6 @@ def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> fl
         rest = "have the points scaled, or make them equal on the platform or in rubric.yaml"
         raise RequestError(f"{form.source}: {differ}; add --scale to {rest}", option="scale", why=f"{differ}; {rest}")
     return most / ours
-
-
-def _number(cell: str) -> float | None:
-    """Return a cell as a number, with a point or a comma; None if it is no number."""
-    try:
-        return float(cell.strip().replace(",", "."))
-    except ValueError:
-        return None
 
 
 def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from grader.base.text import printable
+from grader.base.text import enumerated, printable
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
 from grader.report import words
@@ -187,8 +187,7 @@ def _sheet(cause: Cause, lab: LabName) -> str:
     """Return the lab steps of a cause as ``Lab 04-01, Steps 2, 5 and 6``; "" without steps."""
     steps = [str(step) for step in cause.steps]
     plural = "s" if len(steps) > 1 else ""
-    many = " and ".join(filter(None, (", ".join(steps[:-1]), *steps[-1:])))
-    return f"{lab.label}, Step{plural} {many}" if steps else ""
+    return f"{lab.label}, Step{plural} {enumerated(steps)}" if steps else ""
 
 
 def _step(check: CheckResult) -> int:
