@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -66,29 +67,31 @@ def adjust(
       imugrade adjust out
     """
     from grader.course import adjusting, groups  # noqa: PLC0415
+    from grader.course.record import Store  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if sum(each is not None for each in (id_, table, having, take_back)) > 1:
         raise RequestError("adjust: give exactly one of ID, --csv, --having and --take-back")
-    what, requests = "", []
-    if table is not None:
-        requests = adjusting.read_overrides(table)
-    elif take_back is not None:
-        requests = groups.undoing_requests(out, take_back)
-    elif id_ is not None and undo:
-        requests = [adjusting.undone_in(out, id_, criterion)]
-    elif id_ is not None or having is not None:
-        alone = points is None and bool(comment) and not withdraw
-        if not alone and withdraw == (points is not None):
-            raise RequestError("adjust: give --points or --withdraw")
-        what, ids = ("", [id_]) if having is None else groups.members_of(out, having)
-        said = "" if points is None else repr(points)
-        requests = [adjusting.OverrideRequest(each, criterion, said, comment, alone=alone) for each in ids if each]
-    lines = (
-        adjusting.adjust(LAB, out, adjusting.with_ids(out, requests), author or login(), what)
-        if requests
-        else adjusting.listing(out)
-    )
-    for line in lines:
-        print(line)
+    with Store.existing(out) as store:
+        who, what, requests = adjusting.person_lookup(store), "", []
+        if table is not None:
+            requests = [replace(each, id=who.by(each.id)) for each in adjusting.read_overrides(table)]
+        elif take_back is not None:
+            requests = adjusting.undone_decision(store, take_back)
+        elif id_ is not None and undo:
+            requests = [adjusting.undone(store, who.by(id_), criterion)]
+        elif id_ is not None or having is not None:
+            alone = points is None and bool(comment) and not withdraw
+            if not alone and withdraw == (points is not None):
+                raise RequestError("adjust: give --points or --withdraw")
+            what, ids = ("", (who.by(id_ or ""),)) if having is None else groups.members_of(store, having)
+            said = "" if points is None else repr(points)
+            requests = [adjusting.OverrideRequest(each, criterion, said, comment, alone=alone) for each in ids]
+        lines = (
+            adjusting.adjust(LAB, out, store, requests, author or login(), what)
+            if requests
+            else adjusting.listing(store)
+        )
+        for line in lines:
+            print(line)
     return 0

@@ -80,7 +80,7 @@ def _request(row: Mapping[str, str | None], place: str) -> OverrideRequest:
     return OverrideRequest(id_, criterion, points, comment, place, alone=points == ALONE)
 
 
-def adjust(lab: Lab, out: Path, requests: Sequence[OverrideRequest], author: str, what: str = "") -> list[str]:
+def adjust(lab: Lab, out: Path, store: Store, requests: Sequence[OverrideRequest], author: str, what: str) -> list[str]:
     """Record all requests or none, and rewrite the pages; return a line on each request.
 
     A request that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an
@@ -96,14 +96,13 @@ def adjust(lab: Lab, out: Path, requests: Sequence[OverrideRequest], author: str
     RequestError
         With a line for each request that cannot be met.
     """
-    with Store.existing(out) as store:
-        before = store.final_grades()
-        made = decide(store, before, requests, author, what=what)
-        said = store.adjustments()
-        after = {id_: replace(each, adjustments=said.get(id_, ())) for id_, each in before.items()}
-        write_class(out, after, store, lab)
-        fresh = dict.fromkeys(each.id for each in made if each.fresh)
-        publish_all(out, (after[id_] for id_ in fresh), store, lab)
+    before = store.final_grades()
+    made = decide(store, before, requests, author, what=what)
+    said = store.adjustments()
+    after = {id_: replace(each, adjustments=said.get(id_, ())) for id_, each in before.items()}
+    write_class(out, after, store, lab)
+    fresh = dict.fromkeys(each.id for each in made if each.fresh)
+    publish_all(out, (after[id_] for id_ in fresh), store, lab)
     return [_line_on(each, after[each.id]) for each in made]
 
 
@@ -163,12 +162,6 @@ def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None)
     return _before(id_, rows)
 
 
-def undone_in(out: Path, id_: str, criterion: str) -> OverrideRequest:
-    """Return the request of `undone` for a class on disk; `id_` may be an id, a name, a number or an e-mail address."""
-    with Store.existing(out) as store:
-        return undone(store, _person_lookup(store).by(id_), criterion)
-
-
 def undone_decision(store: Store, number: int) -> list[OverrideRequest]:
     """Return the requests that undo a decision on several submissions, except where a later override has replaced it.
 
@@ -195,29 +188,19 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
     return OverrideRequest(id_, last.criterion, points, before.comment, alone=last.alone)
 
 
-def with_ids(out: Path, requests: Sequence[OverrideRequest]) -> list[OverrideRequest]:
-    """Replace names, e-mail addresses and numbers in requests by the ids of the submissions."""
-    with Store.existing(out) as store:
-        who = _person_lookup(store)
-    return [replace(request, id=who.by(request.id)) for request in requests]
-
-
-def _person_lookup(store: Store) -> PersonLookup:
+def person_lookup(store: Store) -> PersonLookup:
+    """Return the resolver of names, e-mail addresses and numbers to the submissions of a class."""
     return PersonLookup({id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people})
 
 
-def listing(out: Path) -> Iterator[str]:
+def listing(store: Store) -> Iterator[str]:
     """Yield a line on every adjustment on record, oldest first, with author, time and reason."""
-    with Store.existing(out) as store:
-        decisions = store.decisions()
-        for id_, each in store.history():
-            who = f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}"
-            several = (
-                f"  (decision {each.decision}: {printable(decisions[each.decision])})"
-                if each.decision in decisions
-                else ""
-            )
-            yield f"{printable(id_, 80)} {each.criterion} {said(each)}  {who}{several}"
+    decisions = store.decisions()
+    for id_, each in store.history():
+        who = f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}"
+        decision = decisions.get(each.decision)
+        several = f"  (decision {each.decision}: {printable(decision)})" if decision is not None else ""
+        yield f"{printable(id_, 80)} {each.criterion} {said(each)}  {who}{several}"
 
 
 def said(adjustment: Adjustment) -> str:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.adjusting import OverrideRequest, said, undone_decision
+from grader.course.adjusting import said
 from grader.course.record import Store
 from grader.engine.results import CheckResult, Result
 from grader.engine.rubric_nodes import guess_at
@@ -74,7 +73,7 @@ def similar_group(ids: Sequence[str]) -> Group:
     return Group(ALIKE, digest, f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
 
 
-def members_of(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
+def members_of(store: Store, name: str) -> tuple[str, tuple[str, ...]]:
     """Return the subject of a decision on all submissions with a fault or failed check, and their ids.
 
     Raises
@@ -82,18 +81,10 @@ def members_of(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
     RequestError
         If fewer than two submissions have it.
     """
-    with Store.existing(out) as store:
-        found = groups(store.final_grades())
-    named = {group.key: group for group in found}
+    named = {group.key: group for group in groups(store.final_grades())}
     if name not in named:
         raise RequestError(f"--having {printable(name)}: no two submissions have this in common{guess_at(name, named)}")
     return named[name].what, named[name].ids
-
-
-def undoing_requests(out: Path, number: int) -> list[OverrideRequest]:
-    """Return the requests that undo a decision on several submissions, for a class on disk."""
-    with Store.existing(out) as store:
-        return undone_decision(store, number)
 
 
 def decisions(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[Decision]:
