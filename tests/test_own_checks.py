@@ -14,12 +14,12 @@ from grader.engine import rubric
 from grader.engine.check_runner import known_checks
 from grader.engine.results import CheckResult
 from grader.engine.rubric import Rubric
-from grader.intake import read_submission
 from grader.kit import wheel
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.sheet import FILTERS, LOW_PASS
 from tests.sandboxes import Opened
+from tests.single_faults import marked
 
 PAGE = (Path(__file__).parent.parent / "docs/instructors/own-checks.md").read_text(encoding="utf-8")
 (EXAMPLE,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
@@ -44,24 +44,19 @@ def own(tmp_path: Path) -> Own:
     return write
 
 
-def judged(opened: Opened, its_rubric: Rubric, tmp_path: Path, source: str) -> CheckResult:
-    (tmp_path / "lab").mkdir(exist_ok=True)
-    (tmp_path / "lab" / "filters.py").write_text(source)
+def judged(opened: Opened, its_rubric: Rubric, source: str) -> CheckResult:
     with opened(bundles.obtain(None), its_rubric) as marker:
-        result = marker.mark(read_submission(tmp_path / "lab", LAB.files), only="filtering")
-    return {check.id: check for part in result.criteria for check in part.checks}[ID]
+        (criterion,) = marked(marker, {"filters.py": source}, "filtering").criteria
+    return next(check for check in criterion.checks if check.id == ID)
 
 
-def test_the_documented_own_check_is_earned_by_the_sheets_filter_and_lost_by_another(
-    opened: Opened, own: Own, tmp_path: Path
-) -> None:
+def test_the_documented_own_check_is_earned_by_the_sheets_filter_and_lost_by_another(opened: Opened, own: Own) -> None:
     its_rubric = pickle.loads(pickle.dumps(rubric.load(LAB, own(check_step=EXAMPLE))))  # as it comes to another machine
     assert {each.id: each.max_points for each in its_rubric.checks}[ID] == 3.33
-    earned = judged(opened, its_rubric, tmp_path, FILTERS)
+    earned = judged(opened, its_rubric, FILTERS)
     assert (earned.outcome, earned.points) == ("passed", 3.33)
-    slow = judged(
-        opened, its_rubric, tmp_path, LOW_PASS.replace("self.alpha * measurement", "0.9 * self.alpha * measurement")
-    )
+    too_low = LOW_PASS.replace("self.alpha * measurement", "0.9 * self.alpha * measurement")
+    slow = judged(opened, its_rubric, too_low)
     assert (slow.outcome, slow.points) == ("failed", 0.0)
     assert slow.message.startswith("Expected  less than 0.02 m/s² from the step's height")
     assert slow.hint.startswith("alpha is the weight of the measurement")
