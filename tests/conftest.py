@@ -202,6 +202,12 @@ def marker(opened: Opened) -> Iterator[Marker]:
         yield warm
 
 
+@pytest.fixture
+def ran() -> list[str]:
+    """What a made-up marker was given, in order: mostly ids."""
+    return []
+
+
 @pytest.fixture(scope="session")
 def cache() -> Path:
     """Where commands, too, keep traces for all workers of a run: to record some takes seconds."""

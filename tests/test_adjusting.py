@@ -29,11 +29,6 @@ def by_words(submission: Submission, *_: object) -> Result:
 
 
 @pytest.fixture
-def ran() -> list[str]:
-    return []
-
-
-@pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str]) -> Run:
     return commands(monkeypatch, capsys, ran, by_words)
 

@@ -26,8 +26,11 @@ from tests.fake_results import FakeMarker, check, fake_marker, result, submissio
 ROOT = Path(__file__).parent.parent
 
 
-def grade(folder: Path, *ids: str, jobs: int = 1) -> dict[str, Result | Unmarked]:
-    marked = mark_all(iter(map(submission, ids)), partial(fake_marker, folder), jobs)
+DEFAULT = Bounds()
+
+
+def grade(folder: Path, *ids: str, jobs: int = 1, bounds: Bounds = DEFAULT) -> dict[str, Outcome]:
+    marked = mark_all(iter(map(submission, ids)), partial(fake_marker, folder), jobs, bounds)
     return {each.id: outcome for each, outcome in marked}
 
 
@@ -57,14 +60,9 @@ def test_a_fault_of_the_grader_is_handed_back_with_its_words(tmp_path: Path) -> 
     assert grade(tmp_path, "bug")["bug"] == Unmarked("GraderError: the zygote is gone")
 
 
-def bounded(folder: Path, bounds: Bounds, *ids: str) -> dict[str, Outcome]:
-    marked = mark_all(iter(map(submission, ids)), partial(fake_marker, folder), 2, bounds)
-    return {each.id: outcome for each, outcome in marked}
-
-
 @pytest.mark.parametrize("id_", ["wait", "burn"])
 def test_a_marker_that_does_not_answer_is_ended_and_the_others_go_on(tmp_path: Path, id_: str) -> None:
-    outcomes = bounded(tmp_path, Bounds(wall_s=2.0), "a", id_, "b", "c")
+    outcomes = grade(tmp_path, "a", id_, "b", "c", jobs=2, bounds=Bounds(wall_s=2.0))
     assert outcomes.pop(id_) == Stopped("no end within 2 s")
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
     assert sorted(FakeMarker(tmp_path).marked()) == sorted(["a", "b", "c", id_, id_])
@@ -73,7 +71,7 @@ def test_a_marker_that_does_not_answer_is_ended_and_the_others_go_on(tmp_path: P
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what another process holds")
 def test_a_marker_that_grows_without_end_is_ended(tmp_path: Path) -> None:
-    outcomes = bounded(tmp_path, Bounds(memory_bytes=300 << 20), "a", "fat", "b")
+    outcomes = grade(tmp_path, "a", "fat", "b", jobs=2, bounds=Bounds(memory_bytes=300 << 20))
     assert outcomes.pop("fat") == Stopped("more than 0.292969 GB of memory")
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
 
@@ -85,54 +83,44 @@ def test_a_run_that_is_given_up_leaves_no_process_behind(tmp_path: Path) -> None
     assert multiprocessing.active_children() == []
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere only a thread can see to it")
-def test_a_worker_that_never_gives_way_ends_with_the_run(tmp_path: Path) -> None:
-    """It went on for half an hour: the thread that looks for the end of the run never had its turn."""
-    program = (
-        "import os, sys, pathlib, threading, time\n"
-        "from functools import partial\n"
-        "from grader.course.pool import mark_all\n"
-        "from tests.fake_results import fake_marker, submission\n"
-        "def leave():\n"
-        "    while not (folder / 'marked').exists(): time.sleep(0.05)\n"
-        "    time.sleep(0.5)\n"
-        "    os.kill(os.getpid(), 9)\n"
-        "if __name__ == '__main__':\n"
-        "    folder = pathlib.Path(sys.argv[1])\n"
-        "    threading.Thread(target=leave).start()\n"
-        "    list(mark_all(iter([submission('burn')]), partial(fake_marker, folder), 1))\n"
-    )
-    script = tmp_path / "run.py"
-    script.write_text(program)
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    subprocess.run(
-        [sys.executable, str(script), str(tmp_path)], env=environment, check=False, stderr=subprocess.DEVNULL
-    )
-    worker = int((tmp_path / "marked").read_text().split()[1])
-    assert gone(worker)
+KILLED = """
+import os, pathlib, sys, threading, time
+from functools import partial
+from grader.course.pool import mark_all
+from tests.fake_results import fake_marker, submission
+
+def leave():
+    while not (folder / "marked").exists(): time.sleep(0.05)
+    time.sleep(0.5)
+    os.kill(os.getpid(), 9)
+
+if __name__ == "__main__":
+    folder = pathlib.Path(sys.argv[1])
+    {run}
+"""
+AT_ONCE = "for _ in mark_all(iter([submission('a'), submission('b')]), partial(fake_marker, folder), 1): os.kill(os.getpid(), 9)"
+AT_WORK = "threading.Thread(target=leave).start(); list(mark_all(iter([submission('burn')]), partial(fake_marker, folder), 1))"
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
-def test_workers_leave_when_the_run_is_killed(tmp_path: Path) -> None:
-    program = (
-        "import os, sys, pathlib\n"
-        "from functools import partial\n"
-        "from grader.course.pool import mark_all\n"
-        "from tests.fake_results import fake_marker, submission\n"
-        "if __name__ == '__main__':\n"
-        "    opener = partial(fake_marker, pathlib.Path(sys.argv[1]))\n"
-        "    for done in mark_all(iter([submission('a'), submission('b')]), opener, 1):\n"
-        "        os.kill(os.getpid(), 9)\n"
-    )
+@pytest.mark.parametrize(
+    "run",
+    [
+        pytest.param(AT_ONCE, marks=pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")),
+        pytest.param(
+            AT_WORK, marks=pytest.mark.skipif(sys.platform != "linux", reason="elsewhere only a thread can see to it")
+        ),
+    ],
+    ids=["after the first", "while a worker never gives way"],
+)
+def test_workers_leave_when_the_run_is_killed(tmp_path: Path, run: str) -> None:
+    """One went on for half an hour: the thread that looks for the end of the run never had its turn."""
     script = tmp_path / "run.py"
-    script.write_text(program)
+    script.write_text(KILLED.format(run=run))
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        [sys.executable, str(script), str(tmp_path)], env=environment, check=False, stderr=subprocess.DEVNULL
-    )
+    command = [sys.executable, str(script), str(tmp_path)]
+    done = subprocess.run(command, env=environment, check=False, stderr=subprocess.DEVNULL)
     assert done.returncode == -signal.SIGKILL
-    worker = int((tmp_path / "marked").read_text().split()[1])
-    assert gone(worker)
+    assert gone(int((tmp_path / "marked").read_text().split()[1]))
 
 
 def gone(pid: int, within_s: float = 10.0) -> bool:

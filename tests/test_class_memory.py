@@ -24,12 +24,6 @@ ROSTER = "id,name,submitted\nalice,Alice A,2026-11-21T13:00Z\nbob,Bob B,2026-11-
 
 
 @pytest.fixture
-def ran() -> list[str]:
-    """Ids of the submissions that were run, in order."""
-    return []
-
-
-@pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path) -> Run:
     monkeypatch.chdir(tmp_path)
     hand_in(tmp_path / "class", alice=1, bob=0.5, carol=0)

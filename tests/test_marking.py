@@ -88,18 +88,6 @@ def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces,
     )
 
 
-def test_hidden_data_is_not_told(hidden: Traces, opened: Opened) -> None:
-    spy = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    raise ValueError(str(list(data.qpos)))\n"
-    leaky = "\nclass LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        pass\n    def update(self, x):\n        return str(list(x))\n"
-    with opened(hidden) as marker:
-        sound, result = (marked(marker, files) for files in (tidy(), _with(imu_reader=spy, filters=leaky)))
-    assert sound.score == 100
-    said = "\n".join(check.message for criterion in result.criteria for check in criterion.checks)
-    for secret in (hidden["reading_lab"]["qpos"][0], hidden["filter"]["input"][0]):
-        assert not any(f"{number:.3f}"[:-1] in said for number in secret if abs(number) > 1e-3)
-    assert "Got       ValueError\n" in said + "\n"
-
-
 def test_no_plugin_of_the_machine_takes_part_in_the_marking(request: pytest.FixtureRequest) -> None:
     """hypothesis brings one, which these tests themselves run with."""
     name = "hypothesispytest"

@@ -31,13 +31,9 @@ WHY = ("--comment", "a colon was missing", "--author", "Eve")
 
 
 @pytest.fixture
-def ran() -> list[str]:
-    """What was graded: by the class, ids; by a repair, the text of filters.py."""
-    return []
-
-
-@pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path) -> Run:
+    """A graded class; `ran` holds what was graded: by the class, ids; by a repair, the text of filters.py."""
+
     @contextmanager
     def marker(rubric: Any, traces: Any, *_: Any) -> Iterator[Any]:
         def mark(submission: Any, cpu_s: float | None = None) -> Any:

@@ -46,21 +46,6 @@ def test_the_present_result_is_the_one_last_kept_or_recalled(tmp_path: Path) -> 
         assert store.present()["alice"].score == 20.0
 
 
-def test_what_was_kept_survives_a_process_that_is_killed(tmp_path: Path) -> None:
-    program = (
-        "import os, signal, sys, pathlib\n"
-        "from grader.course.record import Store\n"
-        "from tests.test_store import KEY\n"
-        "from tests.fake_results import result\n"
-        "Store(pathlib.Path(sys.argv[1])).keep(KEY, result())\n"
-        "os.kill(os.getpid(), signal.SIGKILL)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=False, cwd=Path(__file__).parent.parent)
-    assert done.returncode != 0
-    with Store(tmp_path) as store:
-        assert store.recall(KEY) == result()
-
-
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_that_cannot_be_written_is_refused_in_one_line(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
