@@ -145,7 +145,7 @@ class Decisions(Database):
             return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 
     def keep_reviews(self, reviews: Iterable[Review]) -> None:
-        """Record that facts were reviewed, or are open again."""
+        """Record items of the review queue as reviewed, or as open again."""
         with self._errors_in_one_line(), self._transaction():
             query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
             self._db.executemany(query, [astuple(each) for each in reviews])

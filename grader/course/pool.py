@@ -314,7 +314,7 @@ _marker: Marking | None = None
 
 
 def _open(open_marker: OpenMarker) -> int:
-    """Open the marker and return the id of this process."""
+    """Open the marker that grades in this process, and return the id of the process."""
     global _open_marker, _marker  # noqa: PLW0603 - the process has one marker, made once
     _open_marker = open_marker()
     _marker = _open_marker.__enter__()

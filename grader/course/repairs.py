@@ -187,7 +187,7 @@ def repaired(
     Raises
     ------
     RequestError
-        If the original was not graded by these settings, or earns more than the repaired copy.
+        If the original was not graded by these settings or earns more than the copy, or there are more than `MOST` repairs.
     """
     original = _original(final_grade, handed_in, grading, store)
     if len(repairs) > MOST:

@@ -80,7 +80,7 @@ class Classbook:
         return self.thread.submit(do).result()
 
     def close(self) -> None:
-        """End what is being graded, write pending pages and close the record."""
+        """Wait for the running job, write pending pages and close the record."""
         self.jobs.close()
         self._publisher.close()
         self.on_thread(self._store.close)

@@ -89,7 +89,6 @@ class RepairJobs:
         self._open: GradingSettings | None = None
         self._pool: Pool | None = None
         self._stack = ExitStack()
-        self._closing = False
 
     def start(self, job: Job, do: Callable[[Grading], None]) -> Job:
         """Queue a job. `do` is called on the jobs' thread with the `Grading` of the class."""
@@ -105,8 +104,7 @@ class RepairJobs:
         return self._jobs.get(number or 0)
 
     def close(self) -> None:
-        """End what is running and close the marker."""
-        self._closing = True
+        """Wait for the running job, drop those that wait for it, and close the marker."""
         self._thread.shutdown(wait=True, cancel_futures=True)
         self._stack.close()
 

@@ -98,7 +98,7 @@ def editor(
         job = None
     ended = job is not None and job.done
     file = job.file if job else web_request.text("file") if web_request.form else web_request.text("edit")
-    files = current(book, final_grade)
+    files = repaired_files(book, final_grade)
     if file not in files or (job and ended and not job.problem and job.kind in ("save", "undo")):
         return None
     content = files[file]
@@ -157,8 +157,8 @@ def compared(grades: Preview) -> list[Compared]:
     return [*rows, Compared("Sum", now, then, grades.before.max_score)]
 
 
-def current(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]:
-    """Return the files of a submission with the repairs in force; as they were handed in where a repair does not fit."""
+def repaired_files(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]:
+    """Return the files of a submission with its repairs; all files as they were handed in if one repair does not fit."""
     kept = book.kept(final_grade)
     try:
         return patched(kept.files, final_grade.result.repairs)
@@ -192,7 +192,7 @@ def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) ->
     if do == "undo":
         job = Job("undo", final_grade.id, web_request.text("file"))
         return book.jobs.start(job, partial(_undo, book, job, web_request.author))
-    content = current(book, final_grade).get(web_request.text("file"))
+    content = repaired_files(book, final_grade).get(web_request.text("file"))
     if content is None:
         raise RequestError("This file does not exist")
     if web_request.text("base") != sha256_of(content):

@@ -135,7 +135,7 @@ def _page(
     history = book.history(final_grade.id)
     requests = [each for each in book.store.regrade_requests() if each.id == final_grade.id]
     extras = _PageExtras(requests, typed)
-    kept = replace(book.kept(final_grade), files=repairing.current(book, final_grade))
+    kept = replace(book.kept(final_grade), files=repairing.repaired_files(book, final_grade))
     result = final_grade.result
     job = book.jobs.get(web_request.number("job"))
     marked = result.status not in ("empty", "unreadable")

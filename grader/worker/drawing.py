@@ -281,7 +281,7 @@ def _draw_nothing(*args: Any, **kwargs: Any) -> None:
 
 
 def _whole_figure_bbox(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
-    """Return a `bbox_inches` of the whole figure in place of "tight", whose margin would have to be measured."""
+    """Return an option of `savefig` for the whole figure in place of "tight", whose margin would have to be measured."""
     from matplotlib import rcParams
     from matplotlib.transforms import Bbox
 

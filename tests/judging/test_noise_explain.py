@@ -112,21 +112,6 @@ def test_a_wrong_size_of_the_noise_is_named(facts: Facts, told: str) -> None:
     assert (found.cause if found else "") == told
 
 
-@pytest.mark.parametrize(
-    ("noisy", "silent", "redrawn"),
-    [
-        ((1, 1), (0.0, 0.0), False),
-        ((1.1, 1.1), (0.05, 0.005), False),
-        ((1.1, 1.15), (0.05, 0.005), True),
-        ((1.1, 9), (0.05, 0.0), False),
-    ],
-)
-def test_a_bias_is_redrawn_where_noise_comes_on_top(
-    noisy: tuple[float, float], silent: tuple[float, float], redrawn: bool
-) -> None:
-    assert _sized(*noisy, silent).redrawn == redrawn
-
-
 _INSTANCES = _RNG.normal(size=(24, 1, 3))
 
 

@@ -68,13 +68,6 @@ def test_the_grain_is_that_of_the_last_digit_of_noisy_reads(readings: Array, gra
     assert _reading(readings).grain == pytest.approx(grain)
 
 
-def test_reads_that_differ_by_rounding_alone_are_still() -> None:
-    rounding = facts_of.EXACT * _WHITE
-    assert _of(0.5 * rounding).still
-    assert not any(_of(moving).still for moving in (2 * rounding, _WHITE * _AXES[0]))
-    assert _of(_WHITE * [1, 0, 3]).standardised.std(axis=0) == pytest.approx([1, 0, 1])
-
-
 def _bounds(values: int, means: int) -> tuple[float, float]:
     low, high = st.spread_bounds(values, means)
     return low - facts_of.SIZE_TOLERANCE, high + facts_of.SIZE_TOLERANCE

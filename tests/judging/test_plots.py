@@ -104,14 +104,6 @@ def test_a_curve_is_a_channel_within_a_thousandth_of_its_range(change: Callable[
     assert (shown(TIME, np.degrees(change(RATE[:, 1]))) is not None) is known
 
 
-@pytest.mark.parametrize(("origin", "kind"), [(0.0, "s"), (5.0, "s from start")])
-def test_a_recording_may_start_at_any_moment(origin: float, kind: str) -> None:
-    late = SERIES | {"time": TIME - TIME[0] + 5.0}
-    found = shown(late["time"] - origin, Z, late)
-    assert found is not None
-    assert (found.channel, found.x) == ((0, 2), kind)
-
-
 # --- panels --------------------------------------------------------------------------------------------------------------
 
 X, Y, RATE_X = UPPER.curves[0], UPPER.curves[1], LOWER.curves[0]
@@ -128,18 +120,6 @@ def test_a_panel_holds_channels_strange_curves_and_hidden_channels() -> None:
     assert [s.curve for s in panel.hidden] == [hidden]
     assert panel.strange == (ODD,)
     assert (panel.channels, panel.sensors, panel.mainly) == ({(0, 0)}, {0}, {0})
-
-
-def test_a_channel_that_hides_itself_is_shown() -> None:
-    panel = panel_of(X, replace(X, visible_parts=UNSEEN))
-    assert panel is not None
-    assert (len(panel.shown), panel.hidden) == (2, ())
-
-
-def test_a_channel_that_never_moves_is_known_by_its_value() -> None:
-    panel = panel_of(FLAT, ODD, series=SERIES | {"acceleration": np.tile([0.0, 0.0, 9.81], (len(TIME), 1))})
-    assert panel is not None
-    assert [found.channel for found in panel.shown] == [(0, 2)]
 
 
 @pytest.mark.parametrize(

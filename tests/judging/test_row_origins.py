@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grader.labs.imu.answers import SENSORS, Array, Collection
 from grader.labs.imu.data_collection import measure, row_origins
-from grader.labs.imu.data_collection.explained import Explained, counting_fault, has_timestep
+from grader.labs.imu.data_collection.explained import Explained, counting_fault
 from grader.labs.imu.data_collection.measure import CLAIMED_WORLD, TRUE_WORLD, Claim, Facts, Run
 from grader.labs.imu.data_collection.row_origins import RowOrigin
 
@@ -124,12 +124,6 @@ def test_altered_rows_of_one_sensor_are_told_beside_the_other(change, found: str
 )
 def test_stamps_are_right_from_the_first_step_or_from_zero_on(stamps: Array, origin: RowOrigin, worst: float) -> None:
     assert row_origins.time_error(stamps, _DT, origin).max() == pytest.approx(worst, abs=1e-12)
-
-
-@pytest.mark.parametrize(("timestep", "usual", "kept"), [(0.004, _DT, True), (_DT, _DT, False), (0.004, 0.004, False)])
-def test_stamps_keep_a_usual_time_step_where_the_model_has_another(timestep: float, usual: float, kept: bool) -> None:
-    assert has_timestep(_STAMPS, timestep, usual) is kept
-    assert not has_timestep(_STAMPS[:1], timestep, usual)
 
 
 def _of_length(n: int, **more: object) -> Run:
