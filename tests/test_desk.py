@@ -247,7 +247,7 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
     with desk_over(out) as desk:
         page = words(desk.get("/").text)
         for title in ("Grader failed", "Unreadable", "Empty", "Does not run", "Unclear answer", "Tampering", "Not assigned",
-                      "Not in the roster", "Unknown lateness", "Similar code", "Picture without code", "Near a grade boundary"):  # fmt: skip
+                      "Not in the roster", "Unknown lateness", "Similar code", "Plot that could not be judged", "Near a grade boundary"):  # fmt: skip
             assert f"{title} 1" in page, title
         assert "sound" not in words(desk.get("/").text.partition("<main")[2])  # the header lists everybody
         assert "notes.txt &lt;is&gt; nobody" in page

@@ -113,7 +113,11 @@ def listed(desk: Desk, kind: str) -> list[tuple[str, str, str]]:
 CASES = {
     "boundary": ("nearly", "0.5 below 90, and 1.5 points were lost on partial checks: ", "Near a grade boundary"),
     "not-judged": ("ours", "The grader failed on these checks, so their points are open: ", "Grader failed"),
-    "picture": ("undrawn", "imu_data.png was handed in, and plot_imu_data does not draw it. ", "Picture without code"),
+    "picture": (
+        "undrawn",
+        "imu_data.png was handed in, and plot_imu_data does not draw it. ",
+        "Plot that could not be judged",
+    ),
     "empty": ("png", "", "Empty"),
     "nothing": ("other", "The submission has no points. ", "No points"),
 }

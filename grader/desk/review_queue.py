@@ -36,7 +36,7 @@ KINDS = {
     "outdated": "Outdated override",
     "same-files": "Same files",
     "alike": "Similar code",
-    "picture": "Picture without code",
+    "picture": "Plot that could not be judged",
     "boundary": "Near a grade boundary",
 }
 """Titles of the reasons, in the order of the queue."""

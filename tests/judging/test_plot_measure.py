@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.base.errors import NoAnswer
-from grader.engine.findings import Fault, Missing, Raised
+from grader.engine.findings import NEEDS_REVIEW, Fault, Missing, Raised
 from grader.engine.load_report import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import measure
@@ -19,6 +19,8 @@ from tests.judging.fake_students import FakeStudent, truth
 from tests.judging.test_check_visualization import SHEET, Plotted
 
 pytestmark = pytest.mark.quick
+FAULT = Fault("E", "", None, None, None)
+STOPPED = Drawing((), FAULT)
 
 
 class Recording(Plotted):
@@ -52,7 +54,7 @@ def _recorded(*names: str, **words: Any) -> Collection:
         (_recorded("0", "1", "2", oddities=(("wrong-return-type", "got a tuple"),)), KEYS, True),
         (NoAnswer("none"), KEYS, False),
         (Missing("a", "b", "c"), KEYS, False),
-        (Raised(Fault("E", "", None, None, None), ""), KEYS, False),
+        (Raised(FAULT, ""), KEYS, False),
     ],
 )
 def test_a_plot_is_given_what_the_submission_itself_records(
@@ -64,6 +66,24 @@ def test_a_plot_is_given_what_the_submission_itself_records(
     assert student.own_form is own_form
     for name, key in zip(names, KEYS, strict=True):
         assert np.array_equal(student.data[name], truth()["tumbling"][key])
+
+
+@pytest.mark.parametrize(
+    ("recording", "drawing", "noted"),
+    [
+        (NoAnswer("none"), STOPPED, True),
+        (_recorded(fault=FAULT), STOPPED, True),
+        (_recorded(), STOPPED, False),
+        (NoAnswer("none"), Drawing((SHEET,)), False),
+    ],
+)
+def test_a_plot_that_stops_where_the_recorder_does_not_run_either_goes_to_a_person(
+    recording: Collection | Exception, drawing: Drawing, noted: bool
+) -> None:
+    student = Recording(recording)
+    student._drawing = drawing
+    measure.measure(student, truth())
+    assert [NEEDS_REVIEW in note for note in student.notes] == [True] * noted
 
 
 def test_of_figures_that_show_as_much_the_saved_one_or_the_first_is_judged() -> None:

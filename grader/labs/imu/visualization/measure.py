@@ -133,6 +133,8 @@ def measure(student: Student, truth: Traces) -> Facts:
     """Ask for the plot of the tumbling run, then for what the programs draw."""
     try:
         drawing = drawing_of_data(student, truth)
+        if drawing.fault is not None:
+            _note_missing_recording(student, truth)
         if drawing.fault is not None and not drawing.figures:
             raise Raised(drawing.fault, DOING)
     except (Missing, NoAnswer, Raised) as stop:
@@ -184,6 +186,22 @@ def _own_recording(student: Student, truth: Traces) -> Collection | None:
         return student.simulate(duration_s=float(truth["push"].scalars["duration_s"]), ids=torso_ids(truth))
     except (NoAnswer, Missing, Raised):
         return None
+
+
+def _note_missing_recording(student: Student, truth: Traces) -> None:
+    """Note that the plot could not be tried on the submission's own recording, if its recorder does not run.
+
+    The plot may need more than the sheet's recording holds, and nobody knows what. So a person has to look.
+    """
+    with student.without_standins():
+        own = _own_recording(student, truth)
+    if own is None or own.fault is not None:
+        student.note(
+            GraderText(
+                "plot_imu_data stopped on the sheet's recording, and your own recorder does not run. If the plot needs what your "
+                f"recorder returns, {NEEDS_REVIEW}"
+            )
+        )
 
 
 def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:
