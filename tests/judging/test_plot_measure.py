@@ -19,7 +19,7 @@ from tests.judging.fake_students import FakeStudent, truth
 from tests.judging.test_check_visualization import SHEET, Plotted
 
 pytestmark = pytest.mark.quick
-FAULT = Fault("E", "", None, None, None)
+FAULT = Fault("KeyError", "", None, None, None)
 STOPPED = Drawing((), FAULT)
 
 
@@ -72,12 +72,13 @@ def test_a_plot_is_given_what_the_submission_itself_records(
     ("recording", "drawing", "noted"),
     [
         (NoAnswer("none"), STOPPED, True),
-        (_recorded(fault=FAULT), STOPPED, True),
+        (Collection(None, None, None, fault=FAULT), STOPPED, True),
         (_recorded(), STOPPED, False),
+        (NoAnswer("none"), Drawing((), Fault("NotImplementedError", "", None, None, None)), False),
         (NoAnswer("none"), Drawing((SHEET,)), False),
     ],
 )
-def test_a_plot_that_stops_where_the_recorder_does_not_run_either_goes_to_a_person(
+def test_a_plot_that_stops_where_the_recorder_returns_nothing_goes_to_a_person(
     recording: Collection | Exception, drawing: Drawing, noted: bool
 ) -> None:
     student = Recording(recording)

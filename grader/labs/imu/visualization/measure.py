@@ -34,6 +34,8 @@ _INK = (0.005, 0.6)
 The sheet's figure has 0.05 to 0.13 in any style and frame, noise 0.66 and more.
 """
 _SMALLEST_PX = 150
+_NOT_THERE = ("KeyError", "AttributeError")
+"""What a plot raises that asks a recording for more than the sheet's has."""
 _NEARER = 0.75
 """A curve of the data is so much nearer to a drawing of nearly the same numbers than to one of other numbers, in root mean square.
 
@@ -133,7 +135,7 @@ def measure(student: Student, truth: Traces) -> Facts:
     """Ask for the plot of the tumbling run, then for what the programs draw."""
     try:
         drawing = drawing_of_data(student, truth)
-        if drawing.fault is not None:
+        if drawing.fault is not None and drawing.fault.type in _NOT_THERE:
             _note_missing_recording(student, truth)
         if drawing.fault is not None and not drawing.figures:
             raise Raised(drawing.fault, DOING)
@@ -189,17 +191,17 @@ def _own_recording(student: Student, truth: Traces) -> Collection | None:
 
 
 def _note_missing_recording(student: Student, truth: Traces) -> None:
-    """Note that the plot could not be tried on the submission's own recording, if its recorder does not run.
+    """Note that the plot could not be tried on the submission's own recording, if its recorder returns none.
 
     The plot may need more than the sheet's recording holds, and nobody knows what. So a person has to look.
     """
     with student.without_standins():
         own = _own_recording(student, truth)
-    if own is None or own.fault is not None:
+    if own is None or not any(rows is not None for rows in own.sensors):
         student.note(
             GraderText(
-                "plot_imu_data stopped on the sheet's recording, and your own recorder does not run. If the plot needs what your "
-                f"recorder returns, {NEEDS_REVIEW}"
+                "plot_imu_data stopped on the sheet's recording, and your simulate_and_collect returns none. If the plot needs "
+                f"more than the sheet records, {NEEDS_REVIEW}"
             )
         )
 
