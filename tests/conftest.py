@@ -31,6 +31,7 @@ from grader.engine.grader import Marker
 from grader.engine.recording import CACHE_VARIABLE
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from tests import generated, sandboxes
 from tests.recordings import Marking, store
 from tests.recordings.marker import COMPARED, Counts, RecordedMarker, without_charts
@@ -217,7 +218,7 @@ def cache() -> Path:
 @pytest.fixture(scope="session")
 def hidden(cache: Path) -> Traces:
     """Traces of a secret, for whatever holds under any."""
-    return bundles.obtain(SECRET, cache)
+    return bundles.obtain(LAB, SECRET, cache)
 
 
 @pytest.fixture(scope="session")

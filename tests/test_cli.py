@@ -23,6 +23,7 @@ from grader.course import classroom
 from grader.engine import recording, traces
 from grader.engine.results import Result
 from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 from grader.sandbox.level_choice import LevelResult
 from grader.sandbox.one_copy import Search
@@ -348,7 +349,7 @@ def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:
 def test_a_written_bundle_is_the_one_in_use_and_private(run: Run, tmp_path: Path) -> None:
     code, out, _ = run("traces", "record", "-o", tmp_path / "new")
     assert (code, out) == (0, f"{tmp_path}/new/public.npz\n")
-    assert traces.load(tmp_path / "new" / "public.npz").sha256 == bundles.obtain(None).sha256
+    assert traces.load(tmp_path / "new" / "public.npz").sha256 == bundles.obtain(LAB, None).sha256
     assert {path.stat().st_mode & 0o077 for path in (tmp_path / "new").iterdir()} == {0}
 
 

@@ -79,7 +79,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         _share_a_sandbox(here)
         _draw_few_motions(here)
         here.chdir(place)
-        truth.save(bundles.obtain("...", None), place)
+        truth.save(bundles.obtain(LAB, "...", None), place)
         assert run(["grade", "submissions", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
         with here.context() as graded:
             graded.setenv("IMUGRADE_SEED", "a-secret")

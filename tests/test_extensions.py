@@ -39,7 +39,7 @@ ENDLESS = [case for case in FAULTY if case.fault == "never-returns"]
 @pytest.fixture(scope="module")
 def truth(cache: Path) -> traces.Traces:
     """The public bundle, recorded anew where the simulator is another version than the one that recorded it."""
-    return bundles.obtain(None, cache)
+    return bundles.obtain(LAB, None, cache)
 
 
 Mark = Callable[..., Result]

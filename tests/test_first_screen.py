@@ -52,7 +52,7 @@ class LowPassFilter:
 def test_prints_are_heard_on_public_scenarios_and_never_on_hidden_ones(tmp_path: Path) -> None:
     (tmp_path / "filters.py").write_text(PRINTING)
     submission = read_submission(tmp_path, LAB.files)
-    public = bundles.obtain(None)
+    public = bundles.obtain(LAB, None)
     heard: dict[str, str] = {}
     for name in ("public", "hidden"):
         sandbox = open_sandbox_for(LAB, submission.files)

@@ -72,7 +72,7 @@ SPY = {
 def results(cache: Path, hidden: Traces, opened: Opened) -> list[Result]:
     """The spy's results under two secrets: whatever differs between them was chosen by the spy, or is hidden itself."""
     found = []
-    for truth in (hidden, bundles.obtain("another secret", cache)):
+    for truth in (hidden, bundles.obtain(LAB, "another secret", cache)):
         with opened(truth) as marker:
             found.append(marked(marker, SPY))
     return found

@@ -45,7 +45,7 @@ def own(tmp_path: Path) -> Own:
 
 
 def judged(opened: Opened, its_rubric: Rubric, source: str) -> CheckResult:
-    with opened(bundles.obtain(None), its_rubric) as marker:
+    with opened(bundles.obtain(LAB, None), its_rubric) as marker:
         (criterion,) = marked(marker, {"filters.py": source}, "filtering").criteria
     return next(check for check in criterion.checks if check.id == ID)
 

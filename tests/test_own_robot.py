@@ -139,7 +139,7 @@ def exchanged(
 
 def marked(opened: Opened, rubric_file: Path, submission: Path, cache: Path, seed: str | None = None) -> Result:
     chosen = rubric.load(LAB, rubric_file)
-    with opened(bundles.obtain(seed, cache, chosen.settings["model"]), chosen) as marker:
+    with opened(bundles.obtain(LAB, seed, cache, chosen.settings["model"]), chosen) as marker:
         return marker.mark(read_submission(submission, LAB.files))
 
 
@@ -149,7 +149,7 @@ def lost(result: Result) -> dict[str, str]:
 
 def refusal(rubric_file: Path, cache: Path) -> str:
     with pytest.raises(rubric.RubricError) as refused:
-        bundles.obtain(None, cache, rubric.load(LAB, rubric_file).settings["model"])
+        bundles.obtain(LAB, None, cache, rubric.load(LAB, rubric_file).settings["model"])
     return str(refused.value).replace(str(rubric_file), "rubric.yaml")
 
 
@@ -183,7 +183,7 @@ def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
 def test_under_a_secret_the_robot_moves_otherwise(wheel_of_robots: Path, cache: Path) -> None:
     other = OTHERS["humanoid"]
     model = Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
-    public, hidden = (bundles.obtain(seed, cache, model)["push"] for seed in (None, SECRET))
+    public, hidden = (bundles.obtain(LAB, seed, cache, model)["push"] for seed in (None, SECRET))
     n = min(len(public["time"]), len(hidden["time"]))
     for key in ("acceleration", "angular_velocity"):
         apart = np.sqrt(np.mean((public[key][:n] - hidden[key][:n]) ** 2))
@@ -194,13 +194,13 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
     wheel_of_robots: Path, cache: Path, tmp_path: Path
 ) -> None:
     other = OTHERS["ant"]  # its torso hangs in the air, fixed
-    bundle = bundles.obtain(None, cache, Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope))
+    bundle = bundles.obtain(LAB, None, cache, Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope))
     assert blind_spot(bundle) == (
         "ant.xml: the push does not change what its IMU reads, so the grader can hardly "
         "distinguish a run without a push from a right one"
     )
     assert blind_spot(bundles.shipped()) == ""
-    assert blind_spot(bundles.obtain(None, cache, Model(rover(tmp_path), "force", "rates"))) == ""
+    assert blind_spot(bundles.obtain(LAB, None, cache, Model(rover(tmp_path), "force", "rates"))) == ""
 
 
 # --- it is this robot, and no other -----------------------------------------------------------------------------------
@@ -249,7 +249,7 @@ def test_another_file_that_the_model_includes_makes_other_traces(cache: Path, tm
     seen = []
     for timestep in ("0.004", "0.005", "0.004"):
         (tmp_path / "more.xml").write_text(f'<mujoco><option timestep="{timestep}"/></mujoco>')
-        seen.append(bundles.obtain(None, cache, model))
+        seen.append(bundles.obtain(LAB, None, cache, model))
     assert seen[0].sha256 == seen[2].sha256 != seen[1].sha256
     settings = [ClassSettings.of(rubric.load(LAB), NO_ROSTER, "latest", each) for each in seen]
     assert causes(settings[0], settings[1]) == ("other scenarios (another secret, model or version of MuJoCo)",)

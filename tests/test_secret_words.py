@@ -131,7 +131,7 @@ DIFFER_IN_A_BIT = {"whether a name is there"}
 @pytest.fixture(scope="module")
 def secrets(cache: Path, hidden: Traces) -> tuple[Traces, Traces]:
     """Two secrets under which every `digit` differs."""
-    first, second = hidden, bundles.obtain("another secret", cache)
+    first, second = hidden, bundles.obtain(LAB, "another secret", cache)
     assert _masses(first) != _masses(second)
     return first, second
 

@@ -206,27 +206,27 @@ def with_mujoco(monkeypatch: pytest.MonkeyPatch, installed: str) -> None:
 
 
 def test_a_hidden_bundle_is_recorded_once(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
-    first, again = (bundles.obtain(SECRET, tmp_path) for _ in range(2))
+    first, again = (bundles.obtain(LAB, SECRET, tmp_path) for _ in range(2))
     assert recordings == [("hidden", SECRET)]
     assert first.sha256 == again.sha256
-    bundles.obtain("another", tmp_path)
+    bundles.obtain(LAB, "another", tmp_path)
     assert recordings[1:] == [("hidden", "another")]
 
 
 def test_cached_bundles_are_for_their_owner_only_and_do_not_tell_the_seed(
     recordings: list[tuple[str, str]], tmp_path: Path
 ) -> None:
-    bundles.obtain(SECRET, tmp_path)
+    bundles.obtain(LAB, SECRET, tmp_path)
     (entry,) = (tmp_path / "traces").iterdir()
     assert re.fullmatch("[0-9a-f]{32}", entry.name)
     assert entry.stat().st_mode & 0o077 == 0
 
 
 def test_a_damaged_cache_entry_is_recorded_again(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
-    bundles.obtain(SECRET, tmp_path)
+    bundles.obtain(LAB, SECRET, tmp_path)
     next((tmp_path / "traces").glob("*/hidden.npz")).write_bytes(b"half of it")
-    assert bundles.obtain(SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
-    bundles.obtain(SECRET, tmp_path)
+    assert bundles.obtain(LAB, SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
+    bundles.obtain(LAB, SECRET, tmp_path)
     assert len(recordings) == 2
 
 
@@ -234,7 +234,7 @@ def test_public_traces_are_the_shipped_ones_on_the_simulator_that_recorded_them(
     recordings: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     with_mujoco(monkeypatch, bundles.shipped().versions["mujoco"])
-    assert bundles.obtain(None, tmp_path).sha256 == bundles.shipped().sha256
+    assert bundles.obtain(LAB, None, tmp_path).sha256 == bundles.shipped().sha256
     assert recordings == []
 
 
@@ -243,7 +243,7 @@ def test_hidden_traces_without_the_reference_are_a_wrong_request(
 ) -> None:
     monkeypatch.setattr(recording, "folder_of", lambda lab: None)
     with pytest.raises(RequestError, match="hidden traces need the reference, which is not installed here"):
-        bundles.obtain(SECRET, tmp_path)
+        bundles.obtain(LAB, SECRET, tmp_path)
 
 
 def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
@@ -254,13 +254,13 @@ def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
     (tmp_path / "reference" / "traces.py").write_text("raise OSError('no space left')\n", encoding="utf-8")
     monkeypatch.setattr(recording, "_SOURCES", tmp_path)
     with pytest.raises(GraderError, match="recording the hidden traces failed: OSError: no space left"):
-        bundles.obtain(SECRET, tmp_path / "cache")
+        bundles.obtain(LAB, SECRET, tmp_path / "cache")
 
 
 def test_a_recorder_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(recording, "RECORDING_LIMIT_S", 0.01)
     with pytest.raises(GraderError, match=r"^recording the hidden traces did not end within 0\.01 s$"):
-        bundles.obtain(SECRET, tmp_path / "cache")
+        bundles.obtain(LAB, SECRET, tmp_path / "cache")
 
 
 def test_a_folder_called_reference_where_the_command_runs_is_not_run(
@@ -270,4 +270,4 @@ def test_a_folder_called_reference_where_the_command_runs_is_not_run(
     (tmp_path / "reference" / "__init__.py").touch()
     (tmp_path / "reference" / "traces.py").write_text("raise SystemExit('a student was here')\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    assert bundles.obtain(SECRET, tmp_path / "cache").sha256 == truth.load(hidden).sha256
+    assert bundles.obtain(LAB, SECRET, tmp_path / "cache").sha256 == truth.load(hidden).sha256

@@ -51,7 +51,7 @@ def small_rubric() -> Rubric:
 
 @cache
 def _hidden() -> Traces:
-    return bundles.obtain(_SECRET_SEED)
+    return bundles.obtain(LAB, _SECRET_SEED)
 
 
 class AttackJudge:

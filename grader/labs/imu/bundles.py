@@ -11,9 +11,9 @@ from grader.base.errors import GraderError, RequestError
 from grader.base.package_data import beside
 from grader.base.text import printable
 from grader.engine import recording
+from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import refuse
 from grader.engine.traces import Traces, load
-from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import LAB_FILE, LAB_MODEL, Model, Robot, is_of, robot_of
 
 _UNFIT = 4  # the reference's exit code where a model cannot be graded
@@ -25,11 +25,13 @@ def shipped() -> Traces:
     return load(beside(__package__, "public.npz"))
 
 
-def obtain(seed: str | None, cache_dir: Path | None = None, model: Model = LAB_MODEL) -> Traces:
+def obtain(lab: Lab, seed: str | None, cache_dir: Path | None = None, model: Model = LAB_MODEL) -> Traces:
     """The bundle to grade with.
 
     Parameters
     ----------
+    lab : Lab
+        The lab whose reference records.
     seed : str or None
         The instructor's secret, any text, for hidden traces; None for the public ones.
     cache_dir : Path, optional
@@ -47,42 +49,42 @@ def obtain(seed: str | None, cache_dir: Path | None = None, model: Model = LAB_M
     """
     kept = cache_dir or recording.default_cache_dir()
     if seed is None:
-        return _public(kept) if model.is_lab else _public_of(model, kept)
+        return _public(lab, kept) if model.is_lab else _public_of(lab, model, kept)
     if not seed.strip():
         raise RequestError("the seed is empty; give any text that students cannot guess")
-    reference = recording.folder_of(LAB)
+    reference = recording.folder_of(lab)
     if reference is None:
         raise RequestError("hidden traces need the reference, which is not installed here; grade without a seed")
-    return recording.recorded(LAB, "hidden", seed, kept, None if model.is_lab else _one_text(model, reference))
+    return recording.recorded(lab, "hidden", seed, kept, None if model.is_lab else _one_text(model, reference))
 
 
-def _public(cache_dir: Path) -> Traces:
+def _public(lab: Lab, cache_dir: Path) -> Traces:
     """Return the shipped bundle if it was recorded with this simulator, else one recorded here if possible."""
     ours = shipped()
-    if _is_as_good_as_any(ours):
+    if _is_as_good_as_any(lab, ours):
         return ours
     try:
-        return recording.recorded(LAB, "public", str(ours.manifest["seed"]), cache_dir)
+        return recording.recorded(lab, "public", str(ours.manifest["seed"]), cache_dir)
     except GraderError:
         return ours  # other digits at worst: comparisons allow for them
 
 
-def _public_of(model: Model, cache_dir: Path) -> Traces:
+def _public_of(lab: Lab, model: Model, cache_dir: Path) -> Traces:
     """Return the shipped bundle if a kit brought one of this robot, else one recorded here."""
     ours = shipped()
     carried = is_of(model, ours) and robot_of(ours).xml == _content(model)
-    if carried and _is_as_good_as_any(ours):
+    if carried and _is_as_good_as_any(lab, ours):
         return ours
-    reference = recording.folder_of(LAB)
+    reference = recording.folder_of(lab)
     if reference is None:
         what = "the public traces of another model need the reference, which is not installed here"
         raise RequestError(f"{what}; use the kit that your instructor gave you")
-    return recording.recorded(LAB, "public", str(ours.manifest["seed"]), cache_dir, _one_text(model, reference))
+    return recording.recorded(lab, "public", str(ours.manifest["seed"]), cache_dir, _one_text(model, reference))
 
 
-def _is_as_good_as_any(ours: Traces) -> bool:
+def _is_as_good_as_any(lab: Lab, ours: Traces) -> bool:
     """Return whether the simulator here is the one that recorded it, or no other bundle can be had."""
-    return ours.versions["mujoco"] == version("mujoco") or recording.folder_of(LAB) is None
+    return ours.versions["mujoco"] == version("mujoco") or recording.folder_of(lab) is None
 
 
 def _content(model: Model) -> str:

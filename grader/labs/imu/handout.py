@@ -4,29 +4,28 @@ from __future__ import annotations
 
 from pathlib import PurePosixPath
 
-from grader.engine.lab import Handout, LabFile
+from grader.engine.lab import Handout, Lab, LabFile
 from grader.labs.imu.bundles import obtain, shipped
-from grader.labs.imu.lab import LAB
 from grader.labs.imu.motions import tables
 from grader.labs.imu.robot import LAB_IMU, Model, robot_of
 
 _MOTIONS = ("standing", "push", "tumbling")
 
 
-def brought(model: Model) -> LabFile | None:
+def brought(lab: Lab, model: Model) -> LabFile | None:
     """Return the instructor's own robot with its public traces, which students without the reference cannot record."""
     if model.is_lab:
         return None
-    traces = obtain(None, model=model)
+    traces = obtain(lab, None, model=model)
     robot = robot_of(traces)
     return LabFile(traces, ("model", "path"), robot.file, robot.xml)
 
 
-def handout(own: LabFile | None) -> Handout:
+def handout(lab: Lab, own: LabFile | None) -> Handout:
     """Return the files that students get, and the names of their robot that replace the sheet's."""
     traces = own.traces if own else shipped()
     robot = robot_of(traces)
-    place = (PurePosixPath(LAB.model).parent / robot.file).as_posix()
+    place = (PurePosixPath(lab.model).parent / robot.file).as_posix()
     files = {f"traces/{name}": content for name, content in tables(traces, _MOTIONS).items()}
-    names = {LAB.model: place} | dict(zip(LAB_IMU, robot.imu, strict=True))
+    names = {lab.model: place} | dict(zip(LAB_IMU, robot.imu, strict=True))
     return Handout({**files, place: robot.xml.encode()}, names)

@@ -51,7 +51,7 @@ def _model(reader: Reader, node: Node | None, folder: Path) -> Model:
 def _truth(seed: str | None, settings: Mapping[str, Any]) -> Traces:
     from grader.labs.imu.bundles import obtain  # noqa: PLC0415
 
-    return obtain(seed, model=settings["model"])
+    return obtain(LAB, seed, model=settings["model"])
 
 
 def _match(settings: Mapping[str, Any], traces: Traces) -> None:
@@ -63,13 +63,13 @@ def _match(settings: Mapping[str, Any], traces: Traces) -> None:
 def _brought(settings: Mapping[str, Any]) -> LabFile | None:
     from grader.labs.imu.handout import brought  # noqa: PLC0415
 
-    return brought(settings["model"])
+    return brought(LAB, settings["model"])
 
 
 def _handout(own: LabFile | None) -> Handout:
     from grader.labs.imu.handout import handout  # noqa: PLC0415
 
-    return handout(own)
+    return handout(LAB, own)
 
 
 LAB = Lab(
