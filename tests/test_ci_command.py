@@ -178,6 +178,6 @@ def test_a_seed_in_the_environment_does_not_bring_hidden_scenarios_into_ci(
 ) -> None:
     seen: list[Any] = []
     monkeypatch.setenv("IMUGRADE_SEED", "secret")
-    monkeypatch.setattr(bundles, "obtain", lambda seed, model: seen.append(seed) or bundles.shipped())
+    monkeypatch.setattr(bundles, "obtain", lambda lab, seed, model: seen.append(seed) or bundles.shipped())
     assert cli.main(["ci"]) == 0
     assert seen == [None]
