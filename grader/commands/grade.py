@@ -75,9 +75,9 @@ def grade(
 ) -> int:
     """Grade a class. After an interruption, the same command continues.
 
-    OUT remembers the rubric, the roster and the attempt rule. You need not give them again; only the secret of hidden
-    scenarios is asked for each time. If you give another one, the command first says which scores change. It changes
-    them with --change, or after a yes on a terminal.
+    OUT remembers the rubric, the roster and the attempt rule. You need not give them again. Give the secret of hidden
+    scenarios each time. If you give another rubric, rule or secret, the command first says which scores change. It
+    changes them with --change, or after a yes on a terminal.
     `imugrade diff` compares the two versions.
 
     \b

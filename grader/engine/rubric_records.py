@@ -1,4 +1,4 @@
-"""What a rubric says, as records: criteria, checks with their points, extensions, limits, late and repair policies."""
+"""Records of a rubric: criteria, checks with their points, extensions, limits, late policy and repair policy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What people and dates changed about a result, as a report shows it: overrides, comments, repairs, lateness and final points."""
+"""Overrides, comments, repairs, lateness and final points of a result, formatted for a report."""
 
 from __future__ import annotations
 
