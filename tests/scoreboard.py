@@ -21,7 +21,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.report.words import tells
 from tests.corpus.cases import CRITERIA, Case, of
-from tests.corpus.layouts import LAYOUTS
+from tests.corpus.pieces import LAYOUTS
 from tests.corpus.writing import write
 from tests.layout_variants import VARIANTS, can_be_rearranged
 from tests.recordings import Marking

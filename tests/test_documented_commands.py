@@ -44,8 +44,7 @@ from grader.pytest_plugin import items
 from grader.report import truth
 from tests import sandboxes
 from tests.classes import Student, canvas, canvas_gradebook, filters_alone, moodle, moodle_worksheet
-from tests.corpus.pieces import tidy
-from tests.corpus.sheet import VERBATIM
+from tests.corpus.pieces import VERBATIM, tidy
 from tests.corpus.writing import write
 from tests.documents import ROOT, Command, commands, documents
 from tests.test_cluster import Site, until

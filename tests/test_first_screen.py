@@ -18,7 +18,7 @@ from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
-from tests.corpus.sheet import VERBATIM
+from tests.corpus.pieces import VERBATIM
 from tests.corpus.writing import write
 
 ROOT = Path(__file__).parent.parent

@@ -26,7 +26,7 @@ from grader.labs.imu.lab import LAB
 from grader.platforms import github
 from reference.worlds import LAB_MODEL
 from tests.conftest import SECRET
-from tests.corpus.sheet import VERBATIM
+from tests.corpus.pieces import VERBATIM
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / "reference"

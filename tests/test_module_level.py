@@ -7,7 +7,7 @@ import pytest
 from grader.engine.grader import Marker
 from grader.intake import Submission
 from tests.corpus.cases import Case, of
-from tests.corpus.layouts import LAYOUTS, above
+from tests.corpus.pieces import LAYOUTS, steps
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, look_at_edit
 from tests.single_faults import submission_of
@@ -58,7 +58,9 @@ def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Case, lay
     ],
 )  # fmt: skip
 def test_what_is_stepped_over_is_a_note_with_file_and_line(player: Marking, code: str, said: str) -> None:
-    result = player.mark(in_layout(Case("module level", "one", above("recorder", code)), "three-files"))
+    sheet = steps()
+    sheet["recorder.py"] = f"{code}\n\n{sheet['recorder.py']}"
+    result = player.mark(in_layout(Case("module level", "one", sheet), "three-files"))
     assert (result.score, result.notes) == (100.0, (said,))
 
 

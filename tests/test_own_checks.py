@@ -17,7 +17,7 @@ from grader.engine.rubric import Rubric
 from grader.kit import wheel
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from tests.corpus.sheet import FILTERS, LOW_PASS
+from tests.corpus.pieces import FILTERS, part
 from tests.sandboxes import Opened
 from tests.single_faults import marked
 
@@ -55,7 +55,7 @@ def test_the_documented_own_check_is_earned_by_the_sheets_filter_and_lost_by_ano
     assert {each.id: each.max_points for each in its_rubric.checks}[ID] == 3.33
     earned = judged(opened, its_rubric, FILTERS)
     assert (earned.outcome, earned.points) == ("passed", 3.33)
-    too_low = LOW_PASS.replace("self.alpha * measurement", "0.9 * self.alpha * measurement")
+    too_low = part("steps", "filter").replace("self.alpha * measurement", "0.9 * self.alpha * measurement")
     slow = judged(opened, its_rubric, too_low)
     assert (slow.outcome, slow.points) == ("failed", 0.0)
     assert slow.message.startswith("Expected  less than 0.02 m/s² from the step's height")

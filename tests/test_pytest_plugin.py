@@ -14,7 +14,7 @@ from junitparser import xunit2
 
 from grader.engine.rubric import load
 from grader.labs.imu.lab import LAB
-from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
+from tests.corpus.pieces import FILTERS, IMU_READER, NOISY
 
 READER_BY_ID = IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id")
 NO_FILTER = (

@@ -12,11 +12,12 @@ from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_graded_robot
-from tests.corpus import pieces, sheet
+from tests.corpus import pieces
 from tests.corpus.cases import Case, of
 from tests.sandboxes import Opened
 from tests.single_faults import changed, marked
 
+COLLECT = pieces.part("steps", "recorder")
 MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
 SHEET_PATH = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
 COLLECTORS, READERS = (
@@ -52,17 +53,17 @@ def test_recorded_readings_earn_their_form_alone(marker: Marker, case: Case) -> 
 
 @pytest.mark.parametrize("treatment", ["np.round(accel, 1)", "accel + [0, 0, 9.81]", "-accel", "accel / 9.81"])
 def test_rows_that_are_altered_are_still_of_a_run_that_was_reset_and_pushed(marker: Marker, treatment: str) -> None:
-    altered = sheet.COLLECT.replace("accelerations[i] = accel", f"accelerations[i] = {treatment}").replace(
+    altered = COLLECT.replace("accelerations[i] = accel", f"accelerations[i] = {treatment}").replace(
         "angular_velocities[i] = gyro", "angular_velocities[i] = np.round(gyro, 2)"
     )
-    files = changed(sheet.VERBATIM, "imu_reader.py", {sheet.COLLECT: altered})
+    files = changed(pieces.VERBATIM, "imu_reader.py", {COLLECT: altered})
     assert lost(marked(marker, files, "data_collection")) == {"matches_truth"}
 
 
 @pytest.mark.parametrize("ending", [b"\n", b"\r\n"])
 def test_a_handed_in_copy_of_the_lab_model_is_the_robot_that_is_graded_with(marker: Marker, ending: bytes) -> None:
     copy = bundles.shipped().models["lab"].encode().replace(b"\n", ending)
-    result = marked(marker, {**sheet.VERBATIM, SHEET_PATH: copy, "model/robot.xml": copy}, "data_collection")
+    result = marked(marker, {**pieces.VERBATIM, SHEET_PATH: copy, "model/robot.xml": copy}, "data_collection")
     assert (result.criteria[0].points, lost(result)) == (20.0, set())
 
 
@@ -92,7 +93,7 @@ LEARNT = {
 @pytest.mark.parametrize("mistake", LEARNT)
 def test_what_was_learnt_by_heart_from_the_public_model_is_named(marker: Marker, mistake: str) -> None:
     edits, checks = LEARNT[mistake]
-    result = marked(marker, changed(sheet.VERBATIM, "imu_reader.py", edits))
+    result = marked(marker, changed(pieces.VERBATIM, "imu_reader.py", edits))
     assert (lost(result), result.misconceptions) == (checks, (mistake,))
 
 

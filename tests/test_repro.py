@@ -24,7 +24,7 @@ from grader.labs.imu.repeating import WRITTEN, program
 from grader.report.terminal import screen
 from tests import sandboxes
 from tests.classes import filters_alone
-from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
+from tests.corpus.pieces import FILTERS, IMU_READER, NOISY
 from tests.corpus.writing import write
 from tests.examples import FOLDER
 from tests.fake_results import lost, result

@@ -9,7 +9,7 @@ base
 read, collect, plot, ... (a key of `pieces.PARTS`)
     The part that takes the place of the base's: its code, or the name of the base that has it.
 imu_reader.py, ... (a key with a dot)
-    The patch of a file, see `patches`.
+    The patch of a file, see `patched`.
 append
     Text for the end of a file.
 encode
@@ -31,17 +31,14 @@ Every other key is a field of `Case`. Checks of the table's own criterion are na
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
-import yaml
-
 from tests.corpus import special
-from tests.corpus.patches import patched
-from tests.corpus.pieces import BASES, PARTS, lab_of, part
+from tests.corpus.pieces import BASES, PARTS, lab_of, part, read
 from tests.corpus.writing import Content, Files, Late, Link, notebook
 
 CRITERIA = ("sensor_access", "data_collection", "visualization", "noise_model", "filtering")
@@ -75,11 +72,11 @@ class Case:
     ----------
     part : str
         The group of the corpus: sound, faulty, lookalikes, pairs, broken, module level, nothing, extensions, habits,
-        unforeseen, repairable, replays, example.
+        unforeseen, repairable, replays.
     name : str
         Unique in its part.
     files : Files
-        The submission. In the part "module level": the sheet's steps, see `layouts`.
+        The submission. In the part "module level": the sheet's steps, see `pieces.LAYOUTS`.
     as_ : str
         How it is handed in, see `writing.write`.
     only : str or None
@@ -171,32 +168,16 @@ def of(part: str) -> tuple[Case, ...]:
 
 
 def case(part: str, name: str) -> Case:
-    """Return one case.
-
-    Raises
-    ------
-    KeyError
-        If there is none.
-    """
-    found = {case.name: case for case in of(part)}
-    return found[name]
+    """Return one case, or raise a KeyError."""
+    return {case.name: case for case in of(part)}[name]
 
 
 @cache
 def table(name: str) -> tuple[Case, ...]:
     """Return the cases of a table, in its order."""
     return tuple(
-        _case(name, part, row_name, row) for part, rows in _rows(name).items() for row_name, row in rows.items()
+        _case(name, part, row_name, row) for part, rows in read(name).items() for row_name, row in rows.items()
     )
-
-
-@cache
-def _rows(name: str) -> Mapping[str, Mapping[str, Row]]:
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    rows: Mapping[str, Mapping[str, Row]] = yaml.load(
-        (Path(__file__).parent / f"{name}.yaml").read_text(encoding="utf-8"), Loader=loader
-    )
-    return rows
 
 
 def _case(table_name: str, part: str, name: str, row: Row) -> Case:
@@ -263,7 +244,7 @@ def _base(table_name: str, row: Row) -> dict[str, Content]:
 def _row(path: str) -> tuple[str, Row]:
     """The table and the row of ``TABLE/ROW``."""
     table_name, _, name = path.partition("/")
-    for rows in _rows(table_name).values():
+    for rows in read(table_name).values():
         if name in rows:
             return table_name, rows[name]
     raise ValueError(f"{table_name}.yaml has no row {name!r}")
@@ -300,3 +281,30 @@ def every() -> Iterator[Case]:
     """Return the cases of all tables."""
     for name in _TABLES:
         yield from table(name)
+
+
+# ---------------------------------------------------------------- patches
+
+
+def patched(text: str, patch: str) -> str:
+    """Return a text with each hunk of a patch applied.
+
+    A line that begins with ``-`` is taken away, one with ``+`` is added, one with a space (and an empty one) stays where it is;
+    ``@@`` separates hunks.
+
+    Raises
+    ------
+    ValueError
+        If the lines that a hunk expects are not there exactly once: the case would then not be what its row says.
+    """
+    lines = text.split("\n")
+    for hunk in filter(None, re.split(r"^@@\n", patch, flags=re.MULTILINE)):
+        changes = hunk.removesuffix("\n").split("\n")
+        if wrong := [line for line in changes if line[:1] not in ("", " ", "-", "+")]:
+            raise ValueError(f"a line of a patch begins with a space, -, + or is @@: {wrong[0]!r}")
+        old = [line[1:] for line in changes if line[:1] != "+"]
+        found = [i for i in range(len(lines) - len(old) + 1) if lines[i] == old[0] and lines[i : i + len(old)] == old]
+        if len(found) != 1:
+            raise ValueError(f"the lines {old} are there {len(found)} times, once is needed")
+        lines[found[0] : found[0] + len(old)] = [line[1:] for line in changes if line[:1] != "-"]
+    return "\n".join(lines)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import yaml
+
+from tests.corpus.writing import notebook
 
 MODEL_PATH = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
 BASES = ("verbatim", "tidy", "listy", "looping", "steps")
@@ -31,17 +34,16 @@ _HEADS = {
 
 
 @cache
-def _all() -> Mapping[str, Mapping[str, str | Mapping[str, str]]]:
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    bases: Mapping[str, Mapping[str, str]] = yaml.load(
-        (Path(__file__).parent / "bases.yaml").read_text(encoding="utf-8"), Loader=loader
-    )
-    return bases
+def read(table: str) -> Mapping[str, Mapping[str, Any]]:
+    """Return what a YAML file of this folder holds."""
+    text = (Path(__file__).parent / f"{table}.yaml").read_text(encoding="utf-8")
+    loaded: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return loaded
 
 
 def part(base: str, name: str) -> str:
     """Return the code of a part of a base; what the base does not have of its own is that of `tidy`."""
-    bases = _all()
+    bases = read("bases")
     found = bases[base][name] if name in bases[base] else bases["tidy"][name]
     if isinstance(found, str):
         return found
@@ -105,8 +107,8 @@ def looping() -> dict[str, str]:
     return lab_of("looping", {})
 
 
-def edit(files: dict[str, str], path: str, *changes: tuple[str, str]) -> dict[str, str]:
-    """A copy with passages of one file exchanged; each must be there exactly once.
+def edit(files: Mapping[str, str], path: str, *changes: tuple[str, str]) -> dict[str, str]:
+    """Return the files with passages of one exchanged, one after the other; each must be there exactly once.
 
     Raises
     ------
@@ -114,21 +116,21 @@ def edit(files: dict[str, str], path: str, *changes: tuple[str, str]) -> dict[st
         If a passage is missing or not unique: the sample would then not have the fault that it claims.
     """
     text = files[path]
-    places = []
     for old, new in changes:
         if text.count(old) != 1:
             raise ValueError(f"{path} holds {text.count(old)} of {old!r}, one is needed")
-        places.append((text.index(old), old, new))
-    pieces, end = [], 0
-    for start, old, new in sorted(places):
-        if start < end:
-            raise ValueError(f"{old!r} overlaps another passage")
-        pieces += [text[end:start], new]
-        end = start + len(old)
-    return {**files, path: "".join([*pieces, text[end:]])}
+        text = text.replace(old, new)
+    return {**files, path: text}
 
 
-HEAD = part("tidy", "head")
+LAYOUTS: Mapping[str, Callable[[Mapping[str, str]], dict[str, str]]] = {
+    "three-files": three_files,
+    "one-file": lambda steps: {"lab.py": "\n".join(steps.values())},
+    "notebook": lambda steps: {"lab.ipynb": notebook(*steps.values())},
+}
+"""How the sheet's steps, with an edit from `module_level.yaml`, are handed in."""
+VERBATIM = verbatim()
+IMU_READER, NOISY, FILTERS = VERBATIM.values()
 PLOT_LOOP = part("tidy", "plot")
 FILTER_INCREMENT = part("tidy", "low_pass")
 COMPARE = part("tidy", "compare")

@@ -57,24 +57,13 @@ def write(files: Files, target: Path, as_: str = "folder") -> Path:
         The folder to make, or the archive's path without its ending.
     as_ : {"folder", "zip", "tar.gz", "tar", "file", "zip in folder"}
         "file" writes the only entry beside `target`, under its own name; "zip in folder" makes a folder that holds one zip.
-
-    Raises
-    ------
-    ValueError
-        If `as_` is none of these.
     """
-    if as_ == "folder":
-        return _folder(files, target)
-    if as_ == "file":
-        ((name, content),) = files.items()
-        return _one_file(target.parent / name, content)
-    if as_ == "zip":
-        return _one_file(target.parent / f"{target.name}.zip", zipped(files))
-    if as_ in {"tar", "tar.gz"}:
-        return _one_file(target.parent / f"{target.name}.{as_}", tarred(files, as_))
+    if as_ in ("folder", "file"):
+        return _folder(files, target) if as_ == "folder" else _folder(files, target.parent) / next(iter(files))
     if as_ == "zip in folder":
         return _folder({"my submission.zip": zipped(files)}, target)
-    raise ValueError(f"no way to write a submission as {as_!r}")
+    archive = f"{target.name}.{as_}"
+    return _folder({archive: zipped(files) if as_ == "zip" else tarred(files, as_)}, target.parent) / archive
 
 
 def _folder(files: Files, target: Path) -> Path:
@@ -90,14 +79,6 @@ def _folder(files: Files, target: Path) -> Path:
         else:
             path.write_bytes(as_bytes(content))
     return target
-
-
-def _one_file(path: Path, content: Content) -> Path:
-    if isinstance(content, Link):
-        raise ValueError("a submission of one file cannot be a link")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(as_bytes(content))
-    return path
 
 
 def zipped(files: Files) -> bytes:

@@ -15,7 +15,7 @@ import pytest
 from grader.engine.results import from_dict
 from grader.platforms.registry import LISTED
 from tests.classes import ASSIGNMENT, canvas_gradebook, moodle_worksheet
-from tests.corpus.sheet import VERBATIM
+from tests.corpus.pieces import VERBATIM
 from tests.corpus.writing import write
 from tests.delivered.conftest import PIP, SECRET, Delivered
 from tests.examples import expected, summary

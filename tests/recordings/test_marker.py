@@ -10,7 +10,7 @@ import pytest
 from grader.base.errors import TimedOut
 from grader.intake import Submission
 from grader.sandbox.wire import Frame
-from tests.corpus.sheet import VERBATIM
+from tests.corpus.pieces import VERBATIM
 from tests.recordings import store
 from tests.recordings.answers import Answer, RecordedWorker, Recording
 from tests.recordings.marker import Counts, RecordedMarker, without_charts
