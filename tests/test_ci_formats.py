@@ -60,10 +60,6 @@ def mixed() -> Result:
     )
 
 
-def incomplete() -> Result:
-    return result(check(), check("not_judged", None, message="Not judged"), status="incomplete")
-
-
 def record(required: str, **properties: object) -> dict[str, object]:
     """A schema: an object that has these properties, the required ones at least, and no others."""
     return {
@@ -129,19 +125,6 @@ def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
     assert commands[-1][2] == "9.33 / 30"
 
 
-def test_no_text_of_a_submission_becomes_a_command_of_the_runner() -> None:
-    commands = as_the_runner_reads(github.commands(evil(), Places(LAB)))
-    assert [kind for kind, _, _ in commands] == ["error", "error", "notice"]
-    assert all(
-        text in commands[0][2] for text in ("::error file=/etc/passwd::owned", " %0A%3A ::stop")
-    )  # told, as text
-
-
-def test_an_annotation_stays_below_the_size_that_github_takes() -> None:
-    huge = result(lost(message="Got       " + "x" * 500_000, hint="y" * 500_000))
-    assert len(github.commands(huge, Places(LAB))) < 8000
-
-
 def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submission() -> None:
     places = Places(LAB, {"filters.py": "lab/filters.py"}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
     said = {"expected": "no exception", "got": "ValueError: no at evil.py, line 3"}
@@ -167,14 +150,6 @@ SUMMARY_TAGS = {"h2", "h3", "h4", "table", "thead", "tbody", "tr", "th", "td", "
 
 def rendered(markdown: str) -> Page:
     return Page(MarkdownIt("commonmark").enable("table").render(markdown))
-
-
-def test_no_text_of_a_submission_becomes_markdown_or_html() -> None:
-    page = rendered(github.summary(evil(), LAB))
-    assert page.names <= SUMMARY_TAGS
-    where = {tag for tag, data in page.texts if "@someone" in data}
-    assert where <= {"pre", "code", "h4"}
-    assert any("<img src=x onerror=alert(1)>" in data for _, data in page.texts)
 
 
 # --- JUnit ------------------------------------------------------------------------------------------------------------
@@ -211,18 +186,13 @@ def as_jenkins_reads(text: str) -> ElementTree.Element:
         assert {child.tag for child in element} <= children, element.tag
         if element.tag in ("testsuites", "testsuite"):
             assert re.fullmatch(SUREFIRE_TIME, element.get("time", ""))
-            named = {name: path for name, path in COUNTED.items() if element.tag == "testsuite" or name != "skipped"}
-            assert {name: element.get(name) for name in named} == {
-                n: str(len(element.findall(p))) for n, p in named.items()
-            }
+            for name, path in COUNTED.items():
+                if (element.tag, name) != ("testsuites", "skipped"):  # the schema allows no such total
+                    assert element.get(name) == str(len(element.findall(path))), f"{name} of {element.tag}"
         if element.tag == "testcase":
             assert len(element) <= 1
     assert [suite.get("timestamp") for suite in root] == ["2026-11-22T17:00:01+00:00"] * len(root)
     return root
-
-
-def properties(suite: ElementTree.Element) -> dict[str, str]:
-    return {each.get("name", ""): each.get("value", "") for each in suite.findall("properties/property")}
 
 
 def test_another_parser_reads_the_same_points_and_outcomes_from_junit() -> None:
@@ -247,19 +217,6 @@ def test_a_check_that_needs_another_is_skipped_and_what_cannot_be_graded_is_one_
     (failure,) = empty.findall("testsuite[@name='submission']/testcase/failure")
     assert (failure.get("message"), failure.get("type")) == (words.STATUS[status], status)
     assert empty.get("failures") == "1"
-    told = read_prairielearn(prairielearn(result(row, status=status)))
-    assert told["gradable"] is False
-    assert told["format_errors"]
-
-
-def test_no_text_of_a_submission_becomes_xml_or_a_command_in_the_log() -> None:
-    text = junit(evil(), AT)
-    root = as_jenkins_reads(text)
-    assert "::" not in text
-    assert "##[" not in text
-    failure = root[0].find("testcase/failure")
-    assert failure is not None
-    assert "]]></failure><evil/>" in (failure.text or "")
 
 
 @settings(max_examples=60, deadline=None)
@@ -285,22 +242,12 @@ GRADESCOPE = record(
 )  # fmt: skip
 
 
-def read_gradescope(text: str) -> dict[str, Any]:
-    return read(text, GRADESCOPE)
-
-
 def test_gradescope_gets_a_test_a_check_whose_points_sum_to_the_total() -> None:
-    told = read_gradescope(gradescope(mixed()))
+    told = read(gradescope(mixed()), GRADESCOPE)
     assert told["score"] == round(sum(test.get("score", 0.0) for test in told["tests"]), 2) == 9.33
     assert sum(test.get("max_score", 0.0) for test in told["tests"]) == 30
     assert [test["number"] for test in told["tests"]] == ["1.1", "1.2", "1.3", "1.4", "1.5", "2.1"]
     assert told["tests"][2]["output"].startswith("<pre>Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²</pre>")
-
-
-def test_no_text_of_a_submission_becomes_html_on_gradescope() -> None:
-    told = read_gradescope(gradescope(evil()))
-    for text in [told["output"], *(test["output"] for test in told["tests"])]:
-        assert Page(text).names <= {"p", "b", "pre"}
 
 
 # --- PrairieLearn -----------------------------------------------------------------------------------------------------
@@ -321,9 +268,10 @@ def read_prairielearn(text: str) -> dict[str, Any]:
     return read(text, PRAIRIELEARN)
 
 
-def test_prairielearn_is_given_no_more_than_it_takes() -> None:
-    rows = [lost(id=f"sensor_access.c{i}", message="ü" * 2000, hint="ü" * 2000) for i in range(200)]
-    told = read_prairielearn(prairielearn(result(*rows)))
+def test_github_and_prairielearn_are_given_no_more_than_they_take() -> None:
+    huge = result(*(lost(id=f"sensor_access.c{i}", message="ü" * 2000, hint="ü" * 5000) for i in range(200)))
+    assert max(map(len, github.commands(huge, Places(LAB)).splitlines())) < 8000
+    told = read_prairielearn(prairielearn(huge))
     assert told["score"] == 0
     assert told["tests"] == []
 
@@ -359,7 +307,7 @@ def test_classroom50_gets_whole_points_that_sum_to_the_total_and_the_exact_ones_
 @pytest.mark.parametrize("answer", [gradescope, lambda graded: classroom50(graded, Identity.of(ID), WHEN)])
 def test_no_platform_is_given_a_zero_for_what_was_not_judged(answer: Callable[[Result], str]) -> None:
     with pytest.raises(GraderError, match="the grader failed on a part of the submission"):
-        answer(incomplete())
+        answer(result(check(), check("not_judged", None, message="Not judged"), status="incomplete"))
 
 
 hundredths = st.integers(0, 2000).map(lambda n: n / 100)
@@ -387,7 +335,7 @@ def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
     tried = (check(id="allan_variance.a", points=8.0, max_points=10.0),)
     extension = replace(base.extensions[0], max_points=10.0, checks=tried)
     made = replace(base, extensions=(extension,), extra_credit_cap=4.5)
-    scope = read_gradescope(gradescope(made))
+    scope = read(gradescope(made), GRADESCOPE)
     assert scope["score"] == 7.83 == round(sum(test.get("score", 0.0) for test in scope["tests"]), 2)
     assert sum(test.get("max_score", 0.0) for test in scope["tests"]) == 6
     room = read_classroom50(made)
@@ -399,13 +347,12 @@ def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
 # --- a class ------------------------------------------------------------------------------------------------------------
 
 CLASS = {
-    "good": replace(result(), extensions=()),
-    "with mistakes": replace(mixed(), extensions=()),
-    "that hangs": replace(result(check(), check("timeout", 0.0, message=EVIL)), extensions=()),
-    **{
-        status: replace(result(check("skipped", 0.0, message=EVIL), status=status, notes=(EVIL,)), extensions=())
-        for status in ("empty", "unreadable")
-    },
+    "good": result(),
+    "with mistakes": mixed(),
+    "that hangs": result(check(), check("timeout", 0.0)),
+    "with hostile text": evil(),
+    "empty": result(check("skipped", 0.0, message=EVIL), status="empty", notes=(EVIL,)),
+    "unreadable": result(check("skipped", 0.0, message=EVIL), status="unreadable", notes=(EVIL,)),
 }
 
 
@@ -414,15 +361,30 @@ def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(graded
     lost_points = graded.score < graded.max_score
     root = as_jenkins_reads(junit(graded, AT))
     assert (int(root.get("failures", "0")) > 0) == lost_points
+    assert re.findall(r"::|##\[", junit(graded, AT)) == []
     *told, total = as_the_runner_reads(github.commands(graded, Places(LAB)))
     assert total[2].startswith(f"{graded.score:g} / {graded.max_score:g}")
     assert bool(told) == (lost_points and graded.status == "graded")
     assert total[0] == ("notice" if graded.status == "graded" else "error")
-    assert rendered(github.summary(graded, LAB)).names <= SUMMARY_TAGS
-    assert read_gradescope(gradescope(graded))["score"] == graded.score
+    page = rendered(github.summary(graded, LAB))
+    assert page.names <= SUMMARY_TAGS
+    assert {tag for tag, data in page.texts if "@someone" in data} <= {"pre", "code", "h4"}
+    scope = read(gradescope(graded), GRADESCOPE)
+    assert scope["score"] == graded.score
+    for text in (scope["output"], *(test["output"] for test in scope["tests"])):
+        assert Page(text).names <= {"p", "b", "pre"}
     assert read_classroom50(graded)["score"] == round(graded.score)
     shown = read_prairielearn(prairielearn(graded))
     assert (shown["gradable"], shown["score"]) == (graded.status == "graded", graded.score / graded.max_score)
+    assert bool(shown.get("format_errors")) != shown["gradable"]
+
+
+def test_hostile_text_is_told_as_text() -> None:
+    lost_, *_ = as_the_runner_reads(github.commands(evil(), Places(LAB)))
+    assert "::error file=/etc/passwd::owned" in lost_[2]
+    assert " %0A%3A ::stop" in lost_[2]
+    assert "<img src=x onerror=alert(1)>" in rendered(github.summary(evil(), LAB)).text
+    assert "]]></failure><evil/>" in str(as_jenkins_reads(junit(evil(), AT)).findtext("testsuite/testcase/failure"))
 
 
 # --- which platform ---------------------------------------------------------------------------------------------------
@@ -433,8 +395,6 @@ def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(graded
     [
         ({"GITHUB_ACTIONS": "true"}, "", "github"),
         ({"GITHUB_ACTIONS": "true", **ID}, "", "classroom50"),
-        ({"GITLAB_CI": "true"}, "", "junit"),
-        ({"JENKINS_URL": "https://example.org"}, "", "junit"),
         ({}, "autograder/submission", "gradescope"),
         ({}, "grade/student", "prairielearn"),
         ({}, "", "junit"),
