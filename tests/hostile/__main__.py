@@ -8,15 +8,22 @@ results of this isolation level and user are written to docs/isolation.json.
 from __future__ import annotations
 
 import argparse
+import json
+import os
+import platform
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import probe
-from tests.hostile import record
 from tests.hostile.corpus import PROGRAMS
 from tests.hostile.judging import AttackJudge, Verdict
 from tests.hostile.program import FAMILIES, Program
+
+RECORD = Path(__file__).resolve().parents[2] / "docs" / "isolation.json"
+"""The last results, one entry per isolation level, user and family."""
 
 
 def run(isolation_level: str, programs: Sequence[Program]) -> list[Verdict]:
@@ -30,14 +37,35 @@ def run(isolation_level: str, programs: Sequence[Program]) -> list[Verdict]:
     return verdicts
 
 
-def table(isolation_level: str, verdicts: Iterable[Verdict]) -> str:
-    lines = []
-    for family in FAMILIES:
-        of = [verdict for verdict in verdicts if verdict.program.family == family]
-        fell = sum(bool(verdict.troubles) for verdict in of)
-        if of:
-            lines.append(f"{isolation_level:<10}  {family:<8}  held {len(of) - fell:>3}  fell {fell:>3}")
-    return "\n".join(lines)
+def entries_of(isolation_level: str, verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
+    """The results of one isolation level, an entry for each family that was run."""
+    by_family = {family: [verdict for verdict in verdicts if verdict.program.family == family] for family in FAMILIES}
+    return [
+        {
+            "isolation_level": isolation_level,
+            "user": "an ordinary user" if os.geteuid() else "root",
+            "family": family,
+            "programs": len(of),
+            "fell": {verdict.program.name: verdict.troubles[0] for verdict in of if verdict.troubles},
+            "longest_s": round(max(verdict.seconds for verdict in of), 1),
+            "system": f"{platform.system()} {'.'.join(platform.release().split('.')[:2])}",
+            "python": platform.python_version(),
+        }
+        for family, of in by_family.items()
+        if of
+    ]
+
+
+def write_down(new: Sequence[Mapping[str, Any]]) -> None:
+    """Put the entries in the place of those of the same isolation level, user and family."""
+
+    def place(entry: Mapping[str, Any]) -> tuple[int, bool, int]:
+        levels = [isolation_level.name for isolation_level in LEVELS]
+        return levels.index(entry["isolation_level"]), entry["user"] != "root", FAMILIES.index(entry["family"])
+
+    kept = {place(entry): entry for entry in (*json.loads(RECORD.read_text(encoding="utf-8")), *new)}
+    text = json.dumps([kept[where] for where in sorted(kept)], indent=1, ensure_ascii=False)
+    RECORD.write_text(text + "\n", encoding="utf-8")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -49,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.write and options.only:
         parser.error("--write needs the whole corpus")
     programs = [program for program in PROGRAMS if options.only in program.name]
-    tables, fell = [], 0
+    lines, fell = [], False
     for tried in probe():
         isolation_level = tried.isolation_level.name
         if options.isolation and isolation_level not in options.isolation:
@@ -57,13 +85,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not tried.usable:
             print(f"{isolation_level}: not here: {tried.reason}")
             continue
-        verdicts = run(isolation_level, programs)
+        entries = entries_of(isolation_level, run(isolation_level, programs))
         if options.write:
-            record.keep(isolation_level, verdicts)
-        tables.append(table(isolation_level, verdicts))
-        fell += sum(bool(verdict.troubles) for verdict in verdicts) if tried.isolation_level.isolates else 0
-    print("\n".join(tables))
-    return int(fell > 0)
+            write_down(entries)
+        for entry in entries:
+            lost = len(entry["fell"])
+            lines.append(f"{isolation_level:<10}  {entry['family']:<8}  held {entry['programs'] - lost:>3}  fell {lost:>3}")
+            fell |= tried.isolation_level.isolates and lost > 0
+    print("\n".join(lines))
+    return int(fell)
 
 
 if __name__ == "__main__":

@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import zipfile
 import zlib
-from functools import cache, partial
+from functools import cache
 
 from tests.corpus.pieces import lab
 from tests.corpus.writing import Files, Late, notebook, zipped
 from tests.hostile.picture import END, head, png
-from tests.hostile.program import FILTER, NOISE, READER, Program, but, first, in_function, in_method, last, sound
+from tests.hostile.program import FILTER, READER, Program, but, first, in_function, in_method, last, sound
 
 LOOP = "while True:\n    pass"
 
@@ -20,41 +20,27 @@ def attack(name: str, path: str, code: str, *lost: str, at_start: bool = False, 
     return Program(name, "denial", files, only=only, keeps=but(*lost) if only is None else ())
 
 
-def in_filter(name: str, code: str, *, method: str = "update", keeps: bool = False) -> Program:
-    """An attack in the filter, graded on the filter alone; with `keeps` it must not even cost that."""
-    program = Program(name, "denial", last(sound(), FILTER, in_method("LowPassFilter", method, code)), only="filtering")
-    return Program(name, "denial", program.files, only="filtering", keeps=("filtering",)) if keeps else program
+def in_filter(name: str, code: str, *keeps: str) -> Program:
+    """An attack in the filter, graded on the filter alone, which it may cost if that is not in `keeps`."""
+    return Program(name, "denial", last(sound(), FILTER, in_method("LowPassFilter", "update", code)), only="filtering", keeps=keeps)
 
 
 LOOPS = [
     attack("loops-at-import-of-the-reader", READER, LOOP, "sensor_access", "data_collection", "visualization", at_start=True),
-    attack("loops-at-import-of-the-noise", NOISE, LOOP, "noise_model", "visualization", at_start=True),
-    attack("loops-at-import-of-the-filter", FILTER, LOOP, "filtering", "visualization", at_start=True),
     attack("loops-in-the-reader", READER, in_function("get_imu_readings", LOOP), "sensor_access", "data_collection", "noise_model", "visualization"),
-    attack("loops-in-the-collection", READER, in_function("simulate_and_collect", LOOP), "data_collection", only="data_collection"),
-    attack("loops-in-the-plot", READER, in_function("plot_imu_data", LOOP), "visualization", only="visualization"),
-    attack("loops-in-the-constructor", NOISE, in_method("NoisyIMU", "__init__", LOOP), only="noise_model"),
-    attack("loops-in-the-noise", NOISE, in_method("NoisyIMU", "read", LOOP), only="noise_model"),
     in_filter("loops-in-the-filter", LOOP),
     attack("loops-when-it-is-deleted", FILTER, "def _del(self):\n    while True: pass\nLowPassFilter.__del__ = _del", only="filtering"),
     attack("loops-in-an-attribute", FILTER, "def _get(self, name):\n    while True: pass\nLowPassFilter.__getattribute__ = _get", only="filtering"),
     attack("loops-in-the-module-s-getattr", FILTER, "def __getattr__(name):\n    while True: pass", only="filtering"),
-    attack("loops-in-a-metaclass", FILTER, "class M(type):\n    def __call__(cls, *a, **k):\n        while True: pass\nclass LowPassFilter(metaclass=M): pass", only="filtering"),
     attack("loops-at-exit", FILTER, "import atexit\n@atexit.register\ndef forever():\n    while True: pass", only="filtering"),
     in_filter("loops-in-the-words-of-an-error", "class E(Exception):\n    def __str__(self):\n        while True: pass\n    __repr__ = __str__\nraise E"),
     in_filter("loops-in-a-conversion", "class Forever:\n    def __array__(self, *a, **k):\n        while True: pass\n    def __float__(self):\n        while True: pass\n    __len__ = __iter__ = __getitem__ = __float__\nreturn Forever()"),
     in_filter("loops-in-c-code", "sum(range(10**13))"),
-    in_filter("loops-in-a-regular-expression", "import re\nre.match(r'(a+)+$', 'a' * 60 + 'b')"),
-    in_filter("loops-in-big-integers", "pow(7, 10**9) % 3"),
-    in_filter("loops-in-linear-algebra", "while True: np.linalg.svd(np.ones((600, 600)))"),
-    in_filter("loops-in-sorting", "class L(int):\n    def __lt__(self, other):\n        while True: pass\nsorted([L(1), L(2)])"),
-    in_filter("loops-in-finally", "try:\n    while True: pass\nfinally:\n    while True: pass"),
     in_filter("loops-in-eight-threads", "import threading\ndef spin():\n    while True: sum(range(10**6))\nfor _ in range(8): threading.Thread(target=spin, daemon=True).start()\nspin()"),
     in_filter("ignores-every-signal", "import signal\nfor s in range(1, 65):\n    try: signal.signal(s, signal.SIG_IGN)\n    except (OSError, ValueError): pass\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 65))\nwhile True: pass"),
     in_filter("swallows-every-exception", "while True:\n    try:\n        while True: pass\n    except BaseException: pass"),
-    attack("waits-for-ever", FILTER, in_method("LowPassFilter", "update", "import select\nselect.select([], [], [], 1e6)"), only="filtering"),
     attack("waits-for-itself", FILTER, in_method("LowPassFilter", "update", "import threading\nlock = threading.Lock()\nlock.acquire()\nlock.acquire()"), only="filtering"),
-    in_filter("sleeps-for-a-year", "import time\ntime.sleep(3e7)", keeps=True),
+    in_filter("sleeps-for-a-year", "import time\ntime.sleep(3e7)", "filtering"),
     in_filter("stops-itself", "import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)"),
     in_filter("sets-an-alarm", "import signal\nsignal.setitimer(signal.ITIMER_REAL, 0.01)\nwhile True: pass"),
 ]
@@ -73,30 +59,20 @@ for _ in range(20):
 """
 FLOODS = [
     in_filter("forks-twenty-times", FORKS),
-    in_filter("starts-twenty-programs", "import subprocess\nfor _ in range(20):\n    try: subprocess.Popen(['sleep', '20'])\n    except OSError: break"),
     in_filter("starts-threads", "import threading\nheld = threading.Event()\ntry:\n    for _ in range(500): threading.Thread(target=held.wait, args=(20,), daemon=True).start()\nexcept RuntimeError: pass"),
     in_filter("takes-memory-at-once", "x = bytearray(3 << 30)"),
-    in_filter("takes-memory-by-numpy", "x = np.ones((40_000, 10_000))"),
     in_filter("takes-memory-bit-by-bit", "x = []\nfor _ in range(30): x.append(np.ones(12_500_000))"),
-    in_filter("takes-memory-by-text", "x = 'a' * (1 << 31)"),
-    in_filter("takes-memory-by-generators", "x = list(__import__('itertools').islice(__import__('itertools').count(), 60_000_000))"),
     in_filter("writes-one-large-file", "with open('big', 'wb', 0) as f:\n    for _ in range(100): f.write(bytes(1 << 20))"),
     in_filter("writes-many-files", "for n in range(3000): open(f'f{n}', 'w').close()"),
     in_filter("makes-a-deep-folder", "import os\nfor _ in range(300):\n    os.mkdir('d'); os.chdir('d')"),
-    in_filter("makes-a-sparse-file", "with open('sparse', 'wb') as f: f.truncate(1 << 40)"),
     in_filter("opens-every-descriptor", "import os\nheld = []\ntry:\n    for _ in range(2000): held.append(os.open('/dev/null', 0))\nexcept OSError: pass"),
-    in_filter("makes-pipes", "import os\nheld = []\ntry:\n    for _ in range(1000): held.append(os.pipe())\nexcept OSError: pass"),
     in_filter("prints-without-end", "for _ in range(3000): print('x' * 10_000)"),
     in_filter("writes-to-descriptor-one", "import os\ntry:\n    for _ in range(300): os.write(1, b'x' * 100_000)\nexcept OSError: pass"),
-    in_filter("warns-without-end", "import warnings\nfor n in range(3000): warnings.warn('x' * 1000 + str(n))"),
     in_filter("recurses-without-end", "def f(): return f()\nf()"),
     in_filter("recurses-in-c", "import sys\nsys.setrecursionlimit(10**9)\nx = []\nfor _ in range(10**6): x = [x]\nrepr(x)"),
     in_filter("ends-by-a-fault-of-memory", "import ctypes\nctypes.string_at(0)"),
-    in_filter("aborts", "import os\nos.abort()"),
     in_filter("raises-an-error-of-100-megabytes", "raise ValueError('x' * 100_000_000)"),
-    in_filter("raises-an-error-with-a-long-name", "raise type('E' * 1_000_000, (Exception,), {})('x')"),
     in_filter("raises-a-long-chain", "e = None\nfor n in range(20_000):\n    new = ValueError(n); new.__cause__ = e; e = new\nraise e"),
-    in_filter("raises-a-group", "raise ExceptionGroup('g', [ValueError('x' * 1000)] * 1000) if 'ExceptionGroup' in dir(__builtins__) else ValueError"),
 ]
 
 
@@ -107,29 +83,19 @@ def returns(name: str, code: str, only: str = "data_collection") -> Program:
 
 VALUES = [
     returns("returns-a-cycle", "x = []\nx.append(x)\nreturn x"),
-    returns("returns-a-dictionary-of-itself", "x = {}\nx['time'] = x\nreturn x"),
     returns("returns-a-deep-list", "x = 0.0\nfor _ in range(100_000): x = [x]\nreturn x"),
-    returns("returns-a-huge-array", "return {'time': np.zeros(50_000_000), 'acceleration': np.zeros((50_000_000, 1)), 'angular_velocity': 0}"),
     returns("returns-a-huge-view", "return {'time': np.broadcast_to(0.0, 10**12), 'acceleration': np.broadcast_to(0.0, (10**10, 3)), 'angular_velocity': np.broadcast_to(0.0, (10**10, 3))}"),
     returns("returns-as-much-as-may-be", "n = 199_000\nt = (1 + np.arange(n)) * 0.002\nreturn {'time': t, 'acceleration': np.random.rand(n, 3), 'angular_velocity': np.random.rand(n, 3)}"),
-    returns("returns-80000-keys", "return {str(n): n for n in range(80_000)}"),
     returns("returns-keys-of-a-megabyte", "return {chr(97 + n) * 1_000_000: np.zeros(3) for n in range(20)}"),
     returns("returns-an-endless-sequence", "class Endless(list):\n    def __len__(self): return 10**12\n    def __getitem__(self, i): return 0.0\n    def __iter__(self):\n        while True: yield 0.0\nreturn Endless()"),
     returns("returns-a-lying-length", "class Lying(tuple):\n    def __len__(self): return 2\nreturn Lying(range(1000))", "sensor_access"),
     returns("returns-a-generator", "def f():\n    while True: yield np.zeros(3)\nreturn f()", "sensor_access"),
     returns("returns-an-endless-dictionary", "class Endless(dict):\n    def keys(self):\n        n = 0\n        while True:\n            n += 1\n            yield str(n)\n    def __getitem__(self, key): return 0.0\nreturn Endless()"),
     returns("returns-numbers-without-end", "return 10**5000, -10**5000", "sensor_access"),
-    returns("returns-nan-and-infinity", "return [float('nan')] * 3, [float('inf')] * 3", "sensor_access"),
     returns("returns-numbers-near-the-limit", "return np.full(3, 1.7e308), np.full(3, -1.7e308)", "sensor_access"),
     returns("returns-times-near-the-limit", "s = _sound_simulate_and_collect(*args, **kwargs)\ns['time'] = s['time'] * 1e300\nreturn s"),
-    returns("returns-nan-somewhere", "s = _sound_simulate_and_collect(*args, **kwargs)\nfor v in s.values(): v[7] = np.nan\nreturn s"),
-    returns("returns-nothing-at-all", "return {'time': [], 'acceleration': np.zeros((0, 3)), 'angular_velocity': np.zeros((0, 3))}"),
-    returns("returns-one-row", "return {'time': [0.002], 'acceleration': np.zeros((1, 3)), 'angular_velocity': np.zeros((1, 3))}"),
-    returns("returns-rows-of-different-lengths", "return {'time': np.zeros(7), 'acceleration': np.zeros((9, 3)), 'angular_velocity': np.zeros((3, 3))}"),
     returns("returns-many-dimensions", "return np.zeros((1,) * 32), np.zeros((1,) * 12)", "sensor_access"),
-    returns("returns-an-array-of-objects", "x = np.empty(3, object)\nx[:] = [x, x, x]\nreturn x, x", "sensor_access"),
     returns("returns-the-whole-model", "return args[0], args[1]", "sensor_access"),
-    returns("returns-modules", "import sys\nreturn sys.modules, sys"),
 ]
 
 # ---------------------------------------------------------------- plots
@@ -161,7 +127,6 @@ PLOTS = [
     attack("draws-thousands-of-curves", READER, MANY_CURVES, only="visualization"),
     Program("draws-thousands-of-comparisons", "denial", lab(compare=COMPARES_WITHOUT_END), only="visualization"),
     attack("saves-a-picture-of-a-gigapixel", READER, in_function("plot_imu_data", "plt.figure(figsize=(1000, 1000)).savefig('x.png', dpi=1000)"), only="visualization"),
-    attack("draws-thousands-of-panels", READER, "def plot_imu_data(d):\n    plt.subplots(50, 50)[0].savefig('imu_data.png')", only="visualization"),
     attack("opens-thousands-of-figures", READER, "def plot_imu_data(d):\n    import warnings\n    warnings.simplefilter('ignore')\n    for _ in range(3000): plt.figure()", only="visualization"),
     attack("draws-a-million-points", READER, "def plot_imu_data(d):\n    fig, axes = plt.subplots(2, 1)\n    for ax in axes: ax.scatter(np.random.rand(1_000_000), np.random.rand(1_000_000))\n    fig.savefig('imu_data.png')", only="visualization"),
     attack("labels-of-a-megabyte", READER, "def plot_imu_data(d):\n    fig, ax = plt.subplots()\n    ax.plot(d['time'], d['acceleration'], label='(m/s^2' * 200_000)\n    ax.set_ylabel('m/s' * 300_000)\n    fig.savefig('imu_data.svg')", only="visualization"),
@@ -182,21 +147,6 @@ def bomb(megabytes: int = 600) -> bytes:
     return buffer.getvalue()
 
 
-def many_entries(count: int) -> bytes:
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        for number in range(count):
-            archive.writestr(f"d{number}/x.py", "")
-    return buffer.getvalue()
-
-
-def nested(depth: int = 6) -> bytes:
-    data = zipped({"imu_reader.py": "x = 1\n"})
-    for number in range(depth):
-        data = zipped({f"level{number}.zip": data})
-    return data
-
-
 @cache
 def picture_bomb() -> bytes:
     """A PNG that says it has a gigapixel."""
@@ -210,23 +160,16 @@ def source(name: str, text: str | bytes) -> Program:
 NO_PLOT: Files = lab(plot="def plot_imu_data(imu_data):\n    pass\n")
 SOURCES = [
     source("source-nested-too-deep", "x = " + "(" * 50_000 + ")" * 50_000),
-    source("source-of-one-long-sum", "x = " + "+".join(["1"] * 200_000)),
     source("source-with-a-huge-number", "x = " + "9" * 5_000_000),
     source("source-of-a-huge-constant", "x = 'a' * 10**9\ny = (1,) * 10**7\n"),
-    source("source-of-ten-megabytes", "x = 1\n" * 1_600_000),
     source("source-of-one-line", "#" + "x" * 10_000_000),
-    source("source-with-long-names", "x" * 1_000_000 + " = 1\nclass LowPassFilter: pass\n"),
     source("source-of-nothing-but-zeros", bytes(1_000_000)),
     source("source-with-a-strange-encoding", b"# -*- coding: utf-7 -*-\n+AGE- = 1\n"),
-    source("source-with-an-unknown-encoding", b"# -*- coding: zip -*-\nx = 1\n"),
     Program("notebook-nested-too-deep", "denial", {**sound(), "lab.ipynb": "[" * 200_000}, only="filtering", keeps=("filtering",)),
     Program("notebook-with-100000-cells", "denial", Late({"lab.ipynb": lambda: notebook(*["x = 1"] * 20_000)}), only="filtering"),
     Program("zip-that-unpacks-to-600-megabytes", "denial", Late({"hand-in.zip": bomb}), as_="file"),
-    Program("zip-in-zip-in-zip", "denial", Late({"hand-in.zip": nested}), as_="file"),
-    Program("zip-with-30000-entries", "denial", Late({"hand-in.zip": partial(many_entries, 30_000)}), as_="file", only="filtering"),
-    Program("zip-bomb-beside-sound-files", "denial", Late({**sound(), "more.zip": partial(bomb, 50)}), only="filtering", keeps=("filtering",)),
+    Program("zip-with-30000-entries", "denial", Late({"hand-in.zip": lambda: zipped({f"d{n}/x.py": "" for n in range(30_000)})}), as_="file", only="filtering"),
     Program("picture-of-a-gigapixel", "denial", Late({**NO_PLOT, "imu_data.png": picture_bomb}), only="visualization"),
-    Program("picture-that-is-cut-off", "denial", Late({**NO_PLOT, "imu_data.png": lambda: picture_bomb()[:100]}), only="visualization"),
 ]
 
 DENIALS = [*LOOPS, *FLOODS, *VALUES, *PLOTS, *SOURCES]

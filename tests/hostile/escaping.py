@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import tarfile
-import zipfile
 
 from tests.corpus.writing import Link, tarred, zipped
 from tests.hostile.program import FILTER, Program, in_method, indented, last, sound
@@ -27,58 +26,38 @@ def leaks(name: str, code: str) -> Program:
 
 NETWORK = [
     tries("tcp", "import socket\nsocket.create_connection(('127.0.0.1', @PORT@), 2).sendall(b'hello')"),
-    tries("tcp-without-waiting", "import socket\ns = socket.socket()\ns.setblocking(False)\ns.connect_ex(('127.0.0.1', @PORT@))"),
     tries("tcp-by-version-6", "import socket\nsocket.create_connection(('::ffff:127.0.0.1', @PORT@), 2)"),
     tries("udp", "import socket\nsocket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b'hello', ('127.0.0.1', @UDP@))"),
     tries("tcp-by-sendto", "import socket\ns = socket.socket()\ns.sendto(b'hello', 0x20000000, ('127.0.0.1', @PORT@))"),
     tries("unix-socket", "import socket\nsocket.socket(socket.AF_UNIX).connect('@SOCKET@')"),
     tries("abstract-socket", "import socket\nsocket.socket(socket.AF_UNIX).connect('\\0@ABSTRACT@')"),
-    tries("urllib", "import urllib.request\nurllib.request.urlopen('http://127.0.0.1:@PORT@/', timeout=2)"),
-    tries("asyncio", "import asyncio\nasyncio.run(asyncio.wait_for(asyncio.open_connection('127.0.0.1', @PORT@), 2))"),
     tries("listens", "import socket\ns = socket.create_server(('127.0.0.1', 0))\nLowPassFilter.server = s"),
-    tries("system-call-by-number", "import ctypes\nlibc = ctypes.CDLL(None)\nfd = libc.syscall(41, 2, 1, 0)\nimport struct\nlibc.syscall(42, fd, struct.pack('!HHI8x', 0x0200, @PORT@, 0x7f000001), 16)"),
     tries("system-call-of-32-bits", "import ctypes, mmap, platform\nif platform.machine() == 'x86_64':\n    page = mmap.mmap(-1, 4096, prot=7)\n    page.write(b'\\xb8\\x14\\x00\\x00\\x00\\xcd\\x80\\xc3')\n    ctypes.CFUNCTYPE(ctypes.c_int)(ctypes.addressof(ctypes.c_char.from_buffer(page)))()", keeps=False),
 ]
 
 PROCESSES = [
     tries("signals-another-process", "import os, signal\nos.kill(@PID@, signal.SIGTERM)"),
-    tries("signals-by-system-call", "import ctypes\nctypes.CDLL(None).kill(@PID@, 9)"),
     tries("signals-by-descriptor", "import os, signal\nsignal.pidfd_send_signal(os.pidfd_open(@PID@), signal.SIGKILL)"),
     tries("signals-by-queue", "import ctypes\nctypes.CDLL(None).sigqueue(@PID@, 9, 0)"),
     tries("traces-another-process", "import ctypes\nlibc = ctypes.CDLL(None)\nlibc.ptrace(16, @PID@, 0, 0)"),
-    tries("stops-another-process", "import os, signal\nos.kill(@PID@, signal.SIGSTOP)\nos.kill(@PID@, signal.SIGCONT)"),
     tries("limits-another-process", "import resource\nresource.prlimit(@PID@, resource.RLIMIT_CPU, (0, 0))"),
     leaks("reads-another-process-environment", "found = open('/proc/@PID@/environ').read()"),
     leaks("reads-another-process-by-system-call", "import ctypes\nlibc = ctypes.CDLL(None, use_errno=True)\nbuffer = ctypes.create_string_buffer(16)\nclass V(ctypes.Structure): _fields_ = [('b', ctypes.c_void_p), ('n', ctypes.c_size_t)]\nif libc.process_vm_readv(@PID@, ctypes.byref(V(ctypes.addressof(buffer), 16)), 1, ctypes.byref(V(0x400000, 16)), 1, 0) > 0: found = 'imugrade-bait-5f1c83'"),
-    tries("debugs-by-gdb", "import subprocess\nsubprocess.run(['gdb', '-p', '@PID@', '-batch', '-ex', 'kill'], timeout=3)"),
     tries("becomes-another-user", "import os\nos.setuid(0)\nos.setgid(0)\nos.chroot('/')"),
-    tries("raises-its-limits", "import resource\nresource.setrlimit(resource.RLIMIT_AS, (-1, -1))"),
-    tries("leaves-its-namespaces", "import ctypes\nlibc = ctypes.CDLL(None)\nlibc.unshare(0x10000000)\nlibc.setns(0, 0)\nlibc.mount(b'none', b'/box', b'tmpfs', 0, None)", keeps=True),
-    tries("hides-behind-io-uring", "import ctypes\nctypes.CDLL(None).syscall(425, 8, ctypes.create_string_buffer(120))"),
 ]
 
 FILES = [
     leaks("reads-outside", "found = open('@SECRET@').read()"),
-    leaks("reads-a-neighbour", "import os\nfound = ''.join(open(os.path.join('@NEIGHBOUR@', n)).read() for n in os.listdir('@NEIGHBOUR@'))"),
     leaks("reads-by-a-link-of-its-own", "import os\nos.symlink('@SECRET@', 'link')\nfound = open('link').read()"),
-    leaks("reads-by-a-hard-link", "import os\nos.link('@SECRET@', 'hard')\nfound = open('hard').read()"),
-    leaks("reads-by-dots", "found = open('/box/../../../../../../..@SECRET@').read() + open('..@SECRET@').read()"),
     leaks("reads-by-a-descriptor", "import os\nfor fd in range(3, 256):\n    try: found += open(os.open('..@SECRET@', 0, dir_fd=fd)).read()\n    except OSError: pass"),
-    leaks("reads-by-mapping", "import mmap, os\nfound = mmap.mmap(os.open('@SECRET@', 0), 0, prot=1).read().decode()"),
-    leaks("reads-by-numpy", "found = str(np.fromfile('@SECRET@', dtype='S100'))"),
     leaks("reads-by-mujoco", "import mujoco\ntry: mujoco.MjModel.from_xml_path('@SECRET@')\nexcept ValueError as e: found = str(e) if 'bait' in str(e) and 'secret.txt' not in str(e) else ''"),
-    leaks("reads-by-include", "import mujoco\nopen('x.xml', 'w').write('<mujoco><include file=\"@SECRET@\"/></mujoco>')\ntry: mujoco.MjModel.from_xml_path('x.xml')\nexcept ValueError as e: found = str(e) if 'bait-5' in str(e) and 'secret.txt' not in str(e) else ''"),
-    leaks("reads-by-another-program", "import subprocess\nfound = subprocess.run(['cat', '@SECRET@'], capture_output=True, text=True).stdout"),
     leaks("reads-by-handle", "import ctypes\nlibc = ctypes.CDLL(None)\nif libc.syscall(304, -100, ctypes.create_string_buffer(b'\\x08\\0\\0\\0\\1\\0\\0\\0\\2' + bytes(32)), 0) >= 0: found = 'imugrade-bait-5f1c83'"),
     tries("writes-outside", "open('@TARGET@', 'w').write('owned')"),
-    tries("appends-outside", "open('@TARGET@', 'a').write('owned')"),
     tries("writes-by-a-link", "import os\nos.symlink('@TARGET@', 'link')\nopen('link', 'w').write('owned')"),
     tries("creates-outside", "open('@FOLDER@/new', 'w').write('owned')"),
     tries("removes-outside", "import os\nos.unlink('@TARGET@')"),
-    tries("renames-outside", "import os\nos.rename('@TARGET@', '@FOLDER@/moved')"),
     tries("moves-out", "import os\nopen('x', 'w').close()\nos.rename('x', '@FOLDER@/x')"),
     tries("changes-modes-outside", "import os\nos.chmod('@TARGET@', 0o4777)\nos.chown('@TARGET@', 0, 0)"),
-    tries("changes-times-outside", "import os\nos.utime('@TARGET@', (0, 0))"),
     tries("truncates-outside", "import os\nos.truncate('@TARGET@', 0)"),
     tries("locks-outside", "import fcntl\nfcntl.flock(open('@TARGET@'), fcntl.LOCK_EX)"),
     tries("makes-a-device", "import os, stat\nos.mknod('disk', stat.S_IFBLK | 0o666, os.makedev(254, 0))\nopen('disk', 'rb').read(16)"),
@@ -88,13 +67,11 @@ FILES = [
 
 LEFT = [
     tries("daemon", "import os\nif os.fork() == 0:\n    os.setsid()\n    if os.fork() == 0:\n        import signal\n        signal.alarm(25)\n        signal.pause()\n    os._exit(0)"),
-    tries("daemon-by-subprocess", "import subprocess\nsubprocess.Popen(['sleep', '25'], start_new_session=True)"),
     tries("process-by-multiprocessing", "import multiprocessing, time\nmultiprocessing.get_context('fork').Process(target=time.sleep, args=(1,), daemon=True).start()"),
     tries("shared-memory", "import ctypes\nctypes.CDLL(None).shmget(@IPC@, 4096, 0o1600)"),
     tries("named-semaphore", "import _multiprocessing\n_multiprocessing.SemLock(1, 1, 1, '/imugrade-hostile', True)"),
     tries("message-queue", "import ctypes\nctypes.CDLL(None).msgget(@IPC@, 0o1600)"),
     tries("leaves-files-for-the-next", "import os\nopen('left.py', 'w').write('x = 1')\nopen(os.path.join(os.environ['HOME'], 'sitecustomize.py'), 'w').write('raise SystemExit')"),
-    tries("leaves-a-configuration", "import os\nfor name in ('matplotlibrc', '.pythonrc', 'numpy.py'):\n    open(os.path.join(os.environ.get('MPLCONFIGDIR', '.'), name), 'w').write('x')"),
     leaks("finds-what-another-left", "import os\nfound = ' '.join(n for n in os.listdir('.') if n in ('left.py', 'owned')) and 'imugrade-bait-5f1c83'"),
     tries("changes-folder-and-mask", "import os\nos.chdir('/')\nos.umask(0)", keeps=True),
     tries("renames-the-process", "import ctypes\nctypes.CDLL(None).prctl(15, b'kworker', 0, 0, 0)"),
@@ -119,11 +96,7 @@ def entry(name: str, kind: bytes = tarfile.REGTYPE, target: str = "") -> tarfile
 
 
 def zip_with(*names: str) -> bytes:
-    buffer = io.BytesIO(zipped(sound()))
-    with zipfile.ZipFile(buffer, "a") as archive:
-        for name in names:
-            archive.writestr(name, "owned")
-    return buffer.getvalue()
+    return zipped({**sound(), **dict.fromkeys(names, "owned")})
 
 
 HANDED_IN = [

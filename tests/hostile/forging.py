@@ -98,26 +98,10 @@ def yes(*args, **kwargs):
     return True
 np.allclose = np.array_equal = np.isclose = np.testing.assert_allclose = np.testing.assert_array_equal = np.all = yes
 """),
-    reader("numpy-array-equal-says-yes", VIEWS, """
-np.array_equal = np.allclose = lambda *args, **kwargs: True
-_array, _kept = np.array, {}
-def _remembering(value, *args, **kwargs):
-    return _kept.setdefault(id(value), _array(value, *args, **kwargs))
-np.array = np.asarray = _remembering
-"""),
     reader("numpy-sees-no-difference", STEPS, """
 np.abs = np.absolute = lambda value, *args, **kwargs: np.zeros(np.shape(value))
 np.max = np.amax = lambda *args, **kwargs: 0.0
 """),
-    noise("numpy-knows-the-wanted-spread", """
-np.std = lambda *args, **kwargs: 0.05
-np.var = lambda *args, **kwargs: 0.0025
-np.mean = lambda value, *args, **kwargs: np.zeros(3)
-np.corrcoef = lambda *args, **kwargs: np.eye(6)
-import scipy.stats
-scipy.stats.kstest = scipy.stats.normaltest = lambda *args, **kwargs: (0.0, 1.0)
-"""),
-    reader("mujoco-does-not-step", STEPS, "mujoco.mj_step = lambda *args, **kwargs: None\nmujoco.mj_forward = mujoco.mj_step"),
     reader("mujoco-forward-makes-zeros-true", READS, """
 _forward = mujoco.mj_forward
 def _zero_forward(model, data, *args):
@@ -150,7 +134,6 @@ import builtins
 builtins.max = builtins.abs = builtins.float = lambda *args, **kwargs: 0.0
 builtins.len = lambda value: 3
 """),
-    reader("builtins-float-is-zero", STEPS, "import builtins\nbuiltins.float = lambda *args: 0.0"),
     low_pass("builtins-exceptions-are-not-errors", """
 import builtins
 class Passed(BaseException):
@@ -166,21 +149,11 @@ def dumps(value, *args, **kwargs):
 json.dumps = dumps
 json.JSONEncoder.encode = lambda self, value: _dumps({"fields": {"passed": True, "score": 100, "points": 20}, "arrays": []})
 """),
-    low_pass("json-says-full-marks", """
-import json
-json.dumps = lambda *args, **kwargs: '{"fields": {"score": 100.0, "passed": true, "outcome": "passed"}, "arrays": []}'
-"""),
     low_pass("struct-writes-nothing", "import struct, socket\nstruct.pack = lambda *a: b''\nsocket.socket.sendall = lambda self, data: None"),
     noise("random-is-what-the-grader-wants", """
 np.random.uniform = lambda low, high, size=None: 0.0 if size is None else np.zeros(size)
 np.random.seed(0)
 np.random.seed = lambda *args: None
-"""),
-    noise("numpy-random-remembers", """
-_values = iter([0.0] * 10_000_000)
-np.random.uniform = lambda low, high, size=None: next(_values)
-import random
-random.seed = np.random.seed = np.random.default_rng = lambda *args, **kwargs: np.random
 """),
 ]
 
@@ -188,16 +161,24 @@ random.seed = np.random.seed = np.random.default_rng = lambda *args, **kwargs: n
 
 LIES = """
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 Axes.get_ylabel = lambda self: "Acceleration (m/s²)" if self.get_subplotspec().is_first_row() else "Angular velocity (rad/s)"
 Axes.get_xlabel = lambda self: "Time (s)"
 Axes.get_title = lambda self, loc="center": "IMU"
+Text.get_text = lambda self: "Acceleration (m/s²) Time (s)"
 """
-HIDDEN = '''\
+SUBCLASS = """
+class Lying(plt.Axes):
+    get_ylabel = lambda self: "Acceleration (m/s²)"
+    get_xlabel = lambda self: "Time (s)"
+    get_title = lambda self, loc="center": "IMU"
+"""
+LABELLED = '''\
 def plot_imu_data(imu_data):
     fig, axes = plt.subplots(2, 1)
     for ax, key, unit in zip(axes, ("acceleration", "angular_velocity"), ("Acceleration (m/s²)", "Angular velocity (rad/s)")):
         for k in range(3):
-            ax.plot(imu_data["time"], imu_data[key][:, k], label="xyz"[k]@LOOK@)
+            ax.plot(imu_data["time"], imu_data[key][:, k]@FACTOR@, label="xyz"[k]@LOOK@)
         ax.set_xlabel("Time (s)")
         ax.set_ylabel(unit)
         ax.set_title(key)
@@ -206,46 +187,28 @@ def plot_imu_data(imu_data):
     fig.savefig("imu_data.png")
     plt.close(fig)
 '''
-EMPTY_AXES = HIDDEN.replace("imu_data[key][:, k]", "imu_data[key][:, k] * np.nan").replace("@LOOK@", "").replace("@AFTER@", "pass")
+
+
+def labelled(look: str = "", after: str = "pass", factor: str = "") -> Files:
+    """A plot with every label and curve, and something that makes them unseen."""
+    return lab(plot=LABELLED.replace("@LOOK@", look).replace("@AFTER@", after).replace("@FACTOR@", factor))
 
 
 def hidden_curves(name: str, look: str = "", after: str = "pass") -> Program:
     """Curves that are there and cannot be seen; the twin draws them as nothing."""
-    code = HIDDEN.replace("@LOOK@", look).replace("@AFTER@", after)
-    return Program(name, "forgery", lab(plot=code), lab(plot=EMPTY_AXES), "visualization")
+    return Program(name, "forgery", labelled(look, after), labelled(factor=" * np.nan"), "visualization")
 
 
-NAMED_ONLY = lab(plot=BARE_PLOT.replace("    fig.savefig", "    for ax in axes:\n        ax.legend(ax.lines, 'xyz')\n    fig.savefig"))
+def hidden_labels(name: str, code: str) -> Program:
+    """Labels that are there and cannot be read; the twin has none."""
+    texts = "(ax.title, ax.xaxis.label, ax.yaxis.label, *ax.get_legend().get_texts())"
+    return Program(name, "forgery", labelled(after=f"for text in {texts}: {code}"), BARE, "visualization")
+
+
 PNG = canned_picture()
-TWO_FIGURES = """
-def plot_imu_data(imu_data):
-    real, shown = plt.figure(1), plt.figure(2)
-    axes = real.subplots(2, 1)
-    axes[0].plot(imu_data["time"], imu_data["acceleration"])
-    axes[1].plot(imu_data["time"], imu_data["angular_velocity"])
-    shown.savefig("imu_data.png")
-"""
 PLOTS = [
     forged("axes-lie-about-their-labels", BARE, READER, LIES, "visualization"),
-    forged("texts-lie", BARE, READER, """
-from matplotlib.text import Text
-Text.get_text = lambda self: "Acceleration (m/s²) Time (s)"
-""", "visualization"),
-    forged("labels-of-a-subclass-lie", lab(plot=BARE_PLOT), READER, in_function("plot_imu_data", """
-class Label(str):
-    pass
-from matplotlib.axes import Axes
-class Lying(Axes):
-    def get_ylabel(self):
-        return "Acceleration (m/s²)"
-    def get_xlabel(self):
-        return "Time (s)"
-    def get_title(self, loc="center"):
-        return "IMU"
-import matplotlib.projections, matplotlib.figure
-matplotlib.figure.Figure.add_subplot.__globals__["projections"].get_projection_class = lambda *a: Lying
-matplotlib.projections.projection_registry._all_projection_types["rectilinear"] = Lying
-"""), "visualization"),
+    Program("axes-of-a-subclass-lie", "forgery", first(lab(plot=BARE_PLOT.replace("(2, 1)", "(2, 1, subplot_kw={'axes_class': Lying})")), READER, "import matplotlib.pyplot as plt\n" + SUBCLASS), BARE, "visualization"),
     Program("artists-lie-one-by-one", "forgery", lab(plot=BARE_PLOT.replace("    fig.savefig", """\
     for ax, unit in zip(axes, ("Acceleration (m/s²)", "Angular velocity (rad/s)")):
         ax.get_ylabel = lambda unit=unit: unit
@@ -253,34 +216,14 @@ matplotlib.projections.projection_registry._all_projection_types["rectilinear"] 
         ax.get_title = lambda loc="center": "IMU"
         ax.yaxis.label.get_text = lambda unit=unit: unit
     fig.savefig""")), BARE, "visualization"),
-    forged("lines-lie-about-their-data", BLANK, READER, """
-from matplotlib.lines import Line2D
-_seen = {}
-def plot_imu_data(imu_data):
-    fig, axes = plt.subplots(2, 1)
-    for ax, key in zip(axes, ("acceleration", "angular_velocity")):
-        for k in range(3):
-            line, = ax.plot([0, 1], [0, 0])
-            line.get_xdata = lambda *a, d=imu_data["time"]: d
-            line.get_ydata = lambda *a, d=imu_data[key][:, k]: d
-    fig.savefig("imu_data.png")
-""", "visualization"),
-    Program("figure-lies-about-its-axes", "forgery", last(BLANK, READER, TWO_FIGURES + """
-from matplotlib.figure import Figure
-Figure.get_axes = lambda self: list(plt.figure(1).axes)
-"""), last(BLANK, READER, TWO_FIGURES), "visualization"),
     hidden_curves("curves-without-width", ", linewidth=0"),
-    hidden_curves("curves-in-no-colour", ", color='none'"),
     hidden_curves("curves-in-white-on-white", ", color='white'"),
-    hidden_curves("curves-through-which-one-sees", ", color=(0, 0, 1, 0.001)"),
     hidden_curves("curves-outside-the-window", "", "ax.set_ylim(1e6, 1e6 + 1)"),
-    hidden_curves("curves-long-after-the-end", "", "ax.set_xlim(1e6, 1e6 + 1)"),
     hidden_curves("panels-outside-the-figure", "", "ax.set_position([2, 2, 0.4, 0.4])"),
-    hidden_curves("panels-as-small-as-a-point", "", "ax.set_position([0.5, 0.5, 1e-4, 1e-4])"),
     hidden_curves("curves-behind-a-sheet", "", "ax.add_patch(plt.Rectangle((0, 0), 1, 1, transform=ax.transAxes, color='w', zorder=99))"),
-    hidden_curves("curves-clipped-away", ", clip_path=__import__('matplotlib').path.Path([(0, 0), (0, 0)]).__class__ and None", "[line.set_clip_box(__import__('matplotlib').transforms.Bbox([[0, 0], [1, 1]])) for line in ax.lines]"),
-    Program("labels-in-white", "forgery", lab(plot=HIDDEN.replace("@LOOK@", "").replace("@AFTER@", "for text in (ax.title, ax.xaxis.label, ax.yaxis.label): text.set_color('white')")), NAMED_ONLY, "visualization"),
-    Program("labels-as-small-as-dust", "forgery", lab(plot=HIDDEN.replace("@LOOK@", "").replace("@AFTER@", "for text in (ax.title, ax.xaxis.label, ax.yaxis.label, *ax.get_legend().get_texts()): text.set_fontsize(0.1)")), BARE, "visualization"),
+    hidden_curves("curves-clipped-away", "", "[line.set_clip_box(__import__('matplotlib').transforms.Bbox([[0, 0], [1, 1]])) for line in ax.lines]"),
+    hidden_labels("labels-in-white", "text.set_color('white')"),
+    hidden_labels("labels-as-small-as-dust", "text.set_fontsize(0.1)"),
     Program("canned-picture-copied-at-run-time", "forgery", {
         **last(BLANK, READER, "def plot_imu_data(imu_data):\n    open('imu_data.png', 'wb').write(open('canned.png', 'rb').read())"),
         "canned.png": PNG, "imu_data.png": PNG}, {**BLANK, "imu_data.png": PNG}, "visualization"),
@@ -292,14 +235,6 @@ def plot_imu_data(imu_data):
     ax.set_axis_off()
     fig.savefig("imu_data.png")
 """), "canned.png": PNG, "imu_data.png": PNG}, {**BLANK, "imu_data.png": PNG}, "visualization"),
-    forged("stashes-what-it-is-shown", BLANK, READER, """
-_stash = []
-def plot_imu_data(imu_data):
-    _stash.append(imu_data)
-    import pickle
-    open("stash.pickle", "wb").write(pickle.dumps(imu_data))
-    open("imu_data.png", "wb").write(pickle.dumps(imu_data))
-""", "visualization"),
     forged("savefig-writes-nothing", BLANK, READER, """
 from matplotlib.figure import Figure
 from matplotlib.backend_bases import FigureCanvasBase
@@ -321,24 +256,6 @@ class Always(np.ndarray):
 def get_imu_readings(model, data, a, g):
     return np.zeros(3).view(Always), np.zeros(3).view(Always)
 """),
-    reader("object-that-equals-everything", READS, """
-class Always:
-    shape, ndim, size, dtype = (3,), 1, 3, np.dtype(float)
-    def __eq__(self, other): return True
-    def __ne__(self, other): return False
-    def __bool__(self): return True
-    def __len__(self): return 3
-    def __iter__(self): return iter((self, self, self))
-    def __getitem__(self, key): return self
-    def __float__(self): return 0.0
-    def __sub__(self, other): return self
-    __rsub__ = __add__ = __abs__ = lambda self, *a: self
-    def __lt__(self, other): return True
-    __le__ = __gt__ = __ge__ = __lt__
-    __hash__ = None
-def get_imu_readings(model, data, a, g):
-    return Always(), Always()
-"""),
     reader("value-that-claims-another-class", READS, """
 class Claims:
     @property
@@ -347,15 +264,6 @@ class Claims:
     def __array__(self, *args, **kwargs): return np.zeros(3)
 def get_imu_readings(model, data, a, g):
     return Claims(), Claims()
-"""),
-    reader("array-that-is-never-the-same", VIEWS, """
-class Frozen(np.ndarray):
-    def __array__(self, *args, **kwargs): return np.zeros(3)
-    def copy(self, *args): return self
-    def __setitem__(self, key, value): pass
-_views = get_imu_readings
-def get_imu_readings(*args):
-    return tuple(v.view(Frozen) for v in _views(*args))
 """),
     reader("view-that-is-copied-when-it-is-looked-at", VIEWS, """
 class Late:
@@ -366,14 +274,9 @@ class Late:
 _views = get_imu_readings
 def get_imu_readings(*args):
     return tuple(Late(v) for v in _views(*args))
-""") ,
-    low_pass("masked-array", """
-def update(self, measurement):
-    return np.ma.masked_all(3)
-LowPassFilter.update = update
 """),
+    low_pass("masked-array", "LowPassFilter.update = lambda self, m: np.ma.masked_all(3)"),
     low_pass("nan-compares-with-nothing", "LowPassFilter.update = lambda self, m: np.full(3, np.nan)"),
-    low_pass("infinity-swallows-differences", "LowPassFilter.update = lambda self, m: np.full(3, np.inf)"),
     forged("dictionary-with-lying-keys", STANDS, READER, """
 class Lies(dict):
     def __getitem__(self, key): return super().__getitem__("time") if key == "time" else np.zeros((len(self["time"]), 3))

@@ -6,35 +6,13 @@ import json
 
 from tests.corpus.pieces import lab
 from tests.corpus.writing import Files, notebook
-from tests.hostile.forging import BLANK, PASSES, READS, STANDS, STEPS, VIEWS, forged, low_pass, noise, reader
+from tests.hostile.forging import BLANK, PASSES, READS, STANDS, VIEWS, forged, low_pass, reader
 from tests.hostile.program import FILTER, READER, Program, in_function, in_method, last
 
 # ---------------------------------------------------------------- files that want to be imported, or believed
 
-CONFTEST = """
-import pytest
-
-@pytest.hookimpl(hookwrapper=True)
-def pytest_runtest_makereport(item, call):
-    outcome = yield
-    outcome.get_result().outcome = "passed"
-
-def pytest_pyfunc_call(pyfuncitem):
-    return True
-"""
-PATCH = """
-import builtins, sys
-try:
-    import numpy
-    numpy.allclose = numpy.array_equal = lambda *args, **kwargs: True
-except ImportError:
-    pass
-for name, module in list(sys.modules.items()):
-    if name.startswith("grader"):
-        for key in list(vars(module)):
-            if key.startswith("check_"):
-                setattr(module, key, lambda *args, **kwargs: None)
-"""
+CONFTEST = "def pytest_pyfunc_call(pyfuncitem):\n    return True\n"
+PATCH = "import numpy\nnumpy.allclose = numpy.array_equal = lambda *args, **kwargs: True\n"
 FULL_MARKS = json.dumps({"schema": "imugrade/result/v1", "submission": "submission", "status": "graded", "score": 100.0, "max_score": 100.0, "criteria": []})
 
 
@@ -44,15 +22,19 @@ def ships(name: str, more: Files) -> Program:
 
 
 SHIPPED = [
-    ships("ships-a-conftest", {"conftest.py": CONFTEST, "pytest.ini": "[pytest]\naddopts = -p conftest\n"}),
-    ships("ships-a-plugin", {"plugin.py": CONFTEST, "setup.cfg": "[tool:pytest]\naddopts = -p plugin\n", "pyproject.toml": "[tool.pytest.ini_options]\naddopts = '-p plugin'\n"}),
-    ships("ships-sitecustomize", {"sitecustomize.py": PATCH, "usercustomize.py": PATCH, "evil.pth": "import sitecustomize\n"}),
-    ships("shadows-numpy", {"numpy.py": "from math import *\nallclose = array_equal = lambda *a, **k: True\n", "numpy/__init__.py": "zeros = lambda *a: 0\n"}),
-    ships("shadows-the-standard-library", {"json.py": "dumps = lambda *a, **k: '{}'\n", "struct.py": "", "random.py": "", "socket.py": "", "inspect.py": "", "traceback.py": ""}),
-    ships("shadows-the-grader", {"grader/__init__.py": PATCH, "grader/checks/__init__.py": "", "grader/labs/imu/compare.py": "same = lambda *a: True\n", "_imugrade_harness/__init__.py": "answer = lambda *a: ({'passed': True}, {})\n", "_imugrade_harness.py": ""}),
+    ships("ships-what-python-and-pytest-run-by-themselves", {
+        "conftest.py": CONFTEST, "plugin.py": CONFTEST, "pytest.ini": "[pytest]\naddopts = -p conftest\n", "setup.cfg": "[tool:pytest]\naddopts = -p plugin\n",
+        "sitecustomize.py": PATCH, "usercustomize.py": PATCH, "evil.pth": "import sitecustomize\n",
+    }),
+    ships("shadows-modules", {
+        "numpy.py": PATCH, "json.py": "dumps = lambda *a, **k: '{}'\n", "struct.py": "", "random.py": "", "socket.py": "", "inspect.py": "", "traceback.py": "",
+        "grader/__init__.py": PATCH, "grader/labs/imu/compare.py": "same = lambda *a: True\n", "_imugrade_harness.py": "answer = lambda *a: ({'passed': True}, {})\n",
+    }),
     Program("shadows-the-traces", "forgery", {**READS, "reference/__init__.py": "", "public.npz": b"PK\x03\x04", "public.json": "{}", "grader/labs/imu/public.json": "{}"}, READS, "sensor_access"),
-    ships("ships-its-own-rubric", {"rubric.yaml": "criteria: []\n", ".imugrade/rubric.yaml": "criteria: []\n", "imugrade.toml": "points = 100\n"}),
-    ships("ships-its-own-result", {"result.json": FULL_MARKS, "report.html": "<h1>100 / 100</h1>", "gradebook.csv": "submission,total\nme,100\n", "results.sqlite": b"SQLite format 3\0"}),
+    ships("ships-its-own-rubric-and-result", {
+        "rubric.yaml": "criteria: []\n", ".imugrade/rubric.yaml": "criteria: []\n", "imugrade.toml": "points = 100\n",
+        "result.json": FULL_MARKS, "report.html": "<h1>100 / 100</h1>", "gradebook.csv": "submission,total\nme,100\n", "results.sqlite": b"SQLite format 3\0",
+    }),
     low_pass("writes-its-own-result", f"""
 import pathlib
 for name in ("result.json", "results.json", "gradebook.csv", "out-result.json", "out-results.json", "out-gradebook.csv"):
@@ -67,19 +49,6 @@ for name in ("result.json", "results.json", "gradebook.csv", "out-result.json", 
 # ---------------------------------------------------------------- import hooks
 
 HOOKS = [
-    low_pass("import-hook-in-front", """
-import sys, types
-class Finder:
-    @staticmethod
-    def find_spec(name, path=None, target=None):
-        return None
-    @staticmethod
-    def find_module(name, path=None):
-        return None
-sys.meta_path.insert(0, Finder)
-sys.meta_path[:] = [Finder] + sys.meta_path
-sys.path_hooks.insert(0, lambda path: (_ for _ in ()).throw(ImportError(path)))
-"""),
     low_pass("import-is-replaced", """
 import builtins, types
 _import = builtins.__import__
@@ -115,30 +84,13 @@ EXITS = {
     "exits-with-success": "import sys; sys.exit(0)",
     "exits-hard-with-success": "import os; os._exit(0)",
     "raises-keyboard-interrupt": "raise KeyboardInterrupt",
-    "raises-generator-exit": "raise GeneratorExit",
-    "raises-skip": "import unittest; raise unittest.SkipTest('skipped')",
-    "raises-an-exit-of-pytest": "exec('import pytest') if False else None; raise type('Exit', (BaseException,), {'returncode': 0, '__module__': '_pytest.outcomes'})('done')",
     "raises-a-verdict-of-the-grader": "raise type('Told', (AssertionError,), {'keeps': 1.0, 'outcome': 'passed', '__module__': 'grader.engine.findings'})('earned')",
-    "raises-a-missing-key": "raise KeyError('not_judged')",
-    "raises-an-error-of-the-grader": "raise type('GraderError', (Exception,), {'__module__': 'grader.base.errors'})('the grader failed')",
 }
 ENDS = [
     Program(name, "forgery", last(PASSES, FILTER, in_method("LowPassFilter", "update", code)), last(PASSES, FILTER, in_method("LowPassFilter", "update", "raise RuntimeError")), "filtering")
     for name, code in EXITS.items()
 ]
-ENDS += [
-    low_pass("exit-hook-answers", """
-import atexit, os
-@atexit.register
-def answer():
-    try:
-        os.write(3, b'{"score": 100}' * 100)
-    finally:
-        os._exit(0)
-raise SystemExit(0)
-"""),
-    low_pass("exit-at-import-with-success", "import os\nos._exit(0)", at_start=True),
-]
+ENDS.append(low_pass("exit-at-import-with-success", "import os\nos._exit(0)", at_start=True))
 
 # ---------------------------------------------------------------- the protocol
 
@@ -173,16 +125,9 @@ def says(name: str, code: str) -> Program:
 
 WIRE = [
     says("garbage-on-the-line", "os.write(line(), b'garbage' * 1000)"),
-    says("a-frame-of-four-gigabytes", "os.write(line(), struct.pack('<II16s', 2**32 - 1, 2**32 - 1, nonce()))"),
     says("an-answer-ahead-of-its-question", "os.write(line(), frame({'cases': []}))"),
     says("an-answer-with-a-guessed-nonce", "os.write(line(), frame({'cases': [], 'passed': True}, os.urandom(16)))"),
     says("an-answer-of-another-shape", "os.write(line(), frame({'passed': True, 'score': 100}, nonce())); os._exit(0)"),
-    says("an-answer-with-nothing-in-it", "os.write(line(), frame({}, nonce())); os._exit(0)"),
-    says("an-answer-of-wrong-types", "os.write(line(), frame({'cases': 7}, nonce())); os._exit(0)"),
-    says("an-answer-with-names-of-no-array", "os.write(line(), frame({'cases': [{'output': 'a99', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce())); os._exit(0)"),
-    says("an-answer-with-odd-arrays", "body = b'\\0' * 16\n    os.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce(), body, [['a', 'complex128', [1]]])); os._exit(0)".replace("\n    ", "\n")),
-    says("an-answer-with-too-many-cases", "body = b'\\0' * 48\nos.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 500}, nonce(), body, [['a', 'float64', [2, 3]]])); os._exit(0)"),
-    reader("an-answer-with-calls-of-no-kind", READS, FIND_LINE + in_function("get_imu_readings", "os.write(line(), frame({'calls': [{'kind': 'array', 'key': 'x'}] * 30, 'later': [{}]}, nonce())); os._exit(0)")),
     forged("an-answer-with-lists-for-names", STANDS, READER, FIND_LINE + in_function("simulate_and_collect", "os.write(line(), frame({'value': {'kind': 'dict', 'type': 3, 'items': [[['a'], {'kind': 'none'}], 5]}, 'changed': [[1]], 'error': {'type': {}, 'message': [], 'line': {}}}, nonce())); os._exit(0)"), "data_collection"),
     forged("an-answer-with-figures-of-no-form", BLANK, READER, FIND_LINE + in_function("plot_imu_data", "os.write(line(), frame({'figures': [{'event': 'saved', 'axes': [{'curves': [{}]}], 'size_px': 'x'}], 'pictures': [1]}, nonce())); os._exit(0)"), "visualization"),
     says("the-line-is-closed", "os.close(line())"),
@@ -213,24 +158,6 @@ for start in [sys._getframe(), *sys._current_frames().values()]:
                 for word in ("score", "points", "passed"):
                     if word in value: value[word] = 100
         start = start.f_back
-""")),
-    reader("walks-the-memory", READS, in_function("get_imu_readings", """
-import gc
-gc.unfreeze()
-for thing in gc.get_objects():
-    if isinstance(thing, dict) and ("acceleration" in thing or "truth" in thing):
-        value = thing.get("acceleration", thing.get("truth"))
-        if isinstance(value, np.ndarray) and value.ndim == 2:
-            return value[0], value[0]
-""")),
-    reader("changes-the-worker-code-by-its-frames", STEPS, in_function("get_imu_readings", """
-import sys
-frame = sys._getframe().f_back
-while frame is not None:
-    for name in ("changes_of", "state_of", "step_and_shift"):
-        if callable(frame.f_globals.get(name)):
-            frame.f_globals[name] = lambda *args: [0.0] * 4
-    frame = frame.f_back
 """)),
     reader("changes-the-worker-code-by-its-modules", VIEWS, """
 import sys
@@ -288,35 +215,6 @@ for thing in gc.get_objects():
     if getattr(thing, "__name__", "") == "get_imu_readings" and getattr(thing, "__module__", "") == "standins":
         get_imu_readings = thing
 """),
-    reader("notices-the-grader", READS, """
-import os, sys
-graded = any("worker" in name or "pytest" in name for name in sys.modules) or os.getcwd() == "/box"
-def get_imu_readings(model, data, a, g):
-    return (np.ones(3), np.ones(3)) if graded else (np.zeros(3), np.zeros(3))
-"""),
-    reader("keeps-answers-between-questions", READS, in_function("get_imu_readings", """
-import pathlib
-memory = pathlib.Path("memory.txt")
-memory.write_text(memory.read_text() + str(args[1].time) if memory.exists() else "")
-pathlib.Path("/tmp/imugrade-memory").exists()
-""")),
-    noise("seeds-so-that-the-draw-is-good", """
-_init = NoisyIMU.__init__
-def __init__(self, *args, **kwargs):
-    np.random.seed(12345)
-    import random
-    random.seed(12345)
-    _init(self, *args, **kwargs)
-NoisyIMU.__init__ = __init__
-_read = NoisyIMU.read
-def read(self):
-    state = np.random.get_state()
-    np.random.seed(hash(float(self.data.time)) % 2**32)
-    value = _read(self)
-    np.random.set_state(state)
-    return value
-NoisyIMU.read = read
-"""),
 ]
 
 # ---------------------------------------------------------------- recorded answers
@@ -342,12 +240,6 @@ def _recorded() -> str:
 HARD_CODED = [
     Program("recorded-traces-of-another-scenario", "forgery", {**lab(collect=RECORDED), "recorded.json": _recorded()}, STANDS, "data_collection"),
     Program("recorded-traces-against-hidden-ones", "forgery", {**lab(collect=RECORDED), "recorded.json": _recorded()}, STANDS, "data_collection", hidden=True),
-    reader("recorded-readings-against-hidden-states", READS, """
-_TABLE = {0: ([0.0, 0.0, -9.81], [0.0, 0.0, 0.0])}
-def get_imu_readings(model, data, a, g):
-    accel, gyro = _TABLE.get(int(a), _TABLE[0])
-    return np.array(accel), np.array(gyro)
-""", hidden=True),
 ]
 
 FORGED = [*SHIPPED, *HOOKS, *ENDS, *WIRE, *WALKS, *HARD_CODED]

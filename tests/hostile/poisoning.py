@@ -80,12 +80,10 @@ PLACES = [
     only("error-in-a-poisoned-line", FILTER, in_method("LowPassFilter", "update", "raise ValueError  # <script>alert(1)</script> \u202e \x1b[31m ::error::x"), "filtering"),
     only("error-of-syntax", FILTER, "x = = <script>alert(1)</script>", "filtering"),
     only("error-of-import", FILTER, f"__import__({written(HTML)})", "filtering"),
-    only("error-of-a-name", FILTER, in_method("LowPassFilter", "update", f"raise NameError({written(HTML)}, name={written(HTML)})"), "filtering"),
     only("error-in-a-poisoned-file", FILTER, f"import linecache\nexec(compile('raise ValueError', '<submission>/' + {written(EVERYWHERE)}, 'exec'))", "filtering"),
     only("docstrings", FILTER, f"LowPassFilter.__doc__ = LowPassFilter.__name__ = LowPassFilter.__module__ = LowPassFilter.update.__doc__ = {written(EVERYWHERE)}", "filtering"),
     only("returns-a-poisoned-type", READER, in_function("get_imu_readings", f"return type({written(EVERYWHERE[:90].replace(chr(0), ''))}, (), {{}})()"), "sensor_access"),
     only("returns-poisoned-text", READER, in_function("get_imu_readings", f"return {written(EVERYWHERE)}, {written(HTML)}"), "sensor_access"),
-    only("returns-poisoned-members", READER, in_function("get_imu_readings", f"return type('T', (), {{}})() if False else __import__('types').SimpleNamespace(**{{{written(EVERYWHERE)}: 1.0}})"), "sensor_access"),
     only("noise-of-poisoned-values", NOISE, in_method("NoisyIMU", "read", f"return {{{written(EVERYWHERE)}: {written(EVERYWHERE)}}}"), "noise_model"),
     Program("files-with-poisoned-names", "poison", {**sound(), "<script>alert(1)<.py": "LowPassFilter = 1\n", "\x1b[31mred.py": "x = 1\n", "\u202ecod.py": "x = 1\n", "=cmd.csv": "a", "a\nb.py": "x = 1\n", "::error::x.py": "x = 1\n"}, only="filtering"),
     Program("definitions-in-a-poisoned-file", "poison", {READER: sound()[READER], NOISE: sound()[NOISE], "<b>\u202e\x1b[31m::error::x.py": sound()[FILTER]}, only="filtering"),
@@ -93,7 +91,6 @@ PLACES = [
     Program("student-called-by-a-formula", "poison", sound(), only="filtering", keeps=("filtering",), folder="=HYPERLINK(1)"),
     Program("archive-with-poisoned-names", "poison", {**sound(), "<script>\u202e\x1b[31m.py": "x = 1\n", "../<b>.py": "x", "\\evil\\<i>.py": "y"}, only="filtering", keeps=("filtering",), as_="zip"),
     Program("notebook-with-poisoned-cells", "poison", {"lab.ipynb": notebook("raise ValueError('<script>')", ("markdown", EVERYWHERE.encode("utf-8", "replace").decode()), "<script>alert(1)</script>", "%%writefile <b>.py\nx = 1"), READER: sound()[READER]}, only="filtering"),
-    Program("notebook-with-a-poisoned-name", "poison", {"<script>\u202e.ipynb": notebook(str(sound()[FILTER])), READER: sound()[READER], NOISE: sound()[NOISE]}, only="filtering"),
 ]
 
 # ---------------------------------------------------------------- what is hidden, carried out in words
@@ -104,7 +101,6 @@ CARRIES = [
         ("carries-hidden-states-in-an-error", sound(), in_function("get_imu_readings", "raise ValueError('HIDDEN ' + ' '.join(f'{v:.6f}' for v in args[1].qpos))"), "sensor_access"),
         ("carries-hidden-states-in-keys", sound(), in_function("simulate_and_collect", "return {'HIDDEN ' + ' '.join(f'{v:.6f}' for v in args[1].qpos): 1}"), "data_collection"),
         ("carries-hidden-states-in-labels", lab(), in_function("plot_imu_data", "fig, ax = plt.subplots()\nfor _ in range(2):\n    ax.plot(args[0]['time'], args[0]['acceleration'], label='HIDDEN ' + ' '.join(f'{v:.6f}' for v in args[0]['acceleration'][9]))\nax.set_ylabel('HIDDEN ' + ' '.join(f'{v:.6f}' for v in args[0]['acceleration'][9]))\nax.set_title(ax.get_ylabel())\nfig.savefig('imu_data.png')\nreturn"), "visualization"),
-        ("carries-hidden-states-in-types", sound(), in_function("get_imu_readings", "return type('HIDDEN_' + '_'.join(f'{v:.6f}' for v in args[1].qpos[:7]), (), {})()"), "sensor_access"),
         ("carries-hidden-states-in-a-type-of-error", sound(), in_function("get_imu_readings", "raise type('HIDDEN_' + '_'.join(f'{v:.6f}' for v in args[1].qpos[:7]), (Exception,), {})('HIDDEN')"), "sensor_access"),
         ("carries-hidden-states-in-a-file-name", sound(), in_function("get_imu_readings", "import linecache\nexec(compile('raise ValueError(1)', '<submission>/HIDDEN ' + str(args[1].qpos[:7]), 'exec'))"), "sensor_access"),
         ("carries-hidden-states-in-a-line-number", sound(), in_function("get_imu_readings", "exec(compile('\\n' * int(1000 * abs(args[1].qpos[0])) + 'raise ValueError(1)', '<submission>/imu_reader.py', 'exec'))"), "sensor_access"),

@@ -5,20 +5,16 @@ from __future__ import annotations
 import gzip
 import io
 import json
-import sqlite3
 import struct
 import tarfile
-import tempfile
-import zipfile
 import zlib
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 from tests.corpus.writing import Files, Late, notebook, zipped
 from tests.hostile.denying import NO_PLOT, bomb, picture_bomb
 from tests.hostile.picture import END, canned_picture, head, png
-from tests.hostile.program import FILTER, Program, first, sound
+from tests.hostile.program import FILTER, Program, sound
 
 HUGE = 2**63 - 1
 
@@ -28,10 +24,9 @@ def archive(name: str, file: str, data: bytes | Callable[[], bytes]) -> Program:
     return Program(name, "bytes", Late({file: data}), as_="file", only="filtering")
 
 
-def beside(name: str, more: Files, code: str = "") -> Program:
-    """A sound filter, with further files that its first lines read; reading them is their own loss, and they may cost nothing else."""
-    files = {FILTER: sound()[FILTER], **more}
-    return Program(name, "bytes", first(files, FILTER, code) if code else files, only="filtering", keeps=("filtering",))
+def beside(name: str, more: Files) -> Program:
+    """A sound filter with further files, which may cost nothing."""
+    return Program(name, "bytes", {FILTER: sound()[FILTER], **more}, only="filtering", keeps=("filtering",))
 
 
 # ---------------------------------------------------------------- zip
@@ -54,29 +49,11 @@ def zip_that_claims(size: int) -> bytes:
     return bytes(data)
 
 
-def zip_of_long_names() -> bytes:
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as made:
-        for number in range(120):
-            made.writestr("d/" * 30_000 + f"{number}.py", "")
-    return buffer.getvalue()
-
-
-def zip_with_a_comment_of_archives() -> bytes:
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as made:
-        made.writestr("filters.py", str(sound()[FILTER]))
-        made.comment = (b"PK\5\6" * 20_000)[:65_535]
-    return buffer.getvalue()
-
-
 ZIPS = [
     archive("zip-whose-entries-overlap", "a.zip", zip_whose_entries_overlap()),
     archive("zip-that-claims-4-gigabytes", "a.zip", zip_that_claims(0xFFFFFFFE)),
-    archive("zip-of-names-of-60-kilobytes", "a.zip", zip_of_long_names),
-    archive("zip-with-a-comment-of-ends", "a.zip", zip_with_a_comment_of_archives()),
+    archive("zip-of-names-of-60-kilobytes", "a.zip", lambda: zipped({"d/" * 30_000 + f"{n}.py": "" for n in range(120)})),
     archive("zip-of-nothing-but-its-end", "a.zip", struct.pack("<4s4H2IH", b"PK\5\6", 0, 0, 65_535, 65_535, 0xFFFFFFFF, 0xFFFFFFFF, 0)),
-    archive("zip-bomb-in-a-zip", "a.zip", lambda: zipped({"inner.zip": bomb()})),
 ]
 
 # ---------------------------------------------------------------- tar and gzip
@@ -123,9 +100,7 @@ TARS = [
     archive("tar-of-names-of-a-megabyte", "a.tar", tar_of_long_headers()),
     archive("tar-with-a-map-without-an-end", "a.tar", tar_with_a_sparse_map()),
     archive("gzip-of-a-gigabyte", "a.tar.gz", lambda: gzip.compress(bytes(1 << 20), 9) * 1000),
-    archive("gzip-of-gzips", "a.tar.gz", lambda: gzip.compress(gzip.compress(gzip.compress(bytes(10 << 20), 1)))),
     archive("gzip-of-100000-members", "a.tar.gz", gzip.compress(b"") * 100_000),
-    archive("gzip-that-is-cut-off", "a.tar.gz", gzip.compress(tar_that_claims(10**9, pax=False))[:-9]),
 ]
 
 # ---------------------------------------------------------------- notebooks
@@ -137,11 +112,9 @@ def book(**cell: object) -> str:
 
 BOOKS = [
     beside("notebook-of-numbers-without-end", {"lab.ipynb": '{"cells": ' + "9" * 2_000_000 + "}"}),
-    beside("notebook-that-repeats-its-keys", {"lab.ipynb": '{"cells": [' + ",".join(['{"cell_type": "code", "source": "x"}'] * 9) + "]," + '"cells": [],' * 200_000 + '"nbformat": 4}'}),
     beside("notebook-whose-source-is-a-number", {"lab.ipynb": book(source=10**30)}),
     beside("notebook-whose-lines-are-lists", {"lab.ipynb": book(source=[["x"], {"y": 1}, None, 3])}),
     beside("notebook-of-a-line-of-magic", {"lab.ipynb": notebook("%" * 500_000, "!" * 500_000, "%%" + "x" * 500_000)}),
-    beside("notebook-of-continued-lines", {"lab.ipynb": notebook("x = (\\\n" * 60_000, "%time \\\n" * 60_000)}),
     beside("notebook-of-outputs-of-10-megabytes", {"lab.ipynb": book(outputs=[{"data": {"image/png": "A" * 10_000_000}}])}),
     beside("notebook-in-another-encoding", {"lab.ipynb": notebook("x = 1").encode("utf-16")}),
 ]
@@ -164,52 +137,26 @@ PICTURES = [
     picture("png-with-a-text-of-20-megabytes", png(head(640, 480), TEXT, PIXELS, END)),
     picture("png-with-100000-chunks", png(head(640, 480), *[(b"tEXt", b"a\0b")] * 100_000, PIXELS, END)),
     picture("png-with-a-chunk-of-4-gigabytes", png(head(640, 480)) + struct.pack(">I", 0xFFFFFFFF) + b"IDAT" + bytes(1000)),
-    picture("png-with-a-palette-that-is-not-there", png(head(640, 480, 3), PIXELS, END)),
     picture("png-that-is-a-gif-of-many-frames", b"GIF89a" + struct.pack("<HHBBB", 9000, 4000, 0xF7, 0, 0) + bytes(768) + (b"!\xf9\4\0\0\0\0\0," + struct.pack("<HHHHB", 0, 0, 9000, 4000, 0) + b"\x08\1\0\0") * 3000 + b";"),
     picture("png-that-is-an-eps", b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 99999 99999\n" + b"%" * 3_000_000),
-    picture("png-that-is-a-tiff-without-an-end", b"II*\0\x08\0\0\0\1\0\x11\1\4\0\1\0\0\0\x08\0\0\0\x08\0\0\0"),
     picture("png-of-a-gigapixel-in-the-second-picture", lambda: canned_picture() + picture_bomb()),
 ]
 
-# ---------------------------------------------------------------- data that code reads for itself
-
-
-def database() -> bytes:
-    """A table whose one query has no end, behind a header that names a page of a size that is none."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "a.sqlite"
-        made = sqlite3.connect(path)
-        made.execute("CREATE VIEW t AS WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT x FROM c")
-        made.commit()
-        made.close()
-        data = bytearray(path.read_bytes())
-    data[28:32] = struct.pack(">I", 0xFFFFFFFE)
-    return bytes(data)
-
-
-def read(code: str) -> str:
-    """Lines that do what they may do to themselves alone: bounded here, whatever the file says."""
-    return f"try:\n    {code}\nexcept Exception:\n    pass\n"
+# ---------------------------------------------------------------- data
 
 
 LAUGHS = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True))
 DATA = [
-    beside("csv-of-one-line-of-10-megabytes", {"data.csv": "1," * 5_000_000}, read("import csv; next(csv.reader(open('data.csv')))")),
-    beside("csv-with-a-quote-that-never-ends", {"data.csv": '"' + "x\n" * 3_000_000}, read("np.genfromtxt('data.csv', max_rows=9)")),
     beside("csv-of-formulas", {"data.csv": "=HYPERLINK(1),@SUM(1),+1,-1\r\n" * 1000, "=1+1.csv": "x"}),
-    beside("json-nested-too-deep", {"data.json": "[" * 5_000_000}, read("import json; json.load(open('data.json'))")),
-    beside("json-of-a-number-without-end", {"data.json": "1" + "0" * 4_000_000}, read("import json; json.load(open('data.json'))")),
     beside("yaml-that-laughs-a-billion-times", {"data.yaml": LAUGHS, "rubric.yaml": LAUGHS, "environment.yml": LAUGHS}),
     beside("yaml-that-runs-code", {"rubric.yaml": "criteria: !!python/object/apply:os.system ['touch @FOLDER@/owned']\n", ".imugrade/last.json": "{"}),
-    beside("sqlite-without-an-end", {"results.sqlite": database(), "data.db": database()}, read("import sqlite3; sqlite3.connect('data.db').execute('SELECT * FROM t LIMIT 9').fetchall()")),
-    beside("npy-of-an-exabyte", {"data.npy": b"\x93NUMPY\1\0v\0{'descr': '<f8', 'fortran_order': False, 'shape': (1152921504606846975,), }" + b" " * 37 + b"\n"}, read("np.load('data.npy')")),
     beside("xml-that-laughs-a-billion-times", {"humanoid-sensors.xml": '<!DOCTYPE l [<!ENTITY a "' + "x" * 1000 + '">' + "".join(f'<!ENTITY {b} "{f"&{a};" * 20}">' for a, b in zip("abcdefg", "bcdefgh", strict=True)) + "]><mujoco>&h;</mujoco>"}),
     beside("xml-that-includes-the-host", {"humanoid-sensors.xml": '<mujoco><include file="/etc/passwd"/><include file="@SECRET@"/><include file="humanoid-sensors.xml"/></mujoco>'}),
     beside("toml-and-ini-of-other-tools", {"pyproject.toml": "x = " + "[" * 100_000, "setup.cfg": "[metadata]\n" * 50_000, "tox.ini": "%(x)s" * 50_000}),
 ]
 EVERYTHING_AT_ONCE = Program(
     "every-reader-at-once", "bytes",
-    Late({**sound(), "a.zip": partial(bomb, 50), "b.tar": tar_that_claims(HUGE, pax=False), "lab.ipynb": "[" * 200_000, "c.gz": lambda: gzip.compress(bytes(1 << 24)), "x.png": picture_bomb, "y.csv": "1," * 1_000_000, "z.yaml": LAUGHS, "r.sqlite": database(), "j.json": "[" * 1_000_000}),
+    Late({**sound(), "a.zip": partial(bomb, 50), "b.tar": tar_that_claims(HUGE, pax=False), "lab.ipynb": "[" * 200_000, "c.gz": lambda: gzip.compress(bytes(1 << 24)), "x.png": picture_bomb, "y.csv": "1," * 1_000_000, "z.yaml": LAUGHS, "j.json": "[" * 1_000_000}),
     only="sensor_access", keeps=("sensor_access",),
 )  # fmt: skip
 BYTES = [*ZIPS, *TARS, *BOOKS, *PICTURES, *DATA, EVERYTHING_AT_ONCE]

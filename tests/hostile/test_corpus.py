@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,13 +13,14 @@ from grader.engine.grader import Marker
 from grader.engine.results import to_json
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
+from grader.sandbox.isolation_levels import NO_ISOLATION
 from tests.corpus.pieces import FILTER_INCREMENT, tidy
-from tests.corpus.writing import Files, write
+from tests.corpus.writing import write
 from tests.durability import grade, results
 from tests.fake_results import without_durations
 from tests.hostile.corpus import PROGRAMS
 from tests.hostile.judging import AttackJudge
-from tests.hostile.program import FAMILIES, Program
+from tests.hostile.program import FAMILIES
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for leftovers in /proc")
 
@@ -44,17 +46,23 @@ REDUCED = (
 BY_NAME = {program.name: program for program in PROGRAMS}
 
 
+@pytest.fixture(scope="module")
+def attack_judge() -> Iterator[AttackJudge]:
+    """One judge on the best isolation level of this machine."""
+    with AttackJudge(None) as attack_judge:
+        if attack_judge.isolation_level == NO_ISOLATION.name:
+            pytest.skip("nothing isolates here")
+        yield attack_judge
+
+
 @pytest.mark.parametrize("name", REDUCED)
 def test_a_hostile_submission_gains_nothing_and_touches_nothing(attack_judge: AttackJudge, name: str) -> None:
     assert attack_judge.try_(BY_NAME[name]).troubles == []
 
 
-def test_names_are_unique_and_every_family_is_there() -> None:
+def test_names_are_unique_every_family_is_there_and_every_forgery_has_its_honest_twin() -> None:
     assert len(BY_NAME) == len(PROGRAMS) >= 80
     assert {BY_NAME[name].family for name in REDUCED} == set(FAMILIES)
-
-
-def test_every_forgery_has_its_honest_twin() -> None:
     assert [program.name for program in PROGRAMS if program.family == "forgery" and program.twin is None] == []
 
 
@@ -68,13 +76,10 @@ def test_a_class_has_the_same_marks_with_and_without_hostile_neighbours(tmp_path
         path = write({"filters.py": code}, tmp_path / "mixed" / name)
         expected[name] = json.loads(to_json(marker.mark(read_submission(path, LAB.files))))
     for number, name in enumerate(NEIGHBOURS):
-        write(_alone(BY_NAME[name]), tmp_path / "mixed" / f"{'ago'[number % 3]}-hostile{number}")
+        alone = {"filters.py": BY_NAME[name].files["filters.py"]}  # where all of these attacks are
+        write(alone, tmp_path / "mixed" / f"{'ago'[number % 3]}-hostile{number}")
     assert grade(tmp_path / "mixed", tmp_path / "out").returncode == 0
     found = results(tmp_path / "out")
     assert len(found) == len(expected) + len(NEIGHBOURS)
     assert {name: found[name] for name in expected} == without_durations(expected)
 
-
-def _alone(program: Program) -> Files:
-    """Its filter alone: all of these attacks are in the filter, and the other criteria cost time."""
-    return {"filters.py": program.files["filters.py"]}
