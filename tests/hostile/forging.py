@@ -167,11 +167,10 @@ Axes.get_xlabel = lambda self: "Time (s)"
 Axes.get_title = lambda self, loc="center": "IMU"
 Text.get_text = lambda self: "Acceleration (m/s²) Time (s)"
 """
-SUBCLASS = """
-class Lying(plt.Axes):
-    get_ylabel = lambda self: "Acceleration (m/s²)"
-    get_xlabel = lambda self: "Time (s)"
-    get_title = lambda self, loc="center": "IMU"
+LYING_TEXT = """
+from matplotlib.text import Text
+class Lying(Text):
+    get_text = lambda self: "Acceleration (m/s²) Time (s)"
 """
 LABELLED = '''\
 def plot_imu_data(imu_data):
@@ -205,17 +204,16 @@ def hidden_labels(name: str, code: str) -> Program:
     return Program(name, "forgery", labelled(after=f"for text in {texts}: {code}"), BARE, "visualization")
 
 
+def each_axes(code: str) -> Files:
+    """A plot without labels, and what is done to each of its axes."""
+    return lab(plot=BARE_PLOT.replace("    fig.savefig", f"    for ax in axes:\n        {code}\n    fig.savefig"))
+
+
 PNG = canned_picture()
 PLOTS = [
     forged("axes-lie-about-their-labels", BARE, READER, LIES, "visualization"),
-    Program("axes-of-a-subclass-lie", "forgery", first(lab(plot=BARE_PLOT.replace("(2, 1)", "(2, 1, subplot_kw={'axes_class': Lying})")), READER, "import matplotlib.pyplot as plt\n" + SUBCLASS), BARE, "visualization"),
-    Program("artists-lie-one-by-one", "forgery", lab(plot=BARE_PLOT.replace("    fig.savefig", """\
-    for ax, unit in zip(axes, ("Acceleration (m/s²)", "Angular velocity (rad/s)")):
-        ax.get_ylabel = lambda unit=unit: unit
-        ax.get_xlabel = lambda: "Time (s)"
-        ax.get_title = lambda loc="center": "IMU"
-        ax.yaxis.label.get_text = lambda unit=unit: unit
-    fig.savefig""")), BARE, "visualization"),
+    Program("labels-of-a-subclass-lie", "forgery", first(each_axes("ax.title.__class__ = ax.xaxis.label.__class__ = ax.yaxis.label.__class__ = Lying"), READER, LYING_TEXT), BARE, "visualization"),
+    Program("artists-lie-one-by-one", "forgery", each_axes("ax.yaxis.label.get_text = ax.xaxis.label.get_text = ax.title.get_text = lambda: 'Acceleration (m/s²) Time (s)'"), BARE, "visualization"),
     hidden_curves("curves-without-width", ", linewidth=0"),
     hidden_curves("curves-in-white-on-white", ", color='white'"),
     hidden_curves("curves-outside-the-window", "", "ax.set_ylim(1e6, 1e6 + 1)"),
