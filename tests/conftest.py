@@ -48,7 +48,7 @@ SLOW = (
     *FIRST, "browser", "fuzz", "hostile", "labs", "mutants", "sandbox",
     "test_adjusting", "test_batch", "test_breakpoints", "test_budgets", "test_chance", "test_charts", "test_check_first_lines",
     "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_clock", "test_compat", "test_desk_repairs",
-    "test_docs", "test_doubtful", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
+    "test_docs", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
     "test_handed_in", "test_hidden_feedback", "test_kit", "test_layout_variants", "test_marking", "test_message_limits",
     "test_module_level", "test_not_running", "test_not_understood", "test_odd_data", "test_optimizations", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading", "test_relative_paths",

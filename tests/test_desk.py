@@ -11,6 +11,7 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 import pytest
+from markupsafe import escape
 
 from grader import cli
 from grader.base.errors import RequestError
@@ -185,18 +186,27 @@ def test_undo_brings_back_the_override_before_with_its_comment_and_history_keeps
 @pytest.mark.parametrize(
     ("target", "points", "comment", "line"),
     [
-        (ADDRESS, "1.234", "x", "Points must be a number from 0 to 6 with at most two decimals, not 1.234."),
+        (ADDRESS, "7", "kept <b>", "Points must be a number from 0 to 6 with at most two decimals, not 7."),
         ("nothing", "1", "x", "there is no criterion nothing"),
         (ADDRESS, "1", "x" * 2001, "Say why in a comment of at most 2000 characters."),
     ],
 )
-def test_a_wish_that_cannot_be_met_is_said_and_not_recorded(
+def test_an_override_that_is_refused_is_not_recorded_and_keeps_what_was_typed(
     still: Desk, target: str, points: str, comment: str, line: str
 ) -> None:
     answer = give(still, "bob", target, points, comment)
     assert answer.status == 400
     assert line in words(answer.text)
     assert still.book.on_thread(still.book.store.history) == []
+    if target == ADDRESS:
+        form = answer.text.partition(f'id="override-{ADDRESS.replace(".", "-")}"')[2].partition("</form>")[0]
+        assert "<details open>" in form
+        assert f'value="{points}"' in form
+        field = "points" if points == "7" else "comment"
+        assert f'aria-invalid="true" aria-describedby="error-{field}"' in form
+        assert f'<span class="error" id="error-{field}">{line}</span>' in form
+        assert f"{escape(comment)}</textarea>" in form
+        assert answer.text.count('class="error"') == 1
 
 
 # ---- export ----
@@ -226,7 +236,7 @@ def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: D
 
 NEEDY = (
     Student("open", {ADDRESS: None}, status="incomplete"),
-    Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
+    Student("void", status="empty", notes=("No .py or .ipynb file was found.",), files={"imu_data.png": PNG}),
     Student("torn", status="unreadable", notes=("It is no archive.",)),
     Student("odd", {ADDRESS: 0.0}, {ADDRESS: {"not_understood": True}}),
     Student("sly", {ADDRESS: 0.0}, {ADDRESS: {"misconceptions": ("tampering",)}}),
@@ -247,7 +257,7 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
     with desk_over(out) as desk:
         page = words(desk.get("/").text)
         for title in ("Grader failed", "Unreadable", "Empty", "Does not run", "Unclear answer", "Tampering", "Not assigned",
-                      "Not in the roster", "Unknown lateness", "Similar code", "Plot that could not be judged", "Near a grade boundary"):  # fmt: skip
+                      "Not in the roster", "Unknown lateness", "Similar code", "Plot that could not be judged", "Near a grade boundary", "No points"):  # fmt: skip
             assert f"{title} 1" in page, title
         assert "sound" not in words(desk.get("/").text.partition("<main")[2])  # the header lists everybody
         assert "notes.txt &lt;is&gt; nobody" in page
@@ -256,6 +266,7 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
         only = words(desk.get("/?kind=alike").text)
         assert "twin1 l 100 , twin2 100 , twin3 100" in only
         assert "No .py" not in only
+        assert "/submission/void/picture/" in desk.get("/submission/void").text
 
 
 def test_a_tick_is_recorded_with_who_and_when_and_can_be_taken_back(tmp_path: Path) -> None:
@@ -503,19 +514,6 @@ def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.Captur
     assert adjust("--take-back", "1") == f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n"
     none = adjust("--having", "nothing", "--criterion", ADDRESS, "--points", "1")
     assert "no two submissions have this in common" in none
-
-
-def test_an_override_that_is_refused_keeps_what_was_typed(still: Desk) -> None:
-    page = give(still, "bob", ADDRESS, "7", "kept <b>", do="give").text
-    form = page.partition(f'id="override-{ADDRESS.replace(".", "-")}"')[2].partition("</form>")[0]
-    assert "<details open>" in form
-    assert 'value="7" aria-invalid="true" aria-describedby="error-points"' in form
-    assert (
-        '<span class="error" id="error-points">Points must be a number from 0 to 6 with at most two decimals, not 7.</span>'
-        in form
-    )
-    assert "kept &lt;b&gt;</textarea>" in form
-    assert page.count('class="error"') == 1
 
 
 def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:
