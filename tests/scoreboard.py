@@ -7,7 +7,7 @@ import re
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -23,24 +23,15 @@ from grader.report.words import tells
 from tests.corpus.cases import CRITERIA, Case, of
 from tests.corpus.pieces import LAYOUTS
 from tests.corpus.writing import write
-from tests.layout_variants import VARIANTS, can_be_rearranged
 from tests.recordings import Marking
 
 ONE_FAULT = ("faulty", "lookalikes")
-_WHOLE_FILE = "the file that is missing was to hold two parts or more, and each part has nothing to show"
-_UNPARSED_FILE = "the file that does not parse defines three parts, and none of them can run"
-_NO_GYROSCOPE = "half of the recording is missing: the key, and the rows under it"
-_HALF_A_PICTURE = "half of the picture is missing: the panel, and the three curves in it"
-MORE_THAN_ONE: Mapping[str, str] = {
-    "no-imu-reader": _WHOLE_FILE,
-    "no-imu-reader-sheet": _WHOLE_FILE,
-    "no-filters": _WHOLE_FILE,
-    "reader-with-a-syntax-error": _UNPARSED_FILE,
-    "recorder-with-a-syntax-error": _UNPARSED_FILE,
-    "record-no-gyroscope": _NO_GYROSCOPE,
-    "accelerometer-panel-only": _HALF_A_PICTURE,
-    "saved-before-the-gyroscope": _HALF_A_PICTURE,
-}
+MORE_THAN_ONE = (
+    "no-imu-reader", "no-imu-reader-sheet", "no-filters",  # the missing file was to hold two parts or more
+    "reader-with-a-syntax-error", "recorder-with-a-syntax-error",  # the file defines three parts, and none of them can run
+    "record-no-gyroscope",  # half of the recording: the key, and the rows under it
+    "accelerometer-panel-only", "saved-before-the-gyroscope",  # half of the picture: the panel, and the three curves in it
+)  # fmt: skip
 """Single faults that cost more than one check, and why a marker would take both."""
 
 
@@ -68,13 +59,6 @@ def as_written() -> Iterator[Case]:
         for edit in of("module level"):
             yield replace(edit, name=f"{edit.name} in {layout}", files=put(edit.files))  # type: ignore[arg-type]
     yield from (case for case in of("extensions") if case.fault != "never-returns")
-
-
-def recast(only: Container[str] | None = None) -> Iterator[Case]:
-    """Styles and single faults that are also asked for in other layouts; to tell which can be takes seconds for all of them."""
-    styles_and_faults = (*of("sound"), *of("faulty"), *of("lookalikes"))
-    wanted = (case for case in styles_and_faults if only is None or case.name in only)
-    yield from (Case("recast", case.name, case.files) for case in wanted if can_be_rearranged(case.files))
 
 
 # ---------------------------------------------------------------- judging a result
@@ -107,18 +91,18 @@ def look_at_sound(verdict: Verdict, result: Result, sound: Case) -> None:
         verdict.trouble("named wrong", ", ".join(result.misconceptions))
 
 
-def look_at_fault(verdict: Verdict, result: Result, fault: Case) -> None:
-    gone = lost(result)
-    inside = [c for c in gone if criterion_of(c) == fault.criterion]
-    outside = [c for c in gone if criterion_of(c) not in (fault.criterion, *fault.elsewhere)]
-    if fault.criterion and not inside:
-        verdict.trouble("missed", f"{fault.fault} costs nothing in {fault.criterion}")
-    if outside:
+def look_at_fault(verdict: Verdict, result: Result, case: Case) -> None:
+    """A fault, or each of two, costs something in its criterion and nothing elsewhere, and has a name."""
+    gone, faults = lost(result), case.faults or {case.fault: case.criterion}
+    for fault, criterion in faults.items():
+        if criterion and not any(criterion_of(c) == criterion for c in gone):
+            verdict.trouble("missed", f"{fault} costs nothing in {criterion}")
+    if outside := [c for c in gone if criterion_of(c) not in (*faults.values(), *case.elsewhere)]:
         verdict.trouble("cascade", words(outside))
-    if fault.loses and (more := [c for c in inside if c.id not in fault.loses]):
-        verdict.trouble("too much", f"only {', '.join(fault.loses)} should be lost, but also {words(more)}")
-    names = named(result, without=fault.elsewhere)  # a missing file may be named again where it is missed
-    _look_at_names(verdict, result, names, {fault.fault}, {fault.fault, *fault.also}, fault.never)
+    if case.loses and (more := [c for c in gone if criterion_of(c) == case.criterion and c.id not in case.loses]):
+        verdict.trouble("too much", f"only {', '.join(case.loses)} should be lost, but also {words(more)}")
+    names = named(result, without=case.elsewhere)  # a missing file may be named again where it is missed
+    _look_at_names(verdict, result, names, set(faults), {*faults, *case.also}, case.never)
 
 
 _VECTOR = re.compile(r"\[[^\]]*\.[^\]]*\]")
@@ -148,24 +132,6 @@ def look_at_nothing(verdict: Verdict, result: Result, nothing: Case) -> None:
             verdict.trouble("earns too much", f"{criterion.points} for {criterion.title}; lost: {words(lost(result))}")
         if criterion.id != nothing.criterion and criterion.points < criterion.max_points:
             verdict.trouble("cascade", words(c for c in lost(result) if criterion_of(c) == criterion.id))
-
-
-def look_at_casting(verdict: Verdict, result: Result, cast: Result, layout: str) -> None:
-    before, after = ({c.id: c for each in r.criteria for c in each.checks} for r in (result, cast))
-    moved = [after[id_] for id_, check in before.items() if after[id_].points != check.points]
-    if moved:
-        was = ", ".join(f"{check.id} {before[check.id].points}" for check in moved)
-        verdict.trouble("another mark", f"{layout}: {words(moved)}; was {was}")
-
-
-def look_at_pair(verdict: Verdict, result: Result, pair: Case) -> None:
-    gone, faults = lost(result), pair.faults or {}
-    for mistake, criterion in faults.items():
-        if not any(criterion_of(c) == criterion for c in gone):
-            verdict.trouble("missed", f"{mistake} costs nothing in {criterion}")
-    if outside := [c for c in gone if criterion_of(c) not in faults.values()]:
-        verdict.trouble("cascade", words(outside))
-    _look_at_names(verdict, result, named(result), set(faults), {*faults, *pair.also}, ())
 
 
 def named(result: Result, without: Sequence[str] = ()) -> set[str]:
@@ -232,7 +198,7 @@ def look_at_edit(verdict: Verdict, result: Result, edit: Case) -> None:
 
 
 _LOOKS: Mapping[str, Callable[[Verdict, Result, Case], None]] = {
-    "sound": look_at_sound, "faulty": look_at_fault, "lookalikes": look_at_fault, "pairs": look_at_pair, "broken": look_at_broken,
+    "sound": look_at_sound, "faulty": look_at_fault, "lookalikes": look_at_fault, "pairs": look_at_fault, "broken": look_at_broken,
     "module level": look_at_edit, "nothing": look_at_nothing, "extensions": look_at_extension,
 }  # fmt: skip
 
@@ -264,24 +230,12 @@ def graded_by(marker: Marking, case: Case) -> Verdict:
     except Exception as problem:
         verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
         return verdict
-    result = verdict.result
-    look_at(verdict, result)
-    if case.part == "recast":
-        for layout, put in VARIANTS.items():
-            cast = marker.mark(handed_in(Case(case.part, case.name, put(case.files))))
-            look_at_casting(verdict, result, cast, layout)
-    return verdict
-
-
-def look_at(verdict: Verdict, result: Result) -> None:
-    """Compare the result of a case with what the corpus says of it."""
-    case = verdict.case
     if case.part in ("faulty", "lookalikes", "pairs", "broken", "nothing"):
         look_at_words(verdict)
     if case.part in ONE_FAULT:
         look_at_charges(verdict)
-    if case.part != "recast":  # which is compared with its own variants
-        _LOOKS[case.part](verdict, result, case)
+    _LOOKS[case.part](verdict, verdict.result, case)
+    return verdict
 
 
 def grade_all(chosen: Sequence[Case]) -> Iterator[Verdict]:
@@ -306,7 +260,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.scoreboard", description=__doc__)
     parser.add_argument("--only", default="", help="cases whose name holds this")
     options = parser.parse_args(arguments)
-    verdicts = list(grade_all([case for case in (*as_written(), *recast()) if options.only in case.name]))
+    verdicts = list(grade_all([case for case in as_written() if options.only in case.name]))
     print(table(verdicts))
     return int(any(verdict.troubles for verdict in verdicts))
 
