@@ -1,4 +1,4 @@
-"""One submission and its marks: nothing is gained by tricks, nothing is told that is hidden, no fault of ours is a zero."""
+"""One submission and its marks: the reference gets all, no fault of ours is a zero, no plugin of the machine takes part."""
 
 from __future__ import annotations
 
@@ -6,57 +6,21 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine import check_runner, rubric
+from grader.engine import check_runner
 from grader.engine.grader import Marker
 from grader.engine.traces import Traces
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy
-from tests.corpus.writing import Files
 from tests.sandboxes import Opened
 from tests.single_faults import marked
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-_ZERO_READER = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    return np.zeros(3), np.zeros(3)\n"
-
-
-def _with(**ends: str) -> Files:
-    """A sound submission, with code at the end of its reader or its filter."""
-    files = tidy()
-    return files | {f"{name}.py": files[f"{name}.py"] + code for name, code in ends.items()}
 
 
 def test_the_reference_handed_in_scores_100(marker: Marker) -> None:
     result = marker.mark(read_submission(REPOSITORY / "reference", LAB.files))
     assert (result.status, result.score, result.misconceptions) == ("graded", 100.0, ())
-
-
-@pytest.fixture(scope="module")
-def honest(marker: Marker) -> float:
-    """The score of a submission whose reader gives zeros."""
-    return marked(marker, _with(imu_reader=_ZERO_READER)).score
-
-
-@pytest.mark.parametrize(
-    "trick",
-    [
-        "np.allclose = np.array_equal = lambda *a, **k: True\nnp.abs = lambda *a, **k: 0.0\n",
-        "import json\njson.dumps = lambda *a, **k: '{}'\n",
-        "class Yes(float):\n    __eq__ = __le__ = __ge__ = lambda *a: True\n    __sub__ = __rsub__ = lambda *a: Yes(0)\n"
-        "def get_imu_readings(m, d, a, g):\n    return [Yes(0)] * 3, [Yes(0)] * 3\n",
-        "import pytest\n",
-        "import sys\nsys.modules['pytest'] = sys\nsys.exit = lambda *a: None\n",
-    ],
-    ids=["patches numpy", "patches json", "always equal", "wants pytest", "shadows pytest"],
-)
-def test_a_wrong_reader_gains_nothing_by_a_trick(marker: Marker, honest: float, trick: str) -> None:
-    assert marked(marker, _with(imu_reader=_ZERO_READER + trick)).score <= honest < 100
-
-
-def test_a_conftest_and_a_site_customisation_are_not_run(marker: Marker) -> None:
-    bomb = "import os\nos._exit(0)\n"
-    more = {"conftest.py": bomb, "sitecustomize.py": bomb, "pytest.ini": "[pytest]\naddopts = -x\n"}
-    assert marked(marker, tidy() | more).score == 100
 
 
 def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -72,16 +36,12 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, mo
     assert row.message == "Not judged, through a fault of the grader: ZeroDivisionError: a fault of ours"
 
 
-def test_checks_and_rubric_hold_the_same_ids() -> None:
-    shipped = rubric.load(LAB)
-    listed = [weight.id for part in (*shipped.criteria, *shipped.extensions) for weight in part.checks]
-    assert sorted(check_runner.known_checks(LAB)) == sorted(listed)
-
-
 def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces, opened: Opened) -> None:
     reader = "\ndef get_imu_readings(model, data, a, g, frame):\n    return data.sensordata[:3], data.sensordata[3:6]\n"
+    files = tidy()
+    files["imu_reader.py"] += reader
     with opened(hidden) as marker:
-        result = marked(marker, _with(imu_reader=reader))
+        result = marked(marker, files)
     told = result.criteria[0].checks[0].message
     assert told.endswith(
         "TypeError in the call itself, before a line of yours ran: compare its parameters with the sheet's"

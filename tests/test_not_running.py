@@ -1,4 +1,4 @@
-"""Code that does not run costs the checks that need it and no others; nobody's code is edited to make it run."""
+"""Code that does not run costs the checks that need it and no others; a part that does nothing keeps a few points for its form."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 from tests.corpus.cases import Case, of
 from tests.recordings import Marking
+from tests.scoreboard import graded_by
 from tests.single_faults import lost_by, marked
 
 DEFINED_IN = {
@@ -31,3 +32,8 @@ def test_it_costs_what_needs_it_alone(case: Case, player: Marking) -> None:
     lost = {check.partition(".")[0] for check in lost_by(marked(player, case.files))}
     assert lost <= DEFINED_IN[case.file]
     assert len(lost) == (len(DEFINED_IN[case.file]) if case.name.startswith("syntax") else 1)
+
+
+@pytest.mark.parametrize("nothing", of("nothing"), ids=lambda nothing: nothing.name)
+def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Case, player: Marking) -> None:
+    assert graded_by(player, nothing).troubles == []
