@@ -62,11 +62,6 @@ def test_the_documented_own_check_is_earned_by_the_sheets_filter_and_lost_by_ano
     assert slow.hint.startswith("alpha is the weight of the measurement")
 
 
-def test_the_labs_own_folder_is_not_taken_for_an_instructors() -> None:
-    assert rubric.load(LAB, rubric.shipped(LAB)).sha256 == rubric.load(LAB).sha256
-    assert rubric.own_checks(LAB, LAB.folder) == ()
-
-
 def test_a_check_without_a_weight_and_a_weight_without_a_check_are_told(own: Own) -> None:
     its_rubric = rubric.load(LAB, own())
     with pytest.raises(RequestError, match=r"there is no check filtering\.settles_after_a_step"):

@@ -7,7 +7,6 @@ import os
 import subprocess
 import sys
 import zipfile
-from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
@@ -27,30 +26,22 @@ from grader.labs.imu.robot import Model
 from grader.people.roster import NO_ROSTER
 from reference.self_contained import self_contained
 from tests.examples import files
-from tests.rubrics import SHIPPED
+from tests.rubrics import edited, line_of
 from tests.sandboxes import Opened
+from tests.single_faults import lost_by
 
 PACKAGE = "dm_control>=1.0.20,<2"
 """Its wheel has robots that nobody here made. It is fetched from the package index and never kept in this repository."""
 _FOLDERS = ("suite", "third_party/ant", "locomotion/soccer/assets/boxhead")
 
 
-@dataclass(frozen=True)
-class Other:
-    """A model of the wheel: its file, and the names of its accelerometer and gyroscope."""
-
-    path: str
-    accelerometer: str
-    gyroscope: str
-
-
-OTHERS = {
-    "humanoid": Other("suite/humanoid.xml", "torso_accel", "torso_gyro"),
-    "quadruped": Other("suite/quadruped.xml", "imu_accel", "imu_gyro"),
-    "ant": Other("third_party/ant/ant.xml", "torso_accel", "torso_gyro"),
-    "dog": Other("suite/dog.xml", "accelerometer", "gyro"),
-    "boxhead": Other("locomotion/soccer/assets/boxhead/boxhead.xml", "sensor_torso_accel", "sensor_torso_gyro"),
+ROBOTS = {
+    "humanoid": ("suite/humanoid.xml", "torso_accel", "torso_gyro"),
+    "ant": ("third_party/ant/ant.xml", "torso_accel", "torso_gyro"),
+    "dog": ("suite/dog.xml", "accelerometer", "gyro"),
+    "boxhead": ("locomotion/soccer/assets/boxhead/boxhead.xml", "sensor_torso_accel", "sensor_torso_gyro"),
 }
+"""Models of the wheel: the file, and the names of its accelerometer and gyroscope."""
 SECRET = "a secret of the tests of other robots"
 
 ROBOT = """\
@@ -88,7 +79,7 @@ def rover(
 
 
 @pytest.fixture(scope="session")
-def wheel_of_robots(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def robots(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Model]:
     """The models of dm_control, kept with what pytest keeps from run to run.
 
     Without a package index the tests that ask for it fail: they are the proof that other robots can be graded.
@@ -106,33 +97,34 @@ def wheel_of_robots(request: pytest.FixtureRequest, tmp_path_factory: pytest.Tem
             archive.extractall(kept, [name for name in wanted if not name.endswith(".py")])
         fetched.unlink()
         (kept / "whole").touch()
-    return kept / "dm_control"
+    return {name: Model(kept / "dm_control" / path, *sensors) for name, (path, *sensors) in ROBOTS.items()}
 
 
-def rubric_for(folder: Path, model: Path | str, accelerometer: str, gyroscope: str) -> Path:
+def rubric_for(
+    folder: Path, model: Path | str = "rover.xml", accelerometer: str = "force", gyroscope: str = "rates"
+) -> Path:
     """A copy of the shipped rubric that names this robot."""
-    text = SHIPPED.replace("  # path: my-humanoid.xml", f"  path: {model}")
-    text = text.replace("accelerometer: torso_accelerometer", f"accelerometer: {accelerometer}")
-    text = text.replace("gyroscope: torso_gyroscope", f"gyroscope: {gyroscope}")
+    text = edited("  # path: my-humanoid.xml", f"  path: {model}")
+    text = edited("accelerometer: torso_accelerometer", f"accelerometer: {accelerometer}", text)
     path = folder / "rubric.yaml"
-    path.write_text(text, encoding="utf-8")
+    path.write_text(edited("gyroscope: torso_gyroscope", f"gyroscope: {gyroscope}", text), encoding="utf-8")
     return path
 
 
 def exchanged(
-    folder: Path, accelerometer: str, gyroscope: str, file: str = "humanoid-sensors.xml", of: str = "s01-sheet-verbatim"
+    folder: Path,
+    accelerometer: str = "force",
+    gyroscope: str = "rates",
+    file: str = "humanoid-sensors.xml",
+    of: str = "s01-sheet-verbatim",
 ) -> Path:
     """The code of an example, by default the sheet's own, with the names of these sensors, and of this model's file."""
     folder.mkdir(parents=True, exist_ok=True)
+    names = {"torso_accelerometer": accelerometer, "torso_gyroscope": gyroscope, "humanoid-sensors.xml": file}
     for path in files(of):
         content = path.read_bytes()
-        if path.suffix == ".py":
-            for old, new in (
-                ("torso_accelerometer", accelerometer),
-                ("torso_gyroscope", gyroscope),
-                ("humanoid-sensors.xml", file),
-            ):
-                content = content.replace(old.encode(), new.encode())
+        for old, new in names.items() if path.suffix == ".py" else ():
+            content = content.replace(old.encode(), new.encode())
         (folder / path.name).write_bytes(content)
     return folder
 
@@ -143,19 +135,10 @@ def marked(opened: Opened, rubric_file: Path, submission: Path, cache: Path, see
         return marker.mark(read_submission(submission, LAB.files))
 
 
-def lost(result: Result) -> dict[str, str]:
-    return {c.id: c.message for part in result.criteria for c in part.checks if c.outcome != "passed"}
-
-
 def refusal(rubric_file: Path, cache: Path) -> str:
     with pytest.raises(rubric.RubricError) as refused:
         bundles.obtain(LAB, None, cache, rubric.load(LAB, rubric_file).settings["model"])
     return str(refused.value).replace(str(rubric_file), "rubric.yaml")
-
-
-def line_of(rubric_file: Path, start: str) -> int:
-    lines = rubric_file.read_text(encoding="utf-8").splitlines()
-    return next(number for number, line in enumerate(lines, start=1) if line.strip().startswith(start))
 
 
 # --- robots that nobody here made -------------------------------------------------------------------------------------
@@ -163,27 +146,24 @@ def line_of(rubric_file: Path, start: str) -> int:
 
 @pytest.mark.parametrize(
     ("name", "seed"),
-    [("humanoid", None), ("quadruped", None), ("ant", None), ("dog", SECRET), ("boxhead", SECRET)],
-    ids=["humanoid-public", "quadruped-public", "ant-public", "dog-secret", "boxhead-secret"],
+    [("humanoid", None), ("ant", None), ("dog", SECRET), ("boxhead", SECRET)],
+    ids=["humanoid-public", "ant-public", "dog-secret", "boxhead-secret"],
 )
 def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
-    opened: Opened, name: str, seed: str | None, wheel_of_robots: Path, cache: Path, tmp_path: Path
+    opened: Opened, name: str, seed: str | None, robots: dict[str, Model], cache: Path, tmp_path: Path
 ) -> None:
-    other = OTHERS[name]
-    model = wheel_of_robots / other.path
-    file = rubric_for(tmp_path, model, other.accelerometer, other.gyroscope)
+    model = robots[name]
+    assert model.path is not None
+    sensors = model.accelerometer, model.gyroscope
     # The sheet's path leads to the robot, and so does any that ends in the name of its file.
-    path = {} if seed else {"file": model.name}
-    submission = exchanged(tmp_path / "lab", other.accelerometer, other.gyroscope, **path)
-    result = marked(opened, file, submission, cache, seed)
-    assert lost(result) == {}
-    assert (result.score, result.status) == (100.0, "graded")
+    path = {} if seed else {"file": model.path.name}
+    submission = exchanged(tmp_path / "lab", *sensors, **path)
+    result = marked(opened, rubric_for(tmp_path, model.path, *sensors), submission, cache, seed)
+    assert (lost_by(result), result.score, result.status) == ({}, 100.0, "graded")
 
 
-def test_under_a_secret_the_robot_moves_otherwise(wheel_of_robots: Path, cache: Path) -> None:
-    other = OTHERS["humanoid"]
-    model = Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
-    public, hidden = (bundles.obtain(LAB, seed, cache, model)["push"] for seed in (None, SECRET))
+def test_under_a_secret_the_robot_moves_otherwise(robots: dict[str, Model], cache: Path) -> None:
+    public, hidden = (bundles.obtain(LAB, seed, cache, robots["humanoid"])["push"] for seed in (None, SECRET))
     n = min(len(public["time"]), len(hidden["time"]))
     for key in ("acceleration", "angular_velocity"):
         apart = np.sqrt(np.mean((public[key][:n] - hidden[key][:n]) ** 2))
@@ -191,11 +171,9 @@ def test_under_a_secret_the_robot_moves_otherwise(wheel_of_robots: Path, cache: 
 
 
 def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
-    wheel_of_robots: Path, cache: Path, tmp_path: Path
+    robots: dict[str, Model], cache: Path, tmp_path: Path
 ) -> None:
-    other = OTHERS["ant"]  # its torso hangs in the air, fixed
-    bundle = bundles.obtain(LAB, None, cache, Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope))
-    assert blind_spot(bundle) == (
+    assert blind_spot(bundles.obtain(LAB, None, cache, robots["ant"])) == (  # its torso hangs in the air, fixed
         "ant.xml: the push does not change what its IMU reads, so the grader can hardly "
         "distinguish a run without a push from a right one"
     )
@@ -218,27 +196,25 @@ def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
     opened: Opened, example: str, check: str, cache: Path, tmp_path: Path
 ) -> None:
     rover(tmp_path)
-    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    submission = exchanged(tmp_path / "lab", "force", "rates", of=example)
-    assert list(lost(marked(opened, file, submission, cache))) == [check]
+    submission = exchanged(tmp_path / "lab", of=example)
+    assert list(lost_by(marked(opened, rubric_for(tmp_path), submission, cache))) == [check]
 
 
 def test_a_copy_without_the_files_that_it_includes_is_the_robot(opened: Opened, cache: Path, tmp_path: Path) -> None:
     rover(tmp_path, head='<include file="more.xml"/>')
     (tmp_path / "more.xml").write_text('<mujoco><option timestep="0.004"/></mujoco>')
-    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    submission = exchanged(tmp_path / "lab", "force", "rates", "rover.xml")
+    submission = exchanged(tmp_path / "lab", file="rover.xml")
     rover(submission, head='<include file="more.xml"/>')
-    assert lost(marked(opened, file, submission, cache)) == {}
+    assert lost_by(marked(opened, rubric_for(tmp_path), submission, cache)) == {}
 
 
 def test_traces_of_another_robot_are_refused_with_the_line(tmp_path: Path) -> None:
     rover(tmp_path)
-    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    file = rubric_for(tmp_path)
     with pytest.raises(rubric.RubricError) as refused:
         Marker(rubric.load(LAB, file), bundles.shipped())
     assert str(refused.value) == (
-        f"{file}:{line_of(file, 'path:')}: the traces are of humanoid-sensors.xml (torso_accelerometer, torso_gyroscope), "
+        f"{file}:{line_of(file.read_text(), 'path:')}: the traces are of humanoid-sensors.xml (torso_accelerometer, torso_gyroscope), "
         "not of rover.xml (force, rates); record them with this rubric"
     )
 
@@ -264,44 +240,38 @@ def test_another_file_that_the_model_includes_makes_other_traces(cache: Path, tm
     [
         (
             {"joint": "", "arm": ""},
-            "path: the model has no joint, so there is no velocity to push (data.qvel[0]); give its robot a freejoint",
+            "the model has no joint, so there is no velocity to push (data.qvel[0]); give its robot a freejoint",
         ),
         (
             {"head": '<include file="common/sky.xml"/>'},
-            "path: the model includes 'common/sky.xml', which is not there; paths in it are relative to the model",
+            "the model includes 'common/sky.xml', which is not there; paths in it are relative to the model",
         ),
         (
             {"head": '<option timestep="0.2"/>', "arm": '<joint type="hinge" stiffness="90000"/>'},
-            "path: the simulation of the model becomes unstable within 2 s of the push; try a smaller timestep",
+            "the simulation of the model becomes unstable within 2 s of the push; try a smaller timestep",
         ),
+        ({"head": "</mujoco><no>"}, "MuJoCo cannot load the model: "),
+        ({"head": "<wordlbody/>"}, "MuJoCo cannot load the model: "),
     ],
 )
 def test_a_model_that_cannot_be_graded_is_refused_with_the_line(
     change: dict[str, str], said: str, cache: Path, tmp_path: Path
 ) -> None:
     rover(tmp_path, **change)
-    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    key, text = said.split(" ", 1)
-    assert refusal(file, cache) == f"rubric.yaml:{line_of(file, key)}: {text}"
+    file = rubric_for(tmp_path)
+    told, expected = refusal(file, cache), f"rubric.yaml:{line_of(file.read_text(), 'path:')}: {said}"
+    assert told.startswith(expected) if said.endswith(" ") else told == expected
+    assert "\n" not in told
 
 
 def test_each_sensor_that_is_missing_or_of_another_type_is_refused_with_its_line(cache: Path, tmp_path: Path) -> None:
     rover(tmp_path)
-    file = rubric_for(tmp_path, "rover.xml", "torso_accel", "pose")
-    first, second = line_of(file, "accelerometer:"), line_of(file, "gyroscope:")
+    file = rubric_for(tmp_path, accelerometer="torso_accel", gyroscope="pose")
+    first, second = (line_of(file.read_text(), f"{name}:") for name in ("accelerometer", "gyroscope"))
     assert refusal(file, cache).splitlines() == [
         f"rubric.yaml:{first}: the model has no sensor 'torso_accel'; its accelerometers are force",
         f"rubric.yaml:{second}: the model's sensor 'pose' is of type framequat; its gyroscopes are rates",
     ]
-
-
-@pytest.mark.parametrize("content", ["<mujoco><worldbody>", "no XML at all", "<mujoco><wordlbody/></mujoco>"])
-def test_a_file_that_mujoco_cannot_load_is_refused_in_its_words(content: str, cache: Path, tmp_path: Path) -> None:
-    (tmp_path / "rover.xml").write_text(content)
-    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    said = refusal(file, cache)
-    assert said.startswith(f"rubric.yaml:{line_of(file, 'path:')}: MuJoCo cannot load the model: ")
-    assert "\n" not in said
 
 
 # --- one text ---------------------------------------------------------------------------------------------------------
@@ -359,7 +329,7 @@ def test_a_mesh_becomes_what_it_weighs_and_what_it_touches_with(tmp_path: Path) 
 def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(tmp_path: Path) -> None:
     rover(tmp_path, head='<include file="more.xml"/>')
     (tmp_path / "more.xml").write_text('<mujoco><option timestep="0.004"/></mujoco>')
-    give.student(LAB, tmp_path / "kit", rubric_for(tmp_path, "./rover.xml", "force", "rates"))
+    give.student(LAB, tmp_path / "kit", rubric_for(tmp_path, "./rover.xml"))
     beside_the_sheets = f"{LAB.model.rpartition('/')[0]}/rover.xml"
     model = tmp_path / "kit" / beside_the_sheets
     assert mujoco.MjModel.from_xml_path(str(model)).opt.timestep == 0.004
@@ -369,7 +339,7 @@ def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(
     assert "torso" not in starter
     with zipfile.ZipFile(io.BytesIO((tmp_path / "kit" / wheel.name()).read_bytes())) as archive:
         archive.extractall(tmp_path / "installed")
-    work = exchanged(tmp_path / "kit" / "work", "force", "rates", "rover.xml")
+    work = exchanged(tmp_path / "kit" / "work", file="rover.xml")
     program = [sys.executable, "-c", "from grader.cli import main; main()", "check", str(work), "--json", "result.json"]
     environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed"), "PYTHONSAFEPATH": "1"}
     environment[recording.CACHE_VARIABLE] = str(tmp_path / "cache")  # an empty one

@@ -28,10 +28,6 @@ from grader.report.terminal import screen, show_line
 from tests.fake_results import HOSTILE, check, lost, result
 from tests.pages import Page
 
-HOSTILE_RESULT = result(
-    lost(title=HOSTILE, message=f"Expected  {HOSTILE}\nGot  {HOSTILE}", hint=HOSTILE), name=HOSTILE, notes=(HOSTILE,)
-)
-
 
 def terminal(made: Result, *, width: int = 90, colours: str | None = "auto", **how: Any) -> str:
     """What a terminal shows: its letters, and with truecolor its codes."""
@@ -64,16 +60,16 @@ def hostile_charts() -> list[Chart]:
     return [replace(chart, part="sensor_access") for chart in drawn.charts(Drawing((figure,)), [])]
 
 
-def hostile_standing(id_: str) -> FinalGrade:
-    person = Person(name=HOSTILE, section=HOSTILE)
-    given = Adjustment("sensor_access", 1.0, HOSTILE, HOSTILE, "2026-11-21T21:00:00+00:00", {})
-    return FinalGrade(id_, HOSTILE_RESULT, HandIn((person,), late=Lateness("", 3600, 1, 2.0)), (given,))
-
-
-PAGES = [
-    report_page(hostile_standing("x"), tuple(hostile_charts())),
-    index_page({"x": hostile_standing("x"), "y": FinalGrade("y", result())}),
-]
+HOSTILE_RESULT = result(
+    lost(title=HOSTILE, message=f"Expected  {HOSTILE}\nGot  {HOSTILE}", hint=HOSTILE), name=HOSTILE, notes=(HOSTILE,)
+)
+HOSTILE_GRADE = FinalGrade(
+    "x",
+    HOSTILE_RESULT,
+    HandIn((Person(name=HOSTILE, section=HOSTILE),), late=Lateness("", 3600, 1, 2.0)),
+    (Adjustment("sensor_access", 1.0, HOSTILE, HOSTILE, "2026-11-21T21:00:00+00:00", {}),),
+)
+PAGES = report_page(HOSTILE_GRADE, hostile_charts()), index_page({"x": HOSTILE_GRADE, "y": FinalGrade("y", result())})
 
 
 def test_the_terminal_tells_a_lost_check_with_the_labels_in_their_order() -> None:
@@ -179,13 +175,10 @@ def test_points_that_are_open_are_a_dash_and_not_a_zero() -> None:
 
 
 def test_a_message_keeps_its_plain_sentences_and_its_further_lines() -> None:
-    raised = check("error", 0.0, expected="no exception", got="ValueError: no\nEvil  x\nGot       nothing")
-    assert words.row(raised, "filtering", LabName()).lines == (
-        words.Line("Expected", "no exception"),
-        words.Line("Got", "ValueError: no\nEvil  x\nGot       nothing"),
-    )
-    message = "Expected  no exception\nGot       ValueError: no\n          Evil  x\n          Got       nothing"
-    assert raised.message == message
+    got = "ValueError: no\nEvil  x\nGot       nothing"
+    raised = check("error", 0.0, expected="no exception", got=got)
+    lines = (words.Line("Expected", "no exception"), words.Line("Got", got))
+    assert words.row(raised, "filtering", LabName()).lines == lines
     plain = check("skipped", 0.0, said="Needs a reader.")
     assert words.row(plain, "filtering", LabName()).lines == (words.Line("", "Needs a reader."),)
     assert plain.message == "Needs a reader."
@@ -199,64 +192,49 @@ def test_hostile_text_reaches_the_terminal_as_text() -> None:
     assert "\u202e" not in shown
 
 
+def digest(page: str, tag: str) -> str:
+    """What a policy names what stands in the only element of this kind by."""
+    inlined = re.search(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
+    assert inlined is not None
+    return f"'sha256-{base64.b64encode(hashlib.sha256(inlined[1].encode()).digest()).decode()}'"
+
+
 @pytest.mark.parametrize("page", PAGES, ids=("report", "index"))
-def test_hostile_text_reaches_a_page_as_text(page: str) -> None:
+def test_a_page_shows_hostile_text_as_text_and_fetches_and_allows_nothing_that_is_not_its_own(page: str) -> None:
     read = Page(page)
     assert "<script>alert(1)</script>[bold]x[/bold]\\x1b[31m\\u202e{{ 7 * 7 }}" in read.text
     assert page.count("<script") == page.count("</script") == 1
     assert not set("\x1b\u202e") & set(page)
-
-
-@pytest.mark.parametrize("page", PAGES, ids=("report", "index"))
-def test_a_page_fetches_nothing_and_has_no_handler_in_its_tags(page: str) -> None:
-    read = Page(page)
     assert read.names.isdisjoint({"link", "img", "iframe", "object", "embed", "base"})
     for tag, attributes in read.tags:
-        assert not [
-            name for name in attributes if name.startswith("on") or name in ("src", "style", "srcset", "xlink:href")
-        ], tag
+        assert attributes.keys().isdisjoint({"src", "style", "srcset", "xlink:href"}), tag
+        assert not [name for name in attributes if name.startswith("on")], tag
         assert not (attributes.get("href") or "").startswith(("http", "javascript", "data", "//"))
     assert "url(" not in page
     assert "@import" not in page
-
-
-@pytest.mark.parametrize("page", PAGES, ids=("report", "index"))
-def test_the_policy_of_a_page_allows_its_own_style_sheet_and_script_and_nothing_else(page: str) -> None:
-    def digest(tag: str) -> str:
-        inlined = re.search(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
-        assert inlined is not None
-        return f"'sha256-{base64.b64encode(hashlib.sha256(inlined[1].encode()).digest()).decode()}'"
-
-    policy = next(attributes for tag, attributes in Page(page).tags if attributes.get("http-equiv"))
-    wanted = (
-        f"default-src 'none'; style-src {digest('style')}; img-src data:; script-src {digest('script')}; "
+    policy = next(attributes for tag, attributes in read.tags if attributes.get("http-equiv"))
+    assert policy["content"] == (
+        f"default-src 'none'; style-src {digest(page, 'style')}; img-src data:; script-src {digest(page, 'script')}; "
         "base-uri 'none'; form-action 'none'"
     )
-    assert policy["content"] == wanted
 
 
-def test_tampering_is_told_to_the_instructor_and_not_to_the_student() -> None:
+def test_a_student_is_told_neither_of_tampering_nor_the_seed() -> None:
     made = result(lost(misconceptions=("tampering", "off-by-one-address")))
     assert "tampering" not in report(made)
     assert "Off by one address" in report(made)
     assert "tampering" in index({"a": made})
-
-
-def test_the_seed_is_not_on_a_page() -> None:
-    made = Result("a", "graded", (), provenance={"seed": 424242, "python": "3.11.7"})
-    assert "424242" not in report(made)
-    assert "3.11.7" in report(made)
+    page = report(Result("a", "graded", (), provenance={"seed": 424242, "python": "3.11.7"}))
+    assert ("424242" in page, "3.11.7" in page) == (False, True)
 
 
 def test_the_index_links_each_report_and_counts_the_class() -> None:
     page = index({"a": result(name="Ann"), "b b": result(lost(), name="Bob")})
-    hrefs = [attributes["href"] or "" for tag, attributes in Page(page).tags if tag == "a"]
+    reports = ["submissions/a/report.html", "submissions/b%20b/report.html"]
     table = page[page.index('<table id="submissions"') : page.index('<h2 id="checks"')]
-    assert [attributes["href"] for tag, attributes in Page(table).tags if tag == "a"] == [
-        "submissions/a/report.html",
-        "submissions/b%20b/report.html",
-    ]
-    assert {href for href in hrefs if href[0] != "#"} == {"submissions/a/report.html", "submissions/b%20b/report.html"}
+    assert [attributes["href"] for tag, attributes in Page(table).tags if tag == "a"] == reports
+    hrefs = [attributes["href"] or "" for tag, attributes in Page(page).tags if tag == "a"]
+    assert {href for href in hrefs if href[0] != "#"} == set(reports)
     text = Page(page).text
     assert "2 submissions" in text
     assert re.search(r"mean of graded\s*10\s*median\s*10\s*lowest\s*0\s*highest\s*20", text)
@@ -339,12 +317,12 @@ def test_a_lost_check_is_explained_once_and_its_criterion_links_there_an_extensi
 
 def test_a_page_without_charts_says_why() -> None:
     assert "This page has no charts" in Page(report(result())).text
-    assert "This page has no charts" not in Page(report(result(), *hostile_charts())).text
+    assert "This page has no charts" not in PAGES[0]
 
 
 def test_a_long_class_page_offers_to_show_all_rows() -> None:
     assert 'id="rest"' in index({f"s{n}": result(name=f"s{n}") for n in range(201)})
-    assert 'id="rest"' not in index({"a": result()})
+    assert 'id="rest"' not in PAGES[1]
 
 
 def test_marks_of_two_rubrics_in_one_class_are_told() -> None:

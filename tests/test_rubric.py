@@ -21,14 +21,10 @@ from grader.engine.lab import Lab
 from grader.engine.rubric import RubricError
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
-from tests.rubrics import SHIPPED, edited
+from tests.rubrics import SHIPPED, edited, line_of
 
 OF_FILTERING = SHIPPED[SHIPPED.index("id: filtering") :].split("\n\n")[0]
 CHECKS = OF_FILTERING[OF_FILTERING.index("    checks:") :]
-
-
-def total(its: rubric.Rubric) -> float:
-    return round(sum(criterion.points for criterion in its.criteria), 2)
 
 
 def read(text: str) -> rubric.Rubric:
@@ -45,20 +41,17 @@ def problems(data: bytes | str) -> list[str]:
     return refusal(rubric.parse, LAB, data.encode() if isinstance(data, str) else data).splitlines()
 
 
-def line_of(text: str, part: str) -> int:
-    return text[: text.index(part)].count("\n") + 1
-
-
 def test_the_shipped_rubric_is_the_sheets() -> None:
     shipped = rubric.load(LAB)
     titles = ("Sensor access", "Data collection", "Visualization", "Noise model", "Filtering")
     assert [(c.title, c.points) for c in shipped.criteria] == [(title, 20.0) for title in titles]
-    assert total(shipped) == 100.0
-    files = {"complementary_filter": "complementary_filter", "allan_variance": "allan_variance"}
-    files |= {"multiple_imus": "multi_imu", "realtime_visualization": "live_plot"}
     assert [(e.id, e.file, e.points) for e in shipped.extensions] == [
-        (id_, f"{name}.py", 0.0) for id_, name in files.items()
+        ("complementary_filter", "complementary_filter.py", 0.0),
+        ("allan_variance", "allan_variance.py", 0.0),
+        ("multiple_imus", "multi_imu.py", 0.0),
+        ("realtime_visualization", "live_plot.py", 0.0),
     ]
+    assert shipped.late is None
     assert shipped.limits == rubric.Limits(call_cpu_s=10.0, submission_cpu_s=120.0)
     assert shipped.settings["model"] == Model(None, "torso_accelerometer", "torso_gyroscope")
 
@@ -71,7 +64,6 @@ def test_the_shipped_rubric_is_the_sheets() -> None:
         ("      follows_address: 6", "\n      follows_address: 6", True),
         ("# late:\n#   due:", "late:\n  due:", True),
         ("points: 20\n", "points: 21\n", False),
-        ("follows_address: 6", "follows_address: 5", False),
         ("title: Sensor access", "title: Sensors", False),
         ("call_cpu_s: 10", "call_cpu_s: 9", False),
         ("accelerometer: torso_", "accelerometer: head_", False),
@@ -82,32 +74,18 @@ def test_the_hash_changes_with_what_a_mark_depends_on_and_with_nothing_else(old:
     assert (read(edited(old, new)).sha256 == rubric.load(LAB).sha256) == same
 
 
-# ---- the late policy ----
-
-
-DEADLINE = datetime(2026, 11, 20, 22, 59, tzinfo=timezone.utc)
 DUE = "due: 2026-11-20T23:59+01:00"
 
 
-def late(*lines: str) -> rubric.LatePolicy:
-    policy = read(SHIPPED + "\n  ".join(("late:", DUE, *lines))).late
-    assert policy is not None
-    return policy
-
-
-def test_the_late_policy_in_the_shipped_files_comment_is_one() -> None:
+def test_the_late_policy_in_the_shipped_files_comment_is_one_and_of_one_only_the_date_is_needed() -> None:
     comment = SHIPPED[SHIPPED.index("# late:\n") :].split("\n\n")[0]
-    extended = datetime(2026, 11, 24, 22, 59, tzinfo=timezone.utc)
+    due, extended = (datetime(2026, 11, day, 22, 59, tzinfo=timezone.utc) for day in (20, 24))
     assert read(SHIPPED + re.sub("(?m)^# ", "", comment)).late == rubric.LatePolicy(
-        DEADLINE, 10.0, 10.0, 7.0, {"jane@example.edu": extended}, "Europe/Berlin"
+        due, 10.0, 10.0, 7.0, {"jane@example.edu": extended}, "Europe/Berlin"
     )
-
-
-def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed() -> None:
-    assert rubric.load(LAB).late is None
-    assert late() == rubric.LatePolicy(DEADLINE, 0.0, 0.0, None, {})
-    assert late("grace_minutes: 43200", "per_day: 2.5%") == rubric.LatePolicy(DEADLINE, 43_200.0, 2.5, None, {})
-    assert late("per_day: 7.5").per_day == 7.5
+    assert read(SHIPPED + f"late:\n  {DUE}").late == rubric.LatePolicy(due, 0.0, 0.0, None, {})
+    percentage = read(SHIPPED + f"late:\n  {DUE}\n  grace_minutes: 43200\n  per_day: 2.5%").late
+    assert percentage == rubric.LatePolicy(due, 43_200.0, 2.5, None, {})
 
 
 # ---- the price of mistakes ----
@@ -124,22 +102,6 @@ def test_mistakes_cost_what_the_rubric_says_in_whichever_order() -> None:
     assert one.asked_sha256 == rubric.load(LAB).asked_sha256
 
 
-def test_points_of_several_parts_are_whole_hundredths_together() -> None:
-    text = SHIPPED
-    for points in ("0.1", "0.2", "0", "0", "0"):
-        text = text.replace("points: 20\n", f"points: {points}\n", 1)
-    assert total(read(text)) == 0.3
-    for name, points in (("complementary_filter", "0.1"), ("allan_variance", "0.2")):
-        text = text.replace(f"    file: {name}.py\n", f"    file: {name}.py\n    points: {points}\n", 1)
-    assert read(text).extra_credit_cap == 0.3
-
-
-@pytest.mark.parametrize("empty", ["checks: ~", "checks:", "checks: []", "checks: {}", ""])
-def test_an_extension_may_have_no_checks(empty: str) -> None:
-    text = re.sub(r"(file: live_plot\.py\n)    checks:\n(?:      .*\n)*", rf"\1    {empty}\n", SHIPPED)
-    assert read(text).extensions[-1].checks == ()
-
-
 # ---- what is asked for ----
 
 
@@ -149,9 +111,8 @@ def test_a_part_that_the_rubric_has_is_known_and_another_is_refused_with_the_nea
         rubric.know_part(shipped, known)
     names = ", ".join(part.id for part in shipped.parts)
     for wrong, told in {
-        "filterin": "filterin: the rubric has no such criterion; did you mean filtering?",
+        "filt\x1berin": "filt\\x1berin: the rubric has no such criterion; did you mean filtering?",
         "zzz": f"zzz: the rubric has no such criterion; there are {names}",
-        "fil\x1btering": "fil\\x1btering: the rubric has no such criterion; did you mean filtering?",
     }.items():
         assert refusal(rubric.know_part, shipped, wrong) == f"--only {told}"
 
@@ -175,22 +136,17 @@ def test_the_own_checks_beside_a_rubric_are_its_python_files_in_their_order(fold
     assert rubric.load(LAB).own_checks == ()
 
 
-def test_marks_and_what_is_asked_depend_on_what_own_checks_say(tmp_path: Path) -> None:
-    (tmp_path / "checks").mkdir()
-
-    def hashes(content: str, text: str = SHIPPED) -> tuple[str, str]:
-        (tmp_path / "checks" / "check_a.py").write_text(content)
-        found = rubric.parse(LAB, text.encode(), folder=tmp_path)
+def test_marks_and_what_is_asked_depend_on_what_own_checks_say() -> None:
+    def hashes(own: bytes, text: str = SHIPPED) -> tuple[str, str]:
+        found = rubric.parse(LAB, text.encode(), own=(("check_a.py", own),))
         return found.sha256, found.asked_sha256
 
     without = rubric.load(LAB)
-    one, other = hashes("# one"), hashes("# other")
+    one, other = hashes(b"# one"), hashes(b"# other")
     assert len({one[0], other[0], without.sha256}) == len({one[1], other[1], without.asked_sha256}) == 3
-    assert all(re.fullmatch(r"[0-9a-f]{64}", digest) for digest in (*one, *other))
-    dearer = hashes("# one", edited("points: 20\n", "points: 21\n"))
+    dearer = hashes(b"# one", edited("points: 20\n", "points: 21\n"))
     assert (dearer[0] != one[0], dearer[1]) == (True, one[1])
-    slower = read(edited("call_cpu_s: 10", "call_cpu_s: 9"))
-    assert slower.asked_sha256 != without.asked_sha256
+    assert read(edited("call_cpu_s: 10", "call_cpu_s: 9")).asked_sha256 != without.asked_sha256
 
 
 def test_the_rubric_and_the_own_checks_of_a_kit_lie_with_the_lab(tmp_path: Path) -> None:
@@ -230,38 +186,29 @@ def test_own_checks_of_more_than_a_megabyte_and_files_that_cannot_be_read_are_na
 # ---- the criteria and their checks ----
 
 
-@pytest.mark.parametrize(
-    ("points", "weights", "shares"),
-    [
-        (10.0, [1, 1, 1], [3.34, 3.33, 3.33]),
-        (5.0, [2.9, 1.3, 2.2], [2.27, 1.01, 1.72]),
-        (10.0, [2, 0, 2], [5.0, 0.0, 5.0]),
-        (0.0, [1, 2], [0.0, 0.0]),
-    ],
-)
-def test_what_is_left_over_goes_to_the_largest_remainder_and_of_equal_ones_to_the_first(
-    points: float, weights: list[float], shares: list[float]
-) -> None:
-    assert rubric_sections._shares(points, weights) == shares
+def test_what_is_left_over_goes_to_the_largest_remainder_and_of_equal_ones_to_the_first() -> None:
+    assert rubric_sections._shares(10.0, [1, 1, 1]) == [3.34, 3.33, 3.33]
+    assert rubric_sections._shares(5.0, [2.9, 1.3, 2.2]) == [2.27, 1.01, 1.72]
 
 
-def test_a_rubric_goes_to_another_process() -> None:
-    shipped = rubric.load(LAB)
-    assert pickle.loads(pickle.dumps(shipped)) == shipped
+def test_a_refusal_goes_to_another_process() -> None:
     error = RubricError("rubric.yaml:1: wrong")
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
-def test_a_call_may_take_all_the_time() -> None:
-    assert read(edited("submission_cpu_s: 120", "submission_cpu_s: 10")).limits == rubric.Limits(10.0, 10.0)
+def test_the_order_is_free_and_a_call_may_take_all_the_time() -> None:
+    start, second = SHIPPED.index("  - id: sensor_access"), SHIPPED.index("  - id: data_collection")
+    third = SHIPPED.index("  - id: visualization")
+    swapped = SHIPPED[:start] + SHIPPED[second:third] + SHIPPED[start:second] + SHIPPED[third:]
+    found = read(edited("submission_cpu_s: 120", "submission_cpu_s: 10", swapped))
+    assert [c.id for c in found.criteria] == [part.id for part in LAB.parts]
+    assert found.limits == rubric.Limits(10.0, 10.0)
 
 
-def test_the_order_in_the_file_is_free() -> None:
-    text = SHIPPED
-    start, second = text.index("  - id: sensor_access"), text.index("  - id: data_collection")
-    third = text.index("  - id: visualization")
-    swapped = text[:start] + text[second:third] + text[start:second] + text[third:]
-    assert [c.id for c in read(swapped).criteria] == [part.id for part in LAB.parts]
+@pytest.mark.parametrize("empty", ["checks:", "checks: []", ""])
+def test_an_extension_may_have_no_checks(empty: str) -> None:
+    text = re.sub(r"(file: live_plot\.py\n)    checks:\n(?:      .*\n)*", rf"\1    {empty}\n", SHIPPED)
+    assert read(text).extensions[-1].checks == ()
 
 
 IN_THE_PARTS = """\
@@ -346,7 +293,6 @@ def test_every_problem_is_told_at_once_with_its_line(before: str, lines: str) ->
         (b"", "1: the file is empty; start again from the shipped rubric.yaml"),
         (b"a: 1\nb: \xff", "2: this is not UTF-8; save the file as UTF-8"),
         (b"a: 1\nb: \x07", "2: the character U+0007 is not text; remove it"),
-        (b"x" * 1_000_001, "1: the file is larger than 1 MB; start again from the shipped rubric.yaml"),
         (b"[" * 100_000, "1: this is nested too deeply; see the shipped rubric.yaml for the layout"),
         (b"a: &x 1\nb: *x", "1: anchors and aliases (& and *) are not read; write the value out"),
         (b"- a\n" * 30_000, "19999: the file says far too much; start again from the shipped rubric.yaml"),
@@ -366,14 +312,15 @@ def test_more_problems_than_a_screen_holds_are_counted() -> None:
 
 
 def test_criteria_that_are_worth_nothing_are_refused() -> None:
-    told = problems(SHIPPED.replace("points: 20", "points: 0"))
-    assert [line.partition(": ")[2] for line in told] == [
-        "the criteria are worth 0 points together; give at least one of them points"
-    ]
+    (told,) = problems(SHIPPED.replace("points: 20", "points: 0"))
+    assert told.endswith(": the criteria are worth 0 points together; give at least one of them points")
 
 
 ONE_LINE = ("# extra_credit: {each: 5, cap: 10}", "extra_credit: {each: 5, cap: 10}")
-OF_ITS_OWN = ("    file: allan_variance.py\n", "    file: allan_variance.py\n    points: 7\n")
+OF_ITS_OWN, OF_ANOTHER = (
+    (f"    file: {name}.py\n", f"    file: {name}.py\n    points: {points}\n")
+    for name, points in (("allan_variance", 0.2), ("complementary_filter", 0.1))
+)
 
 
 @pytest.mark.parametrize(
@@ -381,8 +328,8 @@ OF_ITS_OWN = ("    file: allan_variance.py\n", "    file: allan_variance.py\n   
     [
         ([], [0.0] * 4, None),
         ([ONE_LINE], [5.0] * 4, 10.0),
-        ([OF_ITS_OWN], [0.0, 7.0, 0.0, 0.0], 7.0),
-        ([ONE_LINE, OF_ITS_OWN], [5.0, 7.0, 5.0, 5.0], 10.0),
+        ([OF_ITS_OWN, OF_ANOTHER], [0.1, 0.2, 0.0, 0.0], 0.3),
+        ([ONE_LINE, OF_ITS_OWN], [5.0, 0.2, 5.0, 5.0], 10.0),
         ([(ONE_LINE[0], "extra_credit: {each: 5}")], [5.0] * 4, 20.0),
         ([(ONE_LINE[0], "extra_credit: {each: 0, cap: 10}")], [0.0] * 4, None),
         ([(ONE_LINE[0], "extra_credit: {each: 5, cap: 0}")], [5.0] * 4, 0.0),
@@ -393,11 +340,11 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
 ) -> None:
     text = SHIPPED
     for old, new in edits:
-        text = text.replace(old, new)
+        text = edited(old, new, text)
     granted = read(text)
     assert [extension.points for extension in granted.extensions] == points
     assert all(sum(c.max_points for c in e.checks) == pytest.approx(e.points) for e in granted.extensions if e.checks)
-    assert (granted.extra_credit_cap, total(granted)) == (cap, 100.0)
+    assert (granted.extra_credit_cap, sum(criterion.points for criterion in granted.criteria)) == (cap, 100.0)
 
 
 @pytest.mark.parametrize(
@@ -409,18 +356,21 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
          " address"),
         ("", "mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),
         ("", "extra_credit: 5", "extra_credit must be `key: value` lines with the keys each, cap"),
+        ("", "repairs: {apply: always, deduct: 5}", "apply must be suggested or none, not 'always'"),
+        ("", "repairs: {apply: suggested}", "repairs has no key `deduct`; add it"),
+        ("", "repairs: {apply: none, deduct: -1}", "deduct must be a number from 0 to 1000, not '-1'; correct it"),
         ("", "extra_credit: {each: 5.125}", "each must have at most two decimals, not '5.125'; round it"),
         ("call_cpu_s: 10", "call_cpu_s: 0.09", "call_cpu_s must be a number from 0.1 to 1000, not '0.09'; correct it"),
         ("submission_cpu_s: 120", "submission_cpu_s: 100001", "submission_cpu_s must be a number from 0.1 to 100000, not"
          " '100001'; correct it"),
         *(
             (CHECKS, f"    checks: {wrong}\n", "the checks of filtering must be `name: weight` lines; list at least one")
-            for wrong in ("3", "[]", "{}", "[returns_two_vectors]")
+            for wrong in ("3", "[]", "[returns_two_vectors]")
         ),
         *(
             ("follows_address: 6 #", f"follows_address: {weight} #", "the weight of follows_address must be a number from 0 to 1000,"
              f" not '{weight}'; correct it")
-            for weight in ("inf", ".inf", "-0.1", "1000.1", "1e999", "0x10", "1_0", "1:30", "", "yes")
+            for weight in (".inf", "-0.1", "1000.1", "0x10", "1_0", "1:30", "", "yes")
         ),
     ],
 )  # fmt: skip
@@ -462,13 +412,12 @@ def test_checks_and_rubric_must_match() -> None:
     rubric.match_checks(shipped, known)
     del known["filtering.passes_constant"]
     known |= {"filtering.pass_constant": "Passes\x1b a constant", "magic.works": "Works"}
-    text = SHIPPED
     assert refusal(rubric.match_checks, shipped, known).splitlines() == [
         "rubric.yaml:1: the check magic.works (Works) has no weight under magic; add the line `works: WEIGHT` to its"
         " checks",
-        f"rubric.yaml:{line_of(text, 'id: filtering')}: the check filtering.pass_constant (Passes\\x1b a constant) has"
+        f"rubric.yaml:{line_of(SHIPPED, 'id: filtering')}: the check filtering.pass_constant (Passes\\x1b a constant) has"
         " no weight under filtering; add the line `pass_constant: WEIGHT` to its checks",
-        f"rubric.yaml:{line_of(text, 'passes_constant')}: there is no check filtering.passes_constant (did you mean"
+        f"rubric.yaml:{line_of(SHIPPED, 'passes_constant')}: there is no check filtering.passes_constant (did you mean"
         " filtering.pass_constant?); correct the name or remove the line",
     ]
 
