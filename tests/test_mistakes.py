@@ -69,7 +69,7 @@ def test_no_name_stands_twice_in_the_file() -> None:
 
 
 @pytest.mark.parametrize("key", ENTRIES)
-def test_an_entry_has_words_and_an_example_within_their_limits(key: str) -> None:
+def test_an_entry_has_all_fields_each_within_its_limits(key: str) -> None:
     """A hint is one or two short sentences, an explanation two to five, an example one to four lines of Python."""
     entry = ENTRIES[key]
     assert entry.title
