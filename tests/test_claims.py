@@ -15,7 +15,6 @@ from grader.sandbox.wire import Frame
 from tests.corpus.pieces import edit, lab, tidy
 from tests.corpus.writing import Files
 from tests.fuzz.answers import Bench, recorded
-from tests.fuzz.claims import points
 from tests.hostile.forging import STANDS
 
 RAISES = lab(
@@ -62,7 +61,7 @@ def test_a_false_claim_earns_nothing_but_what_it_hides(claim: str, first_state: 
     files, question, lie, gained = LIES[claim]
     lie = lie or (lambda frame: replace(frame, arrays={**frame.arrays, **first_state}))
     with Bench(files).open() as bench:
-        honest, lying = points(bench), points(bench, lambda op, frame: lie(frame) if op == question else frame)
+        honest, lying = bench.points(), bench.points(lambda op, frame: lie(frame) if op == question else frame)
     assert {id_: lying[id_] - honest[id_] for id_ in honest if lying[id_] > honest[id_]} == gained
 
 

@@ -7,14 +7,12 @@ judged, and no exception raised.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import random
 import tempfile
 import traceback
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -39,6 +37,7 @@ from tests.corpus.writing import Files, write
 from tests.examples import files
 from tests.fuzz.drawing import drawn
 from tests.fuzz.mangling import mangled_array, mangled_value
+from tests.recordings.answers import history_after
 from tests.sandboxes import opened
 
 Answers = dict[str, Frame]
@@ -46,10 +45,7 @@ Leading = defaultdict[tuple[str, str | None], Frame | None]
 
 
 def _key(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
-    digest = hashlib.sha256(json.dumps([op, fields], sort_keys=True).encode())
-    for name in sorted(arrays):
-        digest.update(name.encode() + np.asarray(arrays[name]).tobytes())
-    return f"{op} {digest.hexdigest()}"
+    return f"{op} {history_after('', op, fields, arrays)}"
 
 
 def submission(files: Files) -> Submission:
@@ -80,21 +76,18 @@ def recorded(files: Files) -> tuple[Answers, Leading]:
 
 
 Ask = Callable[[str, Mapping[str, Any], Mapping[str, np.ndarray]], Frame]
+_LEADING = ("submit", "outline", "load")
+"""Questions without whose sound answer nothing else is asked."""
 
 
-class _Replay:
+class _Replay(nullcontext["_Replay"]):
     """A worker that answers as it is told to."""
 
     alive, closed, cpu_s, wall_s = True, False, 0.0, 0.0
 
     def __init__(self, answer: Ask) -> None:
+        super().__init__(self)
         self._answer = answer
-
-    def __enter__(self) -> _Replay:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        """Nothing to close."""
 
     def close(self) -> None:
         """Nothing to close."""
@@ -129,7 +122,6 @@ class Bench:
         self._answers, self._leading = recorded(files)
         self._submission = submission(files)
         self.troubles: list[str] = []
-        self.drawn: Counter[str] = Counter()
 
     @contextmanager
     def open(self) -> Iterator[Bench]:
@@ -172,12 +164,12 @@ class Bench:
         return self._marked(answer)
 
     def mark_drawn(self, seed: int) -> Result:
-        """Mark with answers that are drawn from the rules; `drawn` counts them by question."""
+        """Mark with answers that are drawn from the rules."""
         chance = random.Random(seed)
         made_up = chance.choice((0.2, 0.6, 1.0, 1.0))  # of the answers; the others are sound, so that what follows them is asked, too
 
         def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-            leads = op in ("submit", "outline", "load")  # without a sound answer nothing else is asked
+            leads = op in _LEADING
             known = self._leading[op, fields.get("path")] if leads else self._answers.get(_key(op, fields, arrays))
             if known is not None and chance.random() > (0.01 if leads else made_up):
                 return known
@@ -186,10 +178,24 @@ class Bench:
             frame = drawn(op, fields, arrays, RULES, chance, known if chance.random() < 0.3 else None)
             if frame is None:
                 raise Crashed("chance made no answer")
-            self.drawn[op] += 1
             return frame
 
         return self._marked(answer)
+
+    def points(self, lie: Callable[[str, Frame], Frame] = lambda op, frame: frame) -> dict[str, float]:
+        """Points of each check where one claim of the process is replaced; what is asked beyond the record gets no answer."""
+
+        def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
+            known = self._answers.get(_key(op, fields, arrays))
+            if known is None and op in _LEADING:
+                known = self._leading[op, fields.get("path")]
+            if known is None:
+                raise Crashed("nothing is on record")
+            return lie(op, known)
+
+        result = self._marked(answer)
+        assert self.troubles == []
+        return {check.id: float(check.points or 0.0) for criterion in result.criteria for check in criterion.checks}
 
     def _sensors(self, steps: int, chance: random.Random) -> np.ndarray:
         """As a sandbox that runs nothing of a student's may answer: what is replayed is drawn, and its run may be anything finite."""

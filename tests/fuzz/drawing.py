@@ -17,14 +17,13 @@ from grader.engine.replies import Answer, Wrong
 from grader.sandbox.wire import Frame
 
 _WORDS = (
-    "", "x", "time", "acceleration", "angular_velocity", "imu_data.png", "filtered_imu.png", "get_imu_readings", "LowPassFilter", "NoisyIMU",
-    "plot_imu_data", "simulate_and_collect", "m/s²", "Acceleration (m/s^2)", "Angular velocity [rad/s]", "deg/s", "Time (s)", "accel x raw",
-    "filtered", "roh", "ValueError", "KeyError", "ModuleNotFoundError", "TypeError", "raised", "hints", "overran", "ended", "savefig", "show",
-    "png", "svg", "gif", "#1f77b4", "#00000000", "#ffffff", "black", "line", "scatter", "steps", "-", "--", "None", "none", "nan", "1e400",
-    "%s {} $\\frac{a}{", "\u202e\x1b[31m", "\0", "ı İ ß ﷺ 🧭", "m/s" * 60, "(" * 100, "٣", "²", "-1", "a/b/../c.py", "qpos", "0" * 150,
+    "", "x", "time", "acceleration", "angular_velocity", "imu_data.png", "filtered_imu.png", "LowPassFilter", "m/s²", "Acceleration (m/s^2)",
+    "deg/s", "Time (s)", "accel x raw", "filtered", "ValueError", "ModuleNotFoundError", "raised", "overran", "ended", "savefig", "png", "#1f77b4",
+    "#00000000", "black", "line", "scatter", "steps", "-", "None", "nan", "1e400", "%s {} $\\frac{a}{", "\u202e\x1b[31m", "\0", "ı İ ß ﷺ 🧭",
+    "m/s" * 60, "(" * 100, "٣", "-1", "a/b/../c.py", "qpos", "0" * 150,
 )  # fmt: skip
-_NUMBERS = (0, 0.0, -0.0, 1, -1, 3, 1e-320, 1e-12, 0.5, 2.5, 100, 1e6, 1e12, -1e12, 1e12 - 1)
-_WHOLES = (0, 1, -1, 2, 3, 60, 640, 480, 5000, 1_000_000_000, -1_000_000_000)
+_NUMBERS = (0, -0.0, 1, -1, 3, 1e-320, 1e-12, 0.5, 100, 1e12, -1e12)
+_WHOLES = (0, 1, -1, 3, 60, 640, 480, 5000, 1_000_000_000, -1_000_000_000)
 _LENGTHS = (0, 1, 2, 3, 4, 6, 50, 300)
 _TRIES = 12
 
@@ -151,16 +150,11 @@ def _ordinary(noise: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
 
 _SORTS: tuple[Callable[[np.random.Generator, tuple[int, ...]], Any], ...] = (
     lambda noise, shape: np.zeros(shape),
-    lambda noise, shape: np.ones(shape),
     lambda noise, shape: np.full(shape, np.nan),
-    lambda noise, shape: np.full(shape, np.inf),
     lambda noise, shape: np.full(shape, 1.7e308) * noise.choice((1.0, -1.0), size=shape),
     lambda noise, shape: np.full(shape, 5e-324),
-    lambda noise, shape: noise.normal(size=shape) * 1e200,
-    lambda noise, shape: noise.normal(size=shape) * 1e-200,
     lambda noise, shape: noise.normal(size=shape) * 10.0 ** noise.integers(-300, 300, size=shape),
     lambda noise, shape: np.arange(int(np.prod(shape)), dtype=float).reshape(shape),
-    lambda noise, shape: np.arange(int(np.prod(shape)), dtype=float)[::-1].reshape(shape) * 1e-3,
     lambda noise, shape: noise.integers(-3, 3, size=shape),
     lambda noise, shape: np.cumsum(noise.normal(size=shape), axis=0) if shape else np.array(1.0),
     lambda noise, shape: np.where(noise.random(shape) < 0.5, np.nan, 1.0),
@@ -196,8 +190,7 @@ def drawn(
             if like is None and op not in replies._WITHOUT_FAULT:
                 answer.part("error", replies.maybe(replies.fault))
             {**replies._RULES, **rules}[op](answer)
-            frame = Frame(answer.frame.fields, answer.frame.arrays)
-            return replies.checked(op, frame, fields, asked, rules)
+            return replies.checked(op, Frame(answer.frame.fields, answer.frame.arrays), fields, asked, rules)
         except (Wrong, Malformed):
             continue
     return None
@@ -214,7 +207,7 @@ def _replace_some(answer: Drawn) -> None:
 
 def _pixels_of(answer: Drawn) -> None:
     noise = np.random.default_rng(answer.chance.randrange(99))
-    size = answer.chance.choice(((1, 1), (1, 640), (64, 64), (480, 640), (3, 2)))
+    size = answer.chance.choice(((1, 1), (1, 640), (480, 640), (3, 2)))
     answer.frame.arrays["preview"] = noise.integers(0, answer.chance.choice((1, 2, 64)), size=size).astype(np.uint8)
     answer.frame.arrays["palette"] = noise.integers(0, 256, size=(256, 3)).astype(np.uint8)
 
