@@ -266,7 +266,7 @@ def _turned(data: Any, model: Any, duration_seconds: float = 5.0, accel_id: Any 
     return Recorder()(model, data, duration_seconds, accel_id, gyro_id)
 
 
-def _function(recorder: Recorder) -> Callable[..., Any]:
+def function(recorder: Recorder) -> Callable[..., Any]:
     def simulate_and_collect(
         model: Any, data: Any, duration_seconds: float = 5.0, accel_id: Any = None, gyro_id: Any = None
     ) -> Any:
@@ -278,7 +278,7 @@ def _function(recorder: Recorder) -> Callable[..., Any]:
 CHECKS = (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
 ROWS = [
     *(
-        Row(name, lambda kind=kind: FakeStudent(simulate_and_collect=_function(kind())), marks)
+        Row(name, lambda kind=kind: FakeStudent(simulate_and_collect=function(kind())), marks)
         for name, kind, marks in KINDS
     ),  # type: ignore[misc]
     Row("in another order", lambda: FakeStudent(simulate_and_collect=_turned), {NAMED: (0.0, ["other-parameters"])}),
@@ -297,7 +297,7 @@ def test_a_made_up_recorder_is_marked_fairly(row: Row) -> None:
 @pytest.mark.parametrize("treatment", TREATMENTS)
 def test_a_fault_costs_the_same_whatever_is_done_to_the_rows(treatment: str, fault: str) -> None:
     (treated, costs), (faulty, marks) = TREATMENTS[treatment], FAULTS[fault]
-    student = FakeStudent(simulate_and_collect=_function(both(treated, faulty)()))
+    student = FakeStudent(simulate_and_collect=function(both(treated, faulty)()))
     assert {check: marked(finding(Case("", check, lambda: student))) for check in CHECKS} == dict.fromkeys(
         CHECKS
     ) | costs | marks
@@ -317,5 +317,5 @@ _SHAPE = (0.0, ["wrong-return-type"])
 )
 def test_two_stamps_of_three_and_other_rows_are_judged(rows: slice, scale: float, kept: list[Any]) -> None:
     kind = telling(lambda t, a, g, _m: (t[np.arange(len(t)) % 3 > 0], scale * a[rows], g[rows]))
-    student = FakeStudent(simulate_and_collect=_function(kind()))
+    student = FakeStudent(simulate_and_collect=function(kind()))
     assert [marked(finding(Case("", check, lambda: student))) for check in CHECKS] == kept

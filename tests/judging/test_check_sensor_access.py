@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.labs.imu.sensor_access import checks
+from grader.labs.imu.sensor_access import checks, explain
+from grader.labs.imu.sensor_access.measure import Facts, Scene, Visit
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked
 
 Reader = Callable[..., Any]
@@ -117,3 +118,28 @@ CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_a_made_up_reader_is_marked_fairly(row: Row) -> None:
     is_as_marked(*row.cases(CHECKS))
+
+
+# --- what readings follow, by facts that are built by hand ---------------------------------------------------------------
+
+_HAND = np.random.default_rng(3)
+_DATA, _STATES = _HAND.normal(0, 4, (13, 14)), _HAND.normal(0, 4, (13, 9))
+_TURN = np.linalg.qr(_HAND.normal(size=(13, 3, 3)))[0]
+
+
+def _visit(*pair: int) -> Visit:
+    """Two of four sensors in one array, read through a sine."""
+    addresses = np.array([0, 1, 4, 7, 8, 11])
+    scene = Scene(_DATA, addresses, pair, _TURN, _STATES, _STATES + 1, _STATES[:, :6], _STATES[:, 3:])  # type: ignore[arg-type]
+    return Visit(scene, (np.sin(scene.true(0)), np.sin(scene.true(1))))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("order", "follows"), [(1, True), (-1, False)])
+def test_readings_follow_the_states_and_not_the_number_of_the_call(order: int, follows: bool) -> None:
+    torso = _visit(1, 2)
+    now = np.array([torso.got[0][0], torso.got[1][0]])
+    facts = Facts(
+        torso, torso, (_visit(5, 4),), now, np.zeros(4), reverse=(torso.got[0][::order], torso.got[1][::order])
+    )
+    assert (explain._by_chance(facts) == "") is follows

@@ -36,38 +36,26 @@ def found(raw: Array, filtered: Array) -> list[Compared]:
     return comparing.comparisons(figure(curve(raw, "raw"), curve(filtered, "filtered")))
 
 
-def _averaged(window: int) -> Array:
-    return np.convolve(NOISY, np.full(window, 1 / window), mode="same")
-
-
 SMOOTHER: dict[str, Array] = {
     "by alpha": FILTERED,
-    "by alpha, twice": smooth(FILTERED),
-    "from zero": FILTERED * np.minimum(1, np.arange(N) / 60),
     "not from the start": np.where(np.arange(N) < 50, np.nan, FILTERED),
-    "by a running mean": _averaged(9),
-    "by a long running mean": _averaged(61),
-    "by a running mean, late": np.concatenate([np.full(20, NOISY[0]), _averaged(15)[:-20]]),
-    "a little weaker": 9.81 + 0.6 * (_averaged(15) - 9.81),
+    "by a running mean, late": np.append(
+        np.full(20, NOISY[0]), np.convolve(NOISY, np.full(15, 1 / 15), mode="same")[:-20]
+    ),
     "as it was without the noise": CLEAN,
-    "with a small offset": FILTERED + 0.5,
 }
 NO_SMOOTHER: dict[str, Array] = {
     "the same": NOISY,
     "another": smooth(OTHER),
-    "another that is as noisy": OTHER,
     "upside down": 2 * 9.81 - FILTERED,
     "far below": FILTERED - 9,
-    "far above": FILTERED + 9,
-    "much larger": 9.81 + 9 * (FILTERED - 9.81),
     "much smaller": 9.81 + 0.05 * (FILTERED - 9.81),
-    "a straight line": TIME,
     "hardly less noisy": CLEAN + 0.9 * (NOISY - CLEAN),
     "earlier": np.append(FILTERED[150:], np.full(150, FILTERED[-1])),
 }
 
 
-@pytest.mark.parametrize("scale", [1e-7, 1.0, 1e4])
+@pytest.mark.parametrize("scale", [1e-7, 1e4])
 @pytest.mark.parametrize("name", [*SMOOTHER, *NO_SMOOTHER])
 def test_a_smoother_version_is_one_in_any_unit(name: str, scale: float) -> None:
     assert found(scale * NOISY, scale * (SMOOTHER | NO_SMOOTHER)[name]) == [PAIR] * (name in SMOOTHER)
@@ -76,13 +64,9 @@ def test_a_smoother_version_is_one_in_any_unit(name: str, scale: float) -> None:
 @pytest.mark.parametrize(
     ("raw", "filtered", "there"),
     [
-        (slice(None), slice(None, None, 2), True),
         (slice(None), slice(None, None, 12), True),
         (slice(None), slice(None, None, 13), False),
-        (slice(None, None, 2), slice(None), True),
         (slice(None, None, 5), slice(None), True),
-        (slice(None, None, 13), slice(None), False),
-        (slice(None, None, 3), slice(None, None, 3), True),
         (slice(None), slice(400), True),
         (slice(None), slice(200, None), True),
     ],
@@ -110,10 +94,7 @@ RAW, SMOOTH, UNSEEN = curve(NOISY, "raw"), curve(FILTERED, "filtered"), visible(
         (replace(RAW, visible_parts=visible(seen=slice(12))), SMOOTH, 1),
         (replace(RAW, visible_parts=visible(seen=slice(11))), SMOOTH, 0),
         (RAW, replace(SMOOTH, visible_parts=UNSEEN), 0),
-        (replace(RAW, visible_parts=visible(slice(1))), SMOOTH, 1),
-        (replace(RAW, visible_parts=visible(slice(0))), SMOOTH, 0),
         (RAW, replace(SMOOTH, kind="nothing"), 0),
-        (replace(RAW, kind="points"), SMOOTH, 1),
         (curve(NOISY[:49], "raw", TIME[:49]), SMOOTH, 0),
     ],
 )

@@ -16,9 +16,7 @@ _FAULT = Fault("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
     ("value", "unit", "said"),
     [
         (None, "m/s²", "it is off"),
-        (0.123, "m/s²", "it is off by 0.1 to 1 m/s²"),
         (-0.123, "m/s²", "it is off by 0.1 to 1 m/s²"),
-        (9.99, "", "it is off by 1 to 10"),
         (1.1e-12, "s", "it is off by 1e-12 to 1e-11 s"),
         (float("nan"), "s", "it is off, beyond all measure"),
         (1e12, "s", "it is off, beyond all measure"),

@@ -22,7 +22,7 @@ from grader.labs.imu.filtering.explain import PART as FILTERING
 from grader.labs.imu.noise_model.explain import PART as NOISE
 from grader.labs.imu.sensor_access.explain import PART as READING
 from tests.judging.fake_students import FakeStudent, truth
-from tests.judging.test_check_data_collection import Recorder, telling
+from tests.judging.test_check_data_collection import function, telling
 from tests.judging.test_check_noise_model import Sound, of
 from tests.judging.test_check_sensor_access import altered
 
@@ -76,13 +76,6 @@ def recorded(change: Callable[[Array, Array, Array, float], tuple[Any, Any, Any]
     """Return what a recorder is charged that changes the sound stamps and rows; the last argument is the time step."""
     kind = telling(lambda t, a, g, model: change(t, a, g, model.opt.timestep))
     return deducted(RECORDING, simulate_and_collect=function(kind()))
-
-
-def function(recorder: Recorder) -> Any:
-    """A plain function, as the sheet has it."""
-    return lambda model, data, duration_seconds, accel_id=2, gyro_id=4: recorder(
-        model, data, duration_seconds, accel_id, gyro_id
-    )
 
 
 @given(late=st.integers(1, 40))

@@ -59,17 +59,6 @@ def test_a_text_speaks_of_a_sensor_by_its_words_or_else_by_its_unit(text: str, s
     assert isinstance(labels.claims(text), frozenset)  # it is kept for whoever asks next
 
 
-@pytest.mark.parametrize(
-    ("sensor", "text", "only"),
-    [
-        (0, "Accelerometer", True), (1, "Accelerometer", False), (1, "Angular velocity", True), (0, "Acceleration and gyroscope", False),
-        (0, "m/s²", False), (0, "", False),
-    ],
-)  # fmt: skip
-def test_a_name_of_one_sensor_is_a_word_for_it_alone(sensor: int, text: str, only: bool) -> None:
-    assert labels.names_only(sensor, text) is only
-
-
 AXES: dict[int | None, list[str]] = {
     0: [
         "x", "X", "ax", "a_x", "accel x", "gyro_x", "x-axis", "wx", "X axis (raw)", "Acc-X", "lin x", "rate x", r"$a_x$", "$\\omega_x$",

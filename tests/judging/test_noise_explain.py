@@ -56,11 +56,8 @@ _OTHERS = [GYRO.truth - ACCEL.truth + ACCEL.bias, ACCEL.truth - GYRO.truth + GYR
 @pytest.mark.parametrize(
     ("facts", "told"),
     [
-        (_wrong(), ""),
-        (_wrong(_NO_BIAS, _NO_BIAS), "no-bias"),
         (_wrong(gyro=_NO_BIAS), "no-bias"),
         (_wrong(-ACCEL.bias, -GYRO.bias), "bias-sign-flipped"),
-        (_wrong(-ACCEL.bias, _NO_BIAS), "bias-argument-ignored"),
         (_wrong(_first_again(ACCEL), _first_again(GYRO)), "stale-clean-reading"),
         (_wrong(_first_again(ACCEL) - 1), ""),
         (_wrong(*_OTHERS), "swapped-sensors"),
@@ -68,10 +65,8 @@ _OTHERS = [GYRO.truth - ACCEL.truth + ACCEL.bias, ACCEL.truth - GYRO.truth + GYR
         (_wrong(GYRO.bias, ACCEL.bias), "biases-exchanged"),
         (_wrong(gyro=ACCEL.bias), "bias-shared"),
         (_wrong(ACCEL.bias[[1, 0, 2]], GYRO.bias[[2, 0, 1]]), "bias-axes-exchanged"),
-        (_wrong(np.full(3, ACCEL.bias[0]), np.full(3, GYRO.bias[0])), "bias-shared"),
         (_wrong(ACCEL.bias + 0.5, GYRO.bias + 0.05), "noise-not-zero-mean"),
         (_wrong(np.array([5.0, 6, 7])), "bias-argument-ignored"),
-        (_wrong(np.array([[5.0, 6, 7], [6, 6, 7]])), ""),
     ],
 )  # fmt: skip
 def test_an_offset_that_is_not_the_bias_is_named(facts: Facts, told: str) -> None:
@@ -93,14 +88,10 @@ def _sized(accel: float, gyro: float, silent: tuple[float, float] = (0.0, 0.0)) 
         (_sized(0.1, 10), "stds-swapped"),
         (_sized(1, 10.6), "stds-swapped"),
         (_sized(0.1, 3), ""),  # the other sensor's noise has another cause
-        (_sized(3, 10.8), ""),
         (_sized(0.05, 0.005), "variance-as-std"),
-        (_sized(0.05**-0.5, 0.005**-0.5), "variance-as-std"),
         (_sized(0.05, 1.5), ""),
         (_sized(0.002**0.5, 0.002**0.5), "noise-density"),
-        (_sized(0.002**-0.5, 0.002**-0.5), "noise-density"),
         (_sized(3, 3, (0.15, 0.015)), "std-ignored"),
-        (_sized(3, 3, (0.0, 0.015)), "std-ignored"),
         (_sized(3, 3, (0.1, 0.01)), "bias-redrawn"),
         (_sized(1.5, 1.5), ""),
     ],
@@ -124,12 +115,10 @@ def _creeping(step: float) -> Array:
 @pytest.mark.parametrize(
     ("biases", "creeps"),
     [
-        (_creeping(0), False),
         (_creeping(-0.01), True),
         (_creeping(0.29), True),
         (_creeping(0.31), False),
         (_creeping(0.01) - 1e8, False),
-        (1e-8 * _creeping(0.01), False),
         (np.tile([1.0, 5, 9], (24, 3, 1)) + 0.01 * np.arange(3)[None, :, None], False),
     ],
 )

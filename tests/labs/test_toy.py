@@ -44,13 +44,23 @@ def graded(marker: Marker, files: dict[str, bytes]) -> Result:
 def test_a_sound_submission_gets_all_points(marker: Marker) -> None:
     result = graded(marker, SOUND)
     assert (result.status, result.score, result.max_score) == ("graded", 10.0, 10.0)
+    packages = result.provenance.keys()
+    assert {"python", "numpy"} < packages
+    assert "mujoco" not in packages
 
 
-def test_one_fault_costs_once_and_is_named(marker: Marker) -> None:
+def test_one_fault_costs_once_and_is_reported_and_exported_under_the_labs_own_name(marker: Marker) -> None:
     """Who averages with a wrong conversion averages right: a sound stand-in takes its place."""
     result = graded(marker, FORGETFUL)
     assert [criterion.points for criterion in result.criteria] == [0.0, 4.0]
     assert result.misconceptions == ("no-offset",)
+    assert from_dict(json.loads(json.dumps(to_dict(result)))) == result
+    final_grade = FinalGrade("ann", result)
+    page = report_page(final_grade)
+    assert "Lab 0 · Temperatures" in page
+    assert "Lab 0, Step 1" in page
+    assert "Lab 04-01" not in page + index_page({"ann": final_grade}) + junit(result, datetime.now(timezone.utc))
+    assert "conversion" in gradebook({"ann": final_grade}).splitlines()[0]
 
 
 def test_an_exception_is_told_by_this_labs_own_catalogue(marker: Marker) -> None:
@@ -70,35 +80,13 @@ def test_a_catalogue_without_what_the_engine_finds_out_is_refused_by_name(tmp_pa
         catalogue(lab)
 
 
-def test_it_is_reported_and_exported_under_its_own_name(marker: Marker) -> None:
-    result = graded(marker, FORGETFUL)
-    final_grade = FinalGrade("ann", result)
-    assert from_dict(json.loads(json.dumps(to_dict(result)))) == result
-    page = report_page(final_grade)
-    assert "Lab 0 · Temperatures" in page
-    assert "Lab 0, Step 1" in page
-    assert "Lab 04-01" not in page + index_page({"ann": final_grade}) + junit(result, datetime.now(timezone.utc))
-    assert "conversion" in gradebook({"ann": final_grade}).splitlines()[0]
-
-
 def test_it_travels_by_its_name() -> None:
     assert pickle.loads(pickle.dumps(LAB)) is LAB
 
 
-def test_its_rubric_lists_its_own_parts() -> None:
+def test_its_rubric_has_its_own_parts_and_keys_alone() -> None:
+    text = (LAB.folder / "rubric.yaml").read_bytes()
     with pytest.raises(rubric.RubricError, match="sensor_access"):
-        rubric.parse(
-            LAB,
-            b"criteria: [{id: sensor_access, title: x, points: 1, checks: {a: 1}}]\nextensions: []\nlimits: {call_cpu_s: 1, submission_cpu_s: 1}\n",
-        )
-
-
-def test_its_rubric_has_no_key_of_another_labs() -> None:
-    text = (LAB.folder / "rubric.yaml").read_bytes() + b"model: {path: humanoid.xml}\n"
+        rubric.parse(LAB, text.replace(b"id: conversion", b"id: sensor_access"))
     with pytest.raises(rubric.RubricError, match="unknown key 'model' in the rubric"):
-        rubric.parse(LAB, text)
-
-
-def test_its_results_name_the_packages_that_its_numbers_depend_on(marker: Marker) -> None:
-    assert {"python", "numpy"} < graded(marker, SOUND).provenance.keys()
-    assert "mujoco" not in graded(marker, SOUND).provenance
+        rubric.parse(LAB, text + b"model: {path: humanoid.xml}\n")
