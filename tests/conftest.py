@@ -53,14 +53,14 @@ SLOW = (
     "test_module_level", "test_not_running", "test_not_understood", "test_odd_data", "test_optimizations", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading", "test_relative_paths",
     "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro", "test_secret_words",
-    "test_shadowing_modules", "test_statements", "test_traces", "test_unforeseen", "test_useless_code_sweep",
+    "test_shadowing_modules", "test_statements", "test_traces", "test_unforeseen", "test_useless_code",
     "test_variants", "test_visibility", "test_wall_time",
 )  # fmt: skip
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
 LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")
 """Files that `pytest -m quick` leaves out, too: they judge hundreds of made-up students."""
 QUICK = "quick and not slow and not longer"
-ALL = "not delivered and not sweep"
+ALL = "not delivered"
 """The marker expressions of `-m quick`, and of a run without `-m`."""
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from grader.labs.imu.noise_model import checks, measure
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked, truth
-from tests.test_useless_code_sweep import kept
+from tests.test_useless_code import kept
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,
