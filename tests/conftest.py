@@ -19,8 +19,7 @@ sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.update({f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")})
 
-from collections import Counter, defaultdict
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -93,26 +92,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 # --- what each test worker found, told once at the end ----------------------------------------------------------------
 
 
-class Found:
-    """What the test workers of a run counted: recordings, slow tests that were left out, and stale generated files."""
-
-    def __init__(self) -> None:
-        self.recordings: Counter[str] = Counter()
-        self.left_out = 0
-        self.stale: defaultdict[str, list[str]] = defaultdict(list)
-
-    def add(self, recordings: Mapping[str, float], left_out: int, stale: Mapping[str, list[str]]) -> None:
-        self.recordings.update(recordings)  # type: ignore[arg-type] # seconds are no integers
-        self.left_out = max(self.left_out, left_out)  # each worker collects all tests
-        for file, texts in stale.items():
-            self.stale[file] += texts
-
-
-_FOUND = pytest.StashKey[Found]()
+_FOUND = pytest.StashKey[list[dict[str, Any]]]()
+"""Of each test worker: the numbers of recordings, and the generated files that it found stale."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.stash[_FOUND] = Found()
+    config.stash[_FOUND] = []
     _choose(config)
     Counts.every = {"recorded": 1, QUICK: 0}.get(config.option.markexpr, COMPARED)
     if not hasattr(config, "workerinput"):
@@ -122,16 +107,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def _choose(config: pytest.Config) -> None:
     """Run all tests for `-m full`; leave out the slow ones where neither tests nor markers are named."""
-    if config.option.markexpr == "full":
-        config.option.markexpr = ALL
-    elif config.option.markexpr == "quick":
-        config.option.markexpr = QUICK
-    elif (
-        config.option.markexpr == ALL
-        and config.args_source is pytest.Config.ArgsSource.TESTPATHS
-        and not config.option.keyword
-    ):
-        config.option.markexpr = f"{ALL} and not slow"
+    option = config.option
+    whole_run = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not option.keyword
+    more = {"full": ALL, "quick": QUICK} | ({ALL: f"{ALL} and not slow"} if whole_run else {})
+    option.markexpr = more.get(option.markexpr, option.markexpr)
 
 
 def _use_an_empty_cache(config: pytest.Config) -> None:
@@ -142,21 +121,17 @@ def _use_an_empty_cache(config: pytest.Config) -> None:
     os.environ[CACHE_VARIABLE] = folder.name
 
 
-def pytest_deselected(items: Sequence[pytest.Item]) -> None:
-    for item in items:
-        item.config.stash[_FOUND].left_out += item.get_closest_marker("slow") is not None
-
-
 def pytest_sessionfinish(session: pytest.Session) -> None:
     sandboxes.close()
-    found = session.config.stash[_FOUND]
-    recordings = {name: getattr(Counts, name) for name in ("recorded", "compared", "seconds")}
-    found.add(recordings, 0, generated.differences)
+    mine = {name: getattr(Counts, name) for name in ("recorded", "compared", "seconds")} | {
+        "stale": generated.differences
+    }
     if hasattr(session.config, "workeroutput"):
-        mine = {"recordings": recordings, "left_out": found.left_out, "stale": generated.differences}
         session.config.workeroutput["found"] = mine
         return
-    for file, text in generated.failures(found.stale).items():
+    found = session.config.stash[_FOUND]
+    found.append(mine)
+    for file, text in generated.failures([each["stale"] for each in found]).items():
         report = pytest.TestReport(f"tests/{file}", (file, 0, file), {}, "failed", text, "call")
         session.config.hook.pytest_runtest_logreport(report=report)
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
@@ -165,20 +140,19 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any, error: object) -> None:
     if found := getattr(node, "workeroutput", {}).get("found"):
-        node.config.stash[_FOUND].add(**found)
+        node.config.stash[_FOUND].append(found)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    """Tell how many submissions ran in a real sandbox and how long that took, and how many tests were left out."""
-    found = config.stash[_FOUND]
-    counted = found.recordings
+    """Tell how many submissions ran in a real sandbox and how long that took, and that slow tests were left out."""
+    counted = {name: sum(each[name] for each in config.stash[_FOUND]) for name in ("recorded", "compared", "seconds")}
     if counted["recorded"] or counted["compared"]:
         terminalreporter.write_line(
             f"{counted['recorded']} submissions recorded in {store.FOLDER}, {counted['compared']} compared with a real sandbox: "
             f"{counted['seconds']:.0f} s of the test workers' time"
         )
     if config.option.markexpr == f"{ALL} and not slow":
-        terminalreporter.write_line(f"{found.left_out} slow tests left out; all tests: python -m pytest -m full")
+        terminalreporter.write_line("slow tests were left out; all tests: python -m pytest -m full")
 
 
 @pytest.hookimpl(wrapper=True)

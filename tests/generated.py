@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 STALE = "if the change is meant, run python -m tests.regenerate, read the difference and commit it"
@@ -15,6 +15,9 @@ def differs(file: Path, text: str) -> None:
     differences.setdefault(file.relative_to(Path(__file__).parent).as_posix(), []).append(text)
 
 
-def failures(found: Mapping[str, list[str]]) -> dict[str, str]:
-    """Return what the run reports for each stale file: its differences, and the command that writes it anew."""
-    return {file: "\n".join([*sorted(set(texts)), STALE]) for file, texts in sorted(found.items())}
+def failures(found: Iterable[Mapping[str, list[str]]]) -> dict[str, str]:
+    """Return what the run reports for each file that a test worker found stale: its differences, and the command that writes it anew."""
+    stale: dict[str, set[str]] = {}
+    for file, texts in ((file, texts) for each in found for file, texts in each.items()):
+        stale.setdefault(file, set()).update(texts)
+    return {file: "\n".join([*sorted(texts), STALE]) for file, texts in sorted(stale.items())}
