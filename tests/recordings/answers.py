@@ -8,8 +8,8 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -56,10 +56,6 @@ class Recording:
     answers: dict[str, Answer] = field(default_factory=dict)
     new: bool = False
 
-    def keep(self, history: str, answer: Answer) -> None:
-        self.answers[history] = answer
-        self.new = True
-
 
 def history_after(before: str, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
     """Return the key of a history with one more question.
@@ -77,22 +73,18 @@ def history_after(before: str, op: str, fields: Mapping[str, Any], arrays: Mappi
     return digest.hexdigest()[:32]
 
 
-class RecordedWorker:
+class RecordedWorker(nullcontext["RecordedWorker"]):
     """A worker that answers from a recording as long as it can, then repeats its questions to a real worker and goes on there."""
 
     def __init__(self, recording: Recording, start: Callable[[], Worker]) -> None:
+        super().__init__(self)
         self._recording, self._start = recording, start
         self._real: Worker | None = None
         self._asked: list[tuple[str, Mapping[str, Any], Mapping[str, np.ndarray], Mapping[str, Any]]] = []
         self._history, self._place, self._cpu_s = "", "", 0.0
         self.alive, self.closed = True, False
 
-    def __enter__(self) -> RecordedWorker:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     @property
@@ -117,7 +109,8 @@ class RecordedWorker:
         answer = self._recording.answers.get(self._history) if self._real is None else None
         if answer is None:
             answer = self._ask_for_real()
-            self._recording.keep(self._history, answer)
+            self._recording.answers[self._history] = answer
+            self._recording.new = True
         self._cpu_s += answer.cpu_s
         self.alive, self._place = answer.failure is None, answer.place
         return answer.give()

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import yaml
 
-from grader.engine.results import CheckResult, Result
+from grader.engine.results import Result
 from tests.generated import differs
 from tests.recordings.marker import recorded_corpus, verdict
 from tests.scoreboard import Case, Verdict
@@ -29,11 +29,11 @@ Losses = Mapping[str, float | None]
 def losses(result: Result) -> Losses:
     """The share of its points that each lost check keeps; None for one that could not be asked."""
     checks = [check for part in (*result.criteria, *result.extensions) for check in part.checks]
-    return {c.id: None if c.outcome == "skipped" else _share(c) for c in checks if c.outcome != "passed"}
-
-
-def _share(check: CheckResult) -> float:
-    return round((check.points or 0.0) / check.max_points, 2)
+    return {
+        check.id: None if check.outcome == "skipped" else round((check.points or 0.0) / check.max_points, 2)
+        for check in checks
+        if check.outcome != "passed"
+    }
 
 
 @cache

@@ -94,18 +94,8 @@ def _without_chance(result: Result) -> Any:
 
 
 @cache
-def generous() -> Rubric:
-    """The rubric of the recordings, with points for the extensions, so that their partial credit shows."""
-    return _of_recordings("\nextra_credit:\n  each: 10\n")
-
-
-@cache
-def without_charts() -> Rubric:
-    return _of_recordings("")
-
-
-def _of_recordings(more: str) -> Rubric:
-    """Return the shipped rubric without charts, and with a lower limit of a call."""
+def without_charts(more: str = "") -> Rubric:
+    """The shipped rubric without charts, with a lower limit of a call, and with `more` lines."""
     limited = edited("call_cpu_s: 10", f"call_cpu_s: {_CALL_CPU_S}")
     return rubric.parse(replace(LAB, charts=lambda student, truth: ()), (limited + more).encode())
 
@@ -118,8 +108,8 @@ def recorded_corpus() -> tuple[Case, ...]:
 
 @cache
 def corpus_marker(*, records: bool = True) -> RecordedMarker:
-    """The process's one marker of the corpus."""
-    return RecordedMarker(generous(), records=records)
+    """The process's one marker of the corpus; extensions have points, so that their partial credit shows."""
+    return RecordedMarker(without_charts("\nextra_credit:\n  each: 10\n"), records=records)
 
 
 def verdict(case: Case, *, records: bool = True) -> Verdict:
