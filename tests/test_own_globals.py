@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -12,52 +13,51 @@ from grader.labs.imu.worker import calls, own_globals
 from grader.worker import submission
 
 pytestmark = pytest.mark.quick
-EMPTY = "<mujoco/>"
 SCENE = (calls.MODEL, calls.DATA)
-
-
-class Program(ModuleType):
-    """A submission's only file, with a model and data of its own."""
-
-    def __init__(self, code: str) -> None:
-        super().__init__("program")
-        self.model = mujoco.MjModel.from_xml_string(EMPTY)
-        self.data = mujoco.MjData(self.model)
-        self.mujoco = mujoco
-        exec(code, vars(self))
+Load = Callable[[str], Any]
 
 
 @pytest.fixture
-def given(monkeypatch: pytest.MonkeyPatch) -> tuple[Any, Any]:
-    model = mujoco.MjModel.from_xml_string(EMPTY)
+def load(monkeypatch: pytest.MonkeyPatch) -> Load:
+    """Makes a submission's only file of this code, which has a model and data of its own."""
+
+    def loaded(code: str) -> Any:
+        program = ModuleType("program")
+        model, data = _scene()
+        vars(program).update(model=model, data=data, mujoco=mujoco)
+        exec(code, vars(program))
+        submission.STATE.modules["program.py"] = program
+        return program
+
     monkeypatch.setattr(submission.STATE, "modules", {})
+    return loaded
+
+
+def _scene() -> tuple[Any, Any]:
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
     return model, mujoco.MjData(model)
 
 
-def _loaded(code: str) -> Program:
-    program = Program(code)
-    submission.STATE.modules["program.py"] = program
-    return program
-
-
 READS = {
-    "both": ("def f(m, d):\n    return model, data", "both"),
-    "in a method": ("class C:\n    def read(self):\n        return model, data\nf = lambda m, d: C().read()", "both"),
-    "by another name": ("simulation = data\ndel data\ndef f(m, d):\n    return model, simulation", "both"),
-    "where nothing has set them": ("del model, data\ndef f(m, d):\n    return model, mj_data", "both"),
-    "an attribute of that name": ("class C:\n    data = None\ndef f(m, d):\n    return C.data, m", "neither"),
-    "one of two": ("other = mujoco.MjData(model)\ndef f(m, d):\n    return model, data, other", "model"),
+    "both": ("def f(m, d):\n    return model, data", ["model", "data"]),
+    "in a method": (
+        "class C:\n    def read(self):\n        return model, data\nf = lambda m, d: C().read()",
+        ["model", "data"],
+    ),
+    "by another name": ("simulation = data\ndel data\ndef f(m, d):\n    return model, simulation", ["model", "data"]),
+    "where nothing has set them": ("del model, data\ndef f(m, d):\n    return model, mj_data", ["model", "data"]),
+    "an attribute of that name": ("class C:\n    data = None\ndef f(m, d):\n    return C.data, m", []),
+    "one of two": ("other = mujoco.MjData(model)\ndef f(m, d):\n    return model, data, other", ["model"]),
 }
 
 
 @pytest.mark.parametrize(("code", "meant"), READS.values(), ids=READS)
-def test_globals_that_functions_read_stand_for_what_is_given(given: tuple[Any, Any], code: str, meant: str) -> None:
-    program = _loaded(code)
+def test_globals_that_functions_read_stand_for_what_is_given(load: Load, code: str, meant: list[str]) -> None:
+    program, (model, data) = load(code), _scene()
     before = dict(vars(program))
-    with own_globals.set_model_and_data(*given):
-        got = {"model": given[0], "data": given[1]}
-        stands = [name for name, value in got.items() if any(each is value for each in vars(program).values())]
-    assert stands == {"both": ["model", "data"], "neither": [], "model": ["model"]}[meant]
+    with own_globals.set_model_and_data(model, data):
+        stands = [each for each in vars(program).values() if each is model or each is data]
+    assert [{id(model): "model", id(data): "data"}[id(each)] for each in stands] == meant
     assert vars(program) == before
 
 
@@ -73,11 +73,9 @@ USES = {
 
 
 @pytest.mark.parametrize(("code", "told"), USES.values(), ids=USES)
-def test_who_reads_a_global_and_not_its_parameter_is_told_of(
-    given: tuple[Any, Any], code: str, told: list[str]
-) -> None:
-    program = _loaded(code)
-    with own_globals.set_model_and_data(*given):
+def test_who_reads_a_global_and_not_its_parameter_is_told_of(load: Load, code: str, told: list[str]) -> None:
+    program = load(code)
+    with own_globals.set_model_and_data(*_scene()):
         assert own_globals.globals_read_instead(program.f, SCENE) == told
 
 
@@ -92,9 +90,9 @@ PLOTS = {
 
 @pytest.mark.parametrize(("code", "told", "stands"), PLOTS.values(), ids=PLOTS)
 def test_the_recording_stands_for_the_global_that_a_plot_reads(
-    given: tuple[Any, Any], code: str, told: list[str], stands: bool
+    load: Load, code: str, told: list[str], stands: bool
 ) -> None:
-    program = _loaded(code)
+    program = load(code)
     before, recording = dict(vars(program)), {"time": [0.0]}
     with own_globals.set_recording(recording, program.f, calls.PLOTTER[:4]) as read_instead:
         assert read_instead == told
@@ -112,9 +110,10 @@ MEASURES = {
 
 
 @pytest.mark.parametrize(("code", "got", "told"), MEASURES.values(), ids=MEASURES)
-@pytest.mark.usefixtures("given")
-def test_a_global_that_a_filter_reads_stands_for_what_it_is_given(code: str, got: object, told: list[str]) -> None:
-    program = _loaded(code)
+def test_a_global_that_a_filter_reads_stands_for_what_it_is_given(
+    load: Load, code: str, got: object, told: list[str]
+) -> None:
+    program = load(code)
     before = dict(vars(program))
     measuring, read_instead = own_globals.measurement_global(program.update)
     with measuring(5):

@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from grader.engine.traces import Scenario, Traces
+from grader.engine.traces import Scenario
 from grader.labs.imu.bundles import shipped
 from reference.imu_reader import get_imu_readings, sensor_id
 from reference.scenarios import at_state
@@ -16,25 +17,12 @@ G = 9.81
 FloatArray = NDArray[np.float64]
 
 
-@pytest.fixture(scope="module")
-def truth() -> Traces:
-    return shipped()
+TRUTH = shipped()
 
 
-def world(body: str, options: str = "") -> mujoco.MjModel:
-    """A model with one IMU at the site `imu` of the given body."""
-    return mujoco.MjModel.from_xml_string(
-        f"""<mujoco><option gravity="0 0 -{G}" {options}/><worldbody>{body}</worldbody>
-        <sensor><accelerometer name="accel" site="imu"/><gyro name="gyro" site="imu"/></sensor></mujoco>"""
-    )
-
-
-def read(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
-    mujoco.mj_forward(model, data)
-    return get_imu_readings(model, data, sensor_id(model, "accel"), sensor_id(model, "gyro"))
-
-
-BOARD = '<body><geom size="0.1" mass="1"/><site name="imu" {mounting}/></body>'
+BOARD = f"""<mujoco><option gravity="0 0 -{G}"/>
+<worldbody><body><geom size="0.1" mass="1"/><site name="imu" %s/></body></worldbody>
+<sensor><accelerometer name="accel" site="imu"/><gyro name="gyro" site="imu"/></sensor></mujoco>"""
 
 
 @pytest.mark.parametrize(
@@ -49,19 +37,21 @@ BOARD = '<body><geom size="0.1" mass="1"/><site name="imu" {mounting}/></body>'
 def test_a_board_at_rest_reads_the_push_that_holds_it_up_along_the_axis_that_points_up(
     mounting: str, expected: list[float]
 ) -> None:
-    model = world(BOARD.format(mounting=mounting))
-    accel, gyro = read(model, mujoco.MjData(model))
+    model = mujoco.MjModel.from_xml_string(BOARD % mounting)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    accel, gyro = get_imu_readings(model, data, sensor_id(model, "accel"), sensor_id(model, "gyro"))
     np.testing.assert_allclose(accel, expected, atol=1e-12)
     np.testing.assert_allclose(gyro, 0.0, atol=1e-15)
 
 
-def test_in_free_fall_all_channels_read_zero(truth: Traces) -> None:
-    np.testing.assert_allclose(truth["free_fall"].acceleration, 0.0, atol=1e-12)
-    np.testing.assert_allclose(truth["free_fall"].angular_velocity, 0.0, atol=1e-12)
+def test_in_free_fall_all_channels_read_zero() -> None:
+    np.testing.assert_allclose(TRUTH["free_fall"].acceleration, 0.0, atol=1e-12)
+    np.testing.assert_allclose(TRUTH["free_fall"].angular_velocity, 0.0, atol=1e-12)
 
 
-def test_a_site_off_the_axis_of_a_constant_spin_reads_the_centripetal_acceleration_inward(truth: Traces) -> None:
-    spin = truth["constant_spin"]
+def test_a_site_off_the_axis_of_a_constant_spin_reads_the_centripetal_acceleration_inward() -> None:
+    spin = TRUTH["constant_spin"]
     omega, radius = spin.scalars["angular_velocity_rad_s"], spin.scalars["radius_m"]
     inward = [-(omega**2) * radius, 0.0, G]  # x points away from the axis
     np.testing.assert_allclose(spin.acceleration, np.tile(inward, (len(spin.time), 1)), atol=1e-9)
@@ -93,14 +83,8 @@ def felt_by_differences(
     )
     pull = np.array(scenario.scalars["gravity"])
     force = np.einsum("pji,pj->pi", attitude, (after - 2 * now + before) / h**2 - pull)
-    return force, np.array([rotation_vector(a.T @ b) / (2 * h) for a, b in zip(turned_back, turned_on, strict=True)])
-
-
-def rotation_vector(rotation: FloatArray) -> FloatArray:
-    """Axis times angle, for a small rotation."""
-    axis = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
-    sine = np.linalg.norm(axis) / 2
-    return np.asarray(axis / 2 if sine == 0 else axis / 2 * (np.arcsin(sine) / sine), dtype=np.float64)
+    turned = Rotation.from_matrix(np.swapaxes(turned_back, 1, 2) @ turned_on)
+    return force, turned.as_rotvec() / (2 * h)
 
 
 def stored(scenario: Scenario, state: int) -> tuple[FloatArray, FloatArray]:
@@ -110,9 +94,9 @@ def stored(scenario: Scenario, state: int) -> tuple[FloatArray, FloatArray]:
     return rows[:, 0], rows[:, 1]
 
 
-def largest_difference(truth: Traces, name: str, h: float) -> FloatArray:
+def largest_difference(name: str, h: float) -> FloatArray:
     """Over all states and sites: of the specific force and of the angular rate."""
-    scenario, model = truth[name], mujoco.MjModel.from_xml_string(truth.models[truth[name].model or ""])
+    scenario, model = TRUTH[name], mujoco.MjModel.from_xml_string(TRUTH.models[TRUTH[name].model or ""])
     worst = np.zeros(2)
     for state in range(len(scenario.qpos)):
         pairs = zip(stored(scenario, state), felt_by_differences(model, scenario, state, h), strict=True)
@@ -121,17 +105,15 @@ def largest_difference(truth: Traces, name: str, h: float) -> FloatArray:
 
 
 @pytest.mark.parametrize("name", ["reading_lab", "reading_shuffled"])
-def test_every_reading_is_the_second_difference_of_its_site_and_the_rate_of_its_attitude(
-    truth: Traces, name: str
-) -> None:
+def test_every_reading_is_the_second_difference_of_its_site_and_the_rate_of_its_attitude(name: str) -> None:
     # The error of the differences falls with the square of the step until round-off, about 1e-16 · 4 m / h², is larger.
-    coarse, fine = (largest_difference(truth, name, h) for h in (4e-4, 1e-4))
+    coarse, fine = (largest_difference(name, h) for h in (4e-4, 1e-4))
     assert (fine < [5e-3, 1e-4]).all(), fine
     np.testing.assert_allclose(coarse / fine, 16.0, rtol=0.05)
 
 
-def test_the_recorded_rows_are_the_states_before_each_integration(truth: Traces) -> None:
-    tumbling, model = truth["tumbling"], mujoco.MjModel.from_xml_string(truth.models["lab"])
+def test_the_recorded_rows_are_the_states_before_each_integration() -> None:
+    tumbling, model = TRUTH["tumbling"], mujoco.MjModel.from_xml_string(TRUTH.models["lab"])
     data = at_state(model, tumbling.start_qpos, tumbling.start_qvel)
     pair = sensor_id(model, "torso_accelerometer"), sensor_id(model, "torso_gyroscope")
     for row in range(3):

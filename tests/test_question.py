@@ -22,15 +22,8 @@ from tests.judging.fake_students import truth
 
 pytestmark = pytest.mark.quick
 
-FIELDS: Mapping[str, Any] = {"reads": 3, "ids": [1, 2]}
-LONG = "x" * 5000
+FIELDS = {"reads": 3, "model": "x" * 5000}
 ARRAYS = {"pairs": np.array([[0, 1]]), "stds": np.array([0.1, 0.2])}
-
-
-def asked(**changed: Any) -> str:
-    """The key of a question, with some of it changed."""
-    given: dict[str, Any] = {"op": "read", "about": "reader", "becomes": str, "fields": FIELDS, "arrays": ARRAYS}
-    return Question(**{**given, **changed}).key
 
 
 @pytest.mark.parametrize(
@@ -39,18 +32,16 @@ def asked(**changed: Any) -> str:
         {"op": "noise"},
         {"about": "NoisyIMU"},
         {"fields": {**FIELDS, "reads": 4}},
-        {"fields": {**FIELDS, "ids": [2, 1]}},
-        {"fields": {"reads": 3}},
+        {"fields": {**FIELDS, "model": "x" * 5001}},
         {"arrays": {**ARRAYS, "pairs": ARRAYS["pairs"][:, ::-1]}},
         {"arrays": {**ARRAYS, "pairs": ARRAYS["pairs"].T}},
         {"arrays": {**ARRAYS, "stds": ARRAYS["stds"].view(np.int64)}},
-        {"arrays": {"pairs": ARRAYS["pairs"]}},
         {"arrays": {"stds": ARRAYS["pairs"], "pairs": ARRAYS["stds"]}},
-        {"fields": {**FIELDS, "model": LONG}},
     ],
 )
 def test_a_question_that_differs_in_anything_is_another(changed: dict[str, Any]) -> None:
-    assert asked(**changed) != asked()
+    asked: dict[str, Any] = {"op": "read", "about": "reader", "becomes": str, "fields": FIELDS, "arrays": ARRAYS}
+    assert Question(**{**asked, **changed}).key != Question(**asked).key
 
 
 def test_what_no_process_could_be_sent_is_no_part_of_a_question() -> None:
@@ -115,7 +106,6 @@ def test_every_parameter_of_every_question_makes_it_another(ask: Callable[..., A
 def test_every_question_has_a_handler_a_rule_and_its_place_here() -> None:
     asked_here = {ask.__name__ for ask in _ASKED} - {"replay"}
     assert asked_here == RULES.keys()
-    assert HANDLERS.keys() - RULES.keys() == {"replay"}, (
-        "a handler without a rule"
-    )  # which no student's code runs beside
+    # no student's code runs beside a replay
+    assert HANDLERS.keys() - RULES.keys() == {"replay"}, "a handler without a rule"
     assert RULES.keys() <= HANDLERS.keys()

@@ -12,7 +12,7 @@ import pytest
 from grader import __version__
 from grader.base.errors import RequestError
 from grader.course import regrade
-from grader.course.publishing import publish, publish_class
+from grader.course.publishing import publish, publish_all, publish_class
 from grader.course.record import Key, Store
 from grader.engine import rubric
 from grader.engine.marks import marked
@@ -59,12 +59,6 @@ def found(name: str) -> Result:
     return RecordedMarker(changed()).mark(read_submission(FOLDER / name, LAB.files))
 
 
-def regraded(by: Rubric) -> dict[str, Result]:
-    """The example class, asked and judged again from the start."""
-    marker = RecordedMarker(by)
-    return {folder.name: marker.mark(read_submission(folder, LAB.files)) for folder in folders()}
-
-
 def text(graded: Result) -> str:
     parts = [replace(part, checks=tuple(replace(c, duration_s=0.0) for c in part.checks)) for part in graded.parts]
     criteria, extensions = parts[: len(graded.criteria)], parts[len(graded.criteria) :]
@@ -75,7 +69,8 @@ def test_marks_from_what_was_found_out_are_those_of_grading_again() -> None:
     names = [folder.name for folder in folders()]
     for change, edits in CHANGES.items():
         by = changed(*edits)
-        again = {name: text(graded) for name, graded in regraded(by).items()}
+        marker = RecordedMarker(by)
+        again = {name: text(marker.mark(read_submission(FOLDER / name, LAB.files))) for name in names}
         assert {name: text(marked(found(name), by)) for name in names} == again, change
         assert {name: text(found(name)) for name in names} != again, change
 
@@ -136,20 +131,14 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
         assert store.final_grades() == before
 
 
+def test_what_the_disk_refuses_is_told_in_one_line(tmp_path: Path) -> None:
+    keep(tmp_path, changed())
+    (tmp_path / "submissions").write_text("a file where the folder is to be")
+    with Store(tmp_path) as store, pytest.raises(RequestError, match=r"submissions.*cannot write"):
+        publish_all(tmp_path, store.final_grades().values(), store, LAB)
+
+
 # ---- what a mistake costs ----
-
-
-def priced(text: str) -> Rubric:
-    return rubric.parse(LAB, (SHIPPED + text).encode())
-
-
-def points(by: Rubric, keeps: float, *mistakes: str) -> float | None:
-    row = lost(id="sensor_access.follows_address", keeps=keeps, misconceptions=mistakes)
-    whole = found("s02-vectorised")
-    rows = tuple(row if check.id == row.id else check for check in whole.criteria[0].checks)
-    first = replace(whole.criteria[0], checks=rows)
-    graded = marked(replace(whole, criteria=(first, *whole.criteria[1:])), by)
-    return next(check.points for check in graded.criteria[0].checks if check.id == row.id)
 
 
 @pytest.mark.parametrize(
@@ -166,5 +155,10 @@ def points(by: Rubric, keeps: float, *mistakes: str) -> float | None:
 def test_a_mistake_with_a_price_costs_that_within_its_check(
     keeps: float, mistakes: tuple[str, ...], left: float
 ) -> None:
-    by = priced("mistakes: {sensor-id-as-address: 4, raises: 0.5, swapped-sensors: 90}")
-    assert points(by, keeps, *mistakes) == left
+    by = rubric.parse(LAB, (SHIPPED + "mistakes: {sensor-id-as-address: 4, raises: 0.5, swapped-sensors: 90}").encode())
+    row = lost(id="sensor_access.follows_address", keeps=keeps, misconceptions=mistakes)
+    whole = found("s02-vectorised")
+    rows = tuple(row if check.id == row.id else check for check in whole.criteria[0].checks)
+    first = replace(whole.criteria[0], checks=rows)
+    graded = marked(replace(whole, criteria=(first, *whole.criteria[1:])), by)
+    assert [check.points for check in graded.criteria[0].checks if check.id == row.id] == [left]

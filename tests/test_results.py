@@ -20,10 +20,7 @@ EVERY_OUTCOME = (
     check(),
     check("partial", 3.0),
     lost(),
-    check("error", 0.0),
-    check("timeout", 0.0),
-    check("crashed", 0.0),
-    check("skipped", 0.0),
+    *(check(outcome, 0.0) for outcome in ("error", "timeout", "crashed", "skipped")),  # type: ignore[arg-type]
 )
 RESULTS = [
     result(*EVERY_OUTCOME),
@@ -60,22 +57,10 @@ def test_a_record_from_before_there_were_fields_keeps_its_message() -> None:
     assert from_dict(record).criteria[0].checks[0].message == "Expected  a\nGot       b"
 
 
-def test_the_schema_is_a_schema() -> None:
+def test_what_is_written_obeys_the_published_schema() -> None:
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
-
-
-@pytest.mark.parametrize("made", RESULTS, ids=lambda made: made.status)
-def test_what_is_written_obeys_the_published_schema(made: Result) -> None:
-    VALID.validate(json.loads(to_json(made)))
-
-
-def changed(*path: str | int, to: object) -> dict[str, Any]:
-    record = to_dict(result(*EVERY_OUTCOME))
-    place: Any = record
-    for step in path[:-1]:
-        place = place[step]
-    place[path[-1]] = to
-    return record
+    for made in RESULTS:
+        VALID.validate(json.loads(to_json(made)))
 
 
 @pytest.mark.parametrize(
@@ -100,19 +85,20 @@ def changed(*path: str | int, to: object) -> dict[str, Any]:
     ],
 )
 def test_the_schema_refuses_what_the_contract_does_not_name(path: tuple[str | int, ...], value: object) -> None:
-    assert list(VALID.iter_errors(changed(*path, to=value)))
+    record = to_dict(result(*EVERY_OUTCOME))
+    place: Any = record
+    for step in path[:-1]:
+        place = place[step]
+    place[path[-1]] = value
+    assert not VALID.is_valid(record)
 
 
-@pytest.mark.parametrize("field", sorted(to_dict(result()).keys() - {"lab"}))  # results of before have none
-def test_the_schema_asks_for_every_field(field: str) -> None:
+def test_the_schema_asks_for_every_field_and_refuses_an_open_check_in_a_graded_result() -> None:
     record = to_dict(result())
-    del record[field]
-    assert list(VALID.iter_errors(record))
-
-
-def test_an_open_check_in_a_result_that_calls_itself_graded_is_refused() -> None:
-    record = to_dict(result(check("not_judged", None), status="incomplete"))
-    assert list(VALID.iter_errors({**record, "status": "graded"}))
+    for field in record.keys() - {"lab"}:  # results of before have none
+        assert not VALID.is_valid({name: value for name, value in record.items() if name != field}), field
+    incomplete = to_dict(result(check("not_judged", None), status="incomplete"))
+    assert not VALID.is_valid({**incomplete, "status": "graded"})
 
 
 def test_hostile_text_is_written_as_text_that_every_reader_takes() -> None:
