@@ -7,7 +7,6 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from textwrap import dedent
 
 import pytest
 from junitparser import xunit2
@@ -41,16 +40,12 @@ def lab(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def rooted(folder: Path) -> Path:
-    (folder / "pytest.ini").write_text("[pytest]\naddopts = -W error\n")
-    return folder
-
-
 # --- a run ------------------------------------------------------------------------------------------------------------
 
 
 def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_folder_runs_here(lab: Path) -> None:
-    ran = run(rooted(lab), "-v", "--junitxml=junit.xml", "--tb=short")
+    (lab / "pytest.ini").write_text("[pytest]\naddopts = -W error\n")
+    ran = run(lab, "-v", "--junitxml=junit.xml", "--tb=short")
     lines = ran.stdout.splitlines()
     reader = READER_BY_ID.splitlines().index("def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):") + 1
     assert ran.returncode == 1, ran.stdout + ran.stderr
@@ -63,18 +58,15 @@ def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_f
     assert any(line.split() == ["Noise", "model", "20", "/", "20"] for line in lines)
     assert not list(lab.glob("*.ran"))
     assert "items.py" not in ran.stdout
-    assert_junit_holds_the_points(lab / "junit.xml")
 
-
-def assert_junit_holds_the_points(path: Path) -> None:
-    tests = [xunit2.TestCase.fromelem(case) for suite in xunit2.JUnitXml.fromfile(str(path)) for case in suite]
+    suites = xunit2.JUnitXml.fromfile(str(lab / "junit.xml"))
+    tests = [xunit2.TestCase.fromelem(case) for suite in suites for case in suite]
     cases = {f"{case.classname}.{case.name}": case for case in tests}
     assert len(cases) == len([check for part in load(LAB).criteria for check in part.checks])
     lost = cases["imu_reader.sensor_access.follows_address"]
     told = {prop.get("name"): prop.get("value") for prop in lost._elem.iter("property")}
-    assert told["points"] == "0.0"
-    assert told["max_points"] == "6.0"
-    assert told["misconception"] == "sensor-id-as-address"
+    facts = {"points": "0.0", "max_points": "6.0", "misconception": "sensor-id-as-address"}
+    assert told.items() >= facts.items()
     assert lost.result[0].message.startswith("accel = ")
     skipped = cases["filters.filtering.passes_constant"].result[0]
     assert skipped.message.startswith("Not graded until ")
@@ -145,15 +137,9 @@ def test_a_request_that_cannot_be_met_is_one_line(lab: Path, arguments: list[str
 
 def test_a_run_that_does_not_ask_loads_two_options_and_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "test_it.py").write_text(
-        dedent(
-            """
-            import sys
-
-            def test_it():
-                ours = sorted(name for name in sys.modules if name.split(".")[0] == "grader")
-                assert ours == ["grader", "grader.pytest_plugin", "grader.pytest_plugin.plugin"]
-            """
-        )
+        "import sys\n\n\ndef test_it():\n"
+        "    ours = sorted(name for name in sys.modules if name.split('.')[0] == 'grader')\n"
+        "    assert ours == ['grader', 'grader.pytest_plugin', 'grader.pytest_plugin.plugin']\n"
     )
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error", "test_it.py"]
     bare = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}

@@ -35,8 +35,6 @@ NORMAL = "def draw():\n    u = [(int.from_bytes(bytes_of(7), 'big') + 0.5) / 2**
 SOUND = {
     "os.urandom": f"bytes_of = os.urandom\n{NORMAL}",
     "secrets": f"bytes_of = secrets.token_bytes\n{NORMAL}",
-    "SystemRandom": "rng = random.SystemRandom()\ndef draw():\n    return np.array([rng.gauss(0, 1) for _ in range(3)])\n",
-    "uuid4": "def draw():\n    return np.random.default_rng(uuid.uuid4().int).normal(0, 1, 3)\n",
     "uuid1": "def draw():\n    return np.random.default_rng(uuid.uuid1().int).normal(0, 1, 3)\n",
     "a Random of its own": "def draw():\n    rng = random.Random()\n    return np.array([rng.gauss(0, 1) for _ in range(3)])\n",
     "default_rng": "def draw():\n    return np.random.default_rng().normal(0, 1, 3)\n",

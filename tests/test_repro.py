@@ -16,7 +16,6 @@ from rich.console import Console
 
 from grader.base.errors import RequestError
 from grader.commands import repeating
-from grader.engine.results import CheckResult
 from grader.engine.rubric import load
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
@@ -24,16 +23,11 @@ from grader.labs.imu.repeating import WRITTEN, program
 from grader.report.terminal import screen
 from tests import sandboxes
 from tests.classes import filters_alone
-from tests.corpus.pieces import FILTERS, IMU_READER, NOISY
+from tests.corpus.pieces import IMU_READER
 from tests.corpus.writing import write
 from tests.examples import FOLDER
 from tests.fake_results import lost, result
 
-FAULTY = {
-    "imu_reader.py": IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id"),
-    "noisy_imu.py": NOISY,
-    "filters.py": FILTERS.replace("self.alpha * measurement", "0.5 * measurement"),
-}
 TRAP = "import sys\nsys.modules['grader'] = sys.modules['pytest'] = None  # as where nobody has installed us\n"
 
 
@@ -41,14 +35,6 @@ TRAP = "import sys\nsys.modules['grader'] = sys.modules['pytest'] = None  # as w
 def _one_sandbox(monkeypatch: pytest.MonkeyPatch) -> None:
     """Use the sandbox of the other tests: to open one takes longer than the calls."""
     monkeypatch.setattr(repeating, "open_sandbox_for", lambda *_: sandboxes.Lasting(sandboxes.shared()))
-
-
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("lab")
-    for name, text in FAULTY.items():
-        (folder / name).write_text(text)
-    return folder
 
 
 def ran(written: Path, elsewhere: Path) -> str:
@@ -61,15 +47,16 @@ def ran(written: Path, elsewhere: Path) -> str:
     return done.stdout
 
 
-def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None:
+def test_the_program_shows_what_the_check_saw(tmp_path: Path) -> None:
+    faulty = {"imu_reader.py": IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id")}
+    lab = write(faulty, tmp_path / "lab")
     written = repeating.write(load(LAB), "sensor_access.follows_address", lab, lab / ".imugrade")
     text = written.read_text()
-    assert text.count("get_imu_readings(model, data, accel_id, gyro_id)") >= 1
-    assert "Got       accel = " in text
+    assert "get_imu_readings(model, data, accel_id, gyro_id)" in text
     got = text.split("Got       accel = [")[1].split("]")[0].split()
     shown = ran(written, tmp_path)
     assert all(f"{float(number):.2f}"[:-1] in shown for number in got)
-    assert sorted(path.name for path in lab.iterdir() if path.is_file()) == sorted(FAULTY)
+    assert [path.name for path in lab.iterdir() if path.is_file()] == ["imu_reader.py"]
 
 
 @pytest.mark.parametrize(
@@ -141,15 +128,8 @@ def test_the_folder_of_a_program_is_ignored_by_git_and_never_handed_in(tmp_path:
     assert (folder / ".gitignore").read_text() == "*\n"
 
 
-# --- how a report leads to it -----------------------------------------------------------------------------------------
-
-
-def lines_of(*checks: CheckResult, repeat: str = "imugrade repro {} my_lab") -> list[str]:
-    console = Console(file=io.StringIO(), width=100, force_terminal=False)
-    return [line.plain.strip() for line in screen(result(*checks), console, LAB, repeat=repeat)]
-
-
 def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> None:
-    lines = lines_of(lost())
+    console = Console(file=io.StringIO(), width=100, force_terminal=False)
+    lines = [line.plain.strip() for line in screen(result(lost()), console, LAB, repeat="imugrade repro {} my_lab")]
     assert "Reproduce imugrade repro sensor_access.follows_address my_lab" in lines
     assert "with the same input as here: accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)" in lines
