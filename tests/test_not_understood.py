@@ -17,7 +17,6 @@ from tests.corpus.pieces import edit, verbatim
 from tests.sandboxes import Opened
 from tests.scoreboard import Case, handed_in
 
-SOUND = Case("sound", "verbatim", verbatim())
 SIGNED = Case(
     "faulty", "signed", edit(verbatim(), "filters.py", ("self.alpha * measurement +", "-self.alpha * measurement +"))
 )
@@ -29,27 +28,25 @@ def marker(opened: Opened) -> Iterator[Marker]:
         yield own
 
 
-def _filtering(marker: Marker, case: Case) -> Result:
-    return marker.mark(handed_in(case), only="filtering")
-
-
-def _stumbles_over(monkeypatch: pytest.MonkeyPatch, wanted: bytes | None, problem: type[Exception]) -> None:
-    """Let the judging of filters fail: for one submission's file, or for all."""
+def _filtering(
+    marker: Marker, monkeypatch: pytest.MonkeyPatch, case: Case, problem: type[Exception], *, for_all: bool = False
+) -> Result:
+    """Mark the filtering of a case while the judging of filters fails: for this submission's file, or for all."""
     really = Student.filter
 
     def stumbling(student: Student, *args: object, **named: object) -> object:
-        if wanted is None or student.files.get("filters.py") == wanted:
+        if for_all or student.files.get("filters.py") == str(case.files["filters.py"]).encode():
             raise problem("a number that nobody has thought of")
         return really(student, *args, **named)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Student, "filter", stumbling)
+    return marker.mark(handed_in(case), only="filtering")
 
 
 def test_what_sound_code_does_not_meet_is_lost_and_shown_to_a_person(
     marker: Marker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    _stumbles_over(monkeypatch, SIGNED.files["filters.py"].encode(), ZeroDivisionError)  # type: ignore[union-attr]
-    result = _filtering(marker, SIGNED)
+    result = _filtering(marker, monkeypatch, SIGNED, ZeroDivisionError)
     assert result.status == "graded"
     assert {check.outcome for check in result.criteria[0].checks} == {"failed"}
     assert "the grader could not read what the code returned" in result.notes[0]
@@ -58,12 +55,10 @@ def test_what_sound_code_does_not_meet_is_lost_and_shown_to_a_person(
 
 
 def test_what_sound_code_meets_too_is_a_fault_of_ours(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
-    _stumbles_over(monkeypatch, None, ZeroDivisionError)
-    result = _filtering(marker, SOUND)
+    result = _filtering(marker, monkeypatch, Case("sound", "verbatim", verbatim()), ZeroDivisionError, for_all=True)
     assert result.status == "incomplete"
     assert {check.points for check in result.criteria[0].checks} == {None}
 
 
 def test_a_box_that_fails_is_a_fault_of_ours(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
-    _stumbles_over(monkeypatch, SIGNED.files["filters.py"].encode(), GraderError)  # type: ignore[union-attr]
-    assert _filtering(marker, SIGNED).status == "incomplete"
+    assert _filtering(marker, monkeypatch, SIGNED, GraderError).status == "incomplete"

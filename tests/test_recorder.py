@@ -26,28 +26,28 @@ def figure() -> Iterator[Any]:
     plt.close("all")
 
 
+def save(recorder: Recorder, figure: Any, folder: Path) -> None:
+    figure.savefig(folder / "imu_data.png")
+    recorder.note(figure, event="saved", target=str(folder / "imu_data.png"), kind="png")
+
+
 @pytest.mark.parametrize("event", ["closed", "open", "cleared", "shown"])
 def test_what_is_added_after_saving_does_not_count(figure: Any, tmp_path: Path, event: str) -> None:
     recorder = Recorder()
-    figure.savefig(tmp_path / "imu_data.png")
-    recorder.note(figure, event="saved", target=str(tmp_path / "imu_data.png"), kind="png")
+    save(recorder, figure, tmp_path)
     figure.axes[1].plot(X, X)
     figure.axes[1].set_title("late")
     recorder.note(figure, event=event)
-    facts, _ = recorder.take(str(tmp_path), with_open=False)
-    (saved,) = facts["figures"]
-    assert (saved["event"], [(axes["title"], len(axes["curves"])) for axes in saved["axes"]]) == (
-        "saved",
-        [("Above", 1), ("", 0)],
-    )
+    (saved,) = recorder.take(str(tmp_path), with_open=False)[0]["figures"]
+    assert saved["event"] == "saved"
+    assert [(axes["title"], len(axes["curves"])) for axes in saved["axes"]] == [("Above", 1), ("", 0)]
 
 
 def test_a_figure_that_is_saved_once_more_at_its_end_is_not_told_of_again(figure: Any, tmp_path: Path) -> None:
     recorder = Recorder()
-    for change in (lambda: None, lambda: figure.axes[1].plot(X, X)):
-        change()
-        figure.savefig(tmp_path / "imu_data.png")
-        recorder.note(figure, event="saved", target=str(tmp_path / "imu_data.png"), kind="png")
+    save(recorder, figure, tmp_path)
+    figure.axes[1].plot(X, X)
+    save(recorder, figure, tmp_path)
     recorder.note(figure, event="closed")
     facts, _ = recorder.take(str(tmp_path), with_open=False)
     assert [each["event"] for each in facts["figures"]] == ["overwritten", "saved"]

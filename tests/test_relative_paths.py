@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import subprocess
@@ -11,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.class_commands import column, rubric_with
 from tests.classes import a_class, filters_alone, moodle, moodle_feedback
 
 MANY = 50
 """Students of the class; most handed in nothing that can be graded: their pages are written all the same."""
-RUBRIC = Path(__file__).parent.parent / "rubric.yaml"
 BESIDE_PYTHON = Path(os.__file__).parent
 """Where the processes of the grader start: nothing may be left there."""
 
@@ -23,15 +22,6 @@ BESIDE_PYTHON = Path(os.__file__).parent
 def imugrade(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "grader", *arguments]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-
-
-def scores(out: Path) -> dict[str, float]:
-    with open(out / "gradebook.csv", encoding="utf-8-sig", newline="") as file:
-        return {row["id"]: float(row["total"] or 0) for row in csv.DictReader(file)}
-
-
-def published(out: Path) -> dict[str, float]:
-    return {path.parent.name: json.loads(path.read_text())["score"] for path in out.glob("submissions/*/result.json")}
 
 
 def files_outside(folder: Path, out: Path) -> set[Path]:
@@ -45,9 +35,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (here / "download").mkdir()
     kinds = [filters_alone(1.0), filters_alone(0.5), *[{"notes.txt": "Not yet."}] * 8]
     moodle(a_class(MANY, kinds), here / "download").rename(here / "moodle.zip")
-    heavier = RUBRIC.read_text(encoding="utf-8").replace("follows_recursion: 6", "follows_recursion: 9")
-    assert heavier != RUBRIC.read_text(encoding="utf-8")
-    (here / "rub.yaml").write_text(heavier, encoding="utf-8")
+    rubric_with(here / "rub.yaml", ("follows_recursion: 6", "follows_recursion: 9"))
     before, beside = files_outside(here, here / "out"), set(BESIDE_PYTHON.iterdir())
     for arguments in ((), ("--rubric", "rub.yaml", "--change")):
         done = imugrade(here, "grade", "moodle.zip", "-o", "out", *arguments)
@@ -59,12 +47,12 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return here
 
 
-def test_pages_are_those_of_the_last_rubric(graded: Path) -> None:
-    assert len(published(graded / "out")) == MANY
-    assert published(graded / "out") == pytest.approx(scores(graded / "out"))
-
-
-def test_the_feedback_holds_the_pages_of_the_last_rubric(graded: Path) -> None:
+def test_pages_and_the_feedback_are_those_of_the_last_rubric(graded: Path) -> None:
+    records = graded.glob("out/submissions/*/result.json")
+    published = {path.parent.name: json.loads(path.read_text())["score"] for path in records}
+    scores = {id_: float(total or 0) for id_, total in column(graded / "out" / "gradebook.csv", "total").items()}
+    assert len(published) == MANY
+    assert published == pytest.approx(scores)
     where = ("-o", "marks.csv", "--feedback", "reports.zip")
     exported = imugrade(graded, "export", "out", "--format", "csv", "--allow-blank", *where)
     assert exported.returncode == 0, exported.stderr
