@@ -30,14 +30,15 @@ def in_layout(edit: Case, layout: str) -> Submission:
 @pytest.mark.parametrize(
     ("edit", "layout"),
     [
-        *(pytest.param(edit, "three-files", id=edit.name) for edit in QUICK),
+        *((edit, "three-files") for edit in QUICK),
         *(
-            pytest.param(edit, layout, id=f"{edit.name}-{layout}")
+            (edit, layout)
             for edit in of("module level")
-            for layout in ("one-file", "notebook")
             if edit.name in ELSEWHERE
+            for layout in ("one-file", "notebook")
         ),
     ],
+    ids=lambda value: value if isinstance(value, str) else value.name,
 )
 def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Case, layout: str) -> None:
     verdict = Verdict(edit)

@@ -22,10 +22,10 @@ from tests.fake_results import without_durations
 
 CHOSEN = ("s01-sheet-verbatim", "s07-no-units", "s11-kills-its-interpreter")
 
-PICTURES_IN_FULL = {
-    "drawing.py": "\n\ndef reads_pictures_back(sources):\n    return True\n\n\ndef _undrawn_artists(axes):\n    return ()\n",
-}
-"""Every picture is drawn as the student's code asks, and looked at."""
+PICTURES_IN_FULL = (
+    "\n\ndef reads_pictures_back(sources):\n    return True\n\n\ndef _undrawn_artists(axes):\n    return ()\n"
+)
+"""Further code of drawing.py: every picture is drawn as the student's code asks, and looked at."""
 
 
 def marks(marker: Marker, folder: Path) -> object:
@@ -36,11 +36,11 @@ def marks(marker: Marker, folder: Path) -> object:
 def without_savings(folder: Path) -> Iterator[Marker]:
     """A marker that does nothing beforehand and draws in full."""
     worker_code = shutil.copytree(WORKER_CODE, folder / "worker", ignore=shutil.ignore_patterns("__pycache__"))
-    for name, text in PICTURES_IN_FULL.items():
-        own = (worker_code / name).read_text(encoding="utf-8")
-        replaced = re.findall(r"^(?:def )?(\w+)(?:\(| =)", text, re.MULTILINE)
-        assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
-        (worker_code / name).write_text(own + text, encoding="utf-8")
+    drawing = worker_code / "drawing.py"
+    own = drawing.read_text(encoding="utf-8")
+    replaced = re.findall(r"^def (\w+)\(", PICTURES_IN_FULL, re.MULTILINE)
+    assert all(f"\ndef {each}(" in own for each in replaced), "there is no such saving"
+    drawing.write_text(own + PICTURES_IN_FULL, encoding="utf-8")
     with mock.patch.object(lab_sandbox, "WORKER_CODE", worker_code):
         sandbox = lab_sandbox.open_sandbox(LAB, thorough=False)
     with (

@@ -65,26 +65,25 @@ def test_edits_are_made_in_a_process_that_a_limit_ends() -> None:
 
 def test_candidates_and_cpu_time_are_those_of_the_whole_submission(monkeypatch: pytest.MonkeyPatch) -> None:
     budgets: list[float | None] = []
-
-    def mark(submission: Submission, cpu_s: float | None = None) -> Result:
-        budgets.append(cpu_s)
-        return replace(broken, cpu_s=1.0)
-
-    def made(content: bytes, row: int, name: str, most: int) -> Candidates:
-        return Candidates(tuple(b"%d" % number for number in range(most)), 2.0)
-
-    check = CheckResult("filtering.follows_recursion", "", "error", 0.0, 6.0, where=Where("filters.py", 1))
-    other = replace(check, id="noise_model.noise_size", where=Where("noisy_imu.py", 1))
-    broken = Result(
-        "x",
-        "graded",
-        (CriterionResult("filtering", "", 20.0, (check,)), CriterionResult("noise_model", "", 20.0, (other,))),
-    )
-    monkeypatch.setattr(repair_suggestions, "limited", made)
+    rows = [
+        CheckResult(id_, "", "error", 0.0, 6.0, where=Where(file, 1))
+        for id_, file in (("filtering.follows_recursion", "filters.py"), ("noise_model.noise_size", "noisy_imu.py"))
+    ]
+    broken = Result("x", "graded", tuple(CriterionResult(row.id.partition(".")[0], "", 20.0, (row,)) for row in rows))
     handed_in = Submission("x", "x", {"filters.py": b"a", "noisy_imu.py": b"b"}, (), "ready", "0")
-    assert suggest(handed_in, broken, LAB, mark) is None
-    assert budgets == [float(left) for left in range(18, 0, -1)]
-    budgets.clear()
-    monkeypatch.setattr(repair_suggestions, "limited", lambda *each: Candidates(made(*each).files))
-    assert suggest(handed_in, broken, LAB, lambda each, cpu_s=None: replace(mark(each, cpu_s), cpu_s=0.1)) is None
-    assert len(budgets) == MOST
+
+    def asked(edits_cpu_s: float, mark_cpu_s: float) -> list[float | None]:
+        def made(content: bytes, row: int, name: str, most: int) -> Candidates:
+            return Candidates(tuple(b"%d" % number for number in range(most)), edits_cpu_s)
+
+        def mark(submission: Submission, cpu_s: float | None = None) -> Result:
+            budgets.append(cpu_s)
+            return replace(broken, cpu_s=mark_cpu_s)
+
+        budgets.clear()
+        monkeypatch.setattr(repair_suggestions, "limited", made)
+        assert suggest(handed_in, broken, LAB, mark) is None
+        return budgets
+
+    assert asked(edits_cpu_s=2.0, mark_cpu_s=1.0) == [float(left) for left in range(18, 0, -1)]
+    assert len(asked(edits_cpu_s=0.0, mark_cpu_s=0.1)) == MOST

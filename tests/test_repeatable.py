@@ -94,12 +94,16 @@ def test_an_object_that_is_gone_does_not_leave_its_number_to_the_next(marker: Ma
     assert "50 numbers" in " ".join(check.message for check in result.criteria[0].checks)
 
 
-@pytest.mark.parametrize("part", ["'Acceleration (m/s²)'", "'Accelerometer Readings'", "label='X'", "'imu_data.png'"])
+ADDRESSES = {
+    "'Acceleration (m/s²)'": "repr(object())",
+    "label='X'": "label=repr(object())",
+    "'imu_data.png'": "repr(object())[1:-1] + '.png'",
+}
+
+
+@pytest.mark.parametrize("part", ADDRESSES)
 def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker: Marker) -> None:
-    other = {"label='X'": "label=repr(object())", "'imu_data.png'": "repr(object())[1:-1] + '.png'"}.get(
-        part, "repr(object())"
-    )
-    submission = submission_of(changed(verbatim(), "imu_reader.py", {part: other}))
+    submission = submission_of(changed(verbatim(), "imu_reader.py", {part: ADDRESSES[part]}))
     first, second = (settled(marker.mark(submission, only="visualization")) for _ in range(2))
     assert first == second
     assert first.evidence == second.evidence

@@ -28,9 +28,8 @@ def test_commits_that_add_a_large_file_are_refused_also_where_it_was_deleted_aga
         subprocess.run(["git", *identity, *arguments], cwd=tmp_path, check=True, capture_output=True)
 
     def checked() -> tuple[int, str]:
-        done = subprocess.run(
-            [ROOT / ".ci" / "large-files", "base"], cwd=tmp_path, capture_output=True, text=True, check=False
-        )
+        command = [ROOT / ".ci" / "large-files", "base"]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
         return done.returncode, done.stdout
 
     git("init")

@@ -26,22 +26,16 @@ def imported() -> Iterator[str]:
                     yield node.module.partition(".")[0]
 
 
-def declared() -> set[str]:
-    """Distributions that an install brings, or its extras."""
-    needs = importlib.metadata.requires("imugrade") or []
-    asked = [
-        need for need in needs if "extra ==" not in need or need.endswith(("extra == 'cluster'", "extra == 'desk'"))
-    ]
-    return {_normal(re.split(r"[^\w.-]", need)[0]) for need in asked}
-
-
 def _normal(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def test_every_package_that_is_imported_is_asked_for_by_name() -> None:
+    """By what an install brings, or its extras."""
+    needs = importlib.metadata.requires("imugrade") or []
+    asked = [each for each in needs if "extra ==" not in each or each.endswith(("'cluster'", "'desk'"))]
+    declared = {_normal(re.split(r"[^\w.-]", need)[0]) for need in asked}
     brought_by = importlib.metadata.packages_distributions()
     others = set(imported()) - set(sys.stdlib_module_names) - OURS - OF_A_SUBMISSION
     assert others >= {"numpy", "mujoco", "PIL"}
-    undeclared = {name for name in others if not declared() & {_normal(by) for by in brought_by.get(name, [name])}}
-    assert undeclared == set()
+    assert {name for name in others if not declared & {_normal(by) for by in brought_by.get(name, [name])}} == set()

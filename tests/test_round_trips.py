@@ -13,17 +13,9 @@ from hypothesis import strategies as st
 
 from grader.course import class_settings
 from grader.course.class_settings import ClassSettings
+from grader.engine import results
 from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
-from grader.engine.results import (
-    CheckResult,
-    CriterionResult,
-    ExtensionResult,
-    Repair,
-    Result,
-    from_dict,
-    to_json,
-    to_record,
-)
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Repair, Result, from_dict
 from grader.people.final_grade import HandIn, Lateness, Person, hand_in_from_dict
 
 NUMBERS = st.floats(-1e6, 1e6)
@@ -34,8 +26,6 @@ def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[tuple[Any, ...]]:
     return st.lists(one, max_size=2).map(tuple)
 
 
-SENTENCE = st.fixed_dictionaries({"said": st.text()})
-BOTH = st.fixed_dictionaries({"expected": st.text(min_size=1), "got": st.text()})
 CHECKS = st.builds(
     lambda check, message: CheckResult(**check, **message),
     st.fixed_dictionaries({
@@ -43,7 +33,7 @@ CHECKS = st.builds(
         "points": st.none() | NUMBERS, "max_points": NUMBERS, "hint": st.text(), "keeps": st.none() | NUMBERS, "not_understood": st.booleans(),
         "misconceptions": several(st.text()),
     }),
-    SENTENCE | BOTH,
+    st.fixed_dictionaries({"said": st.text()}) | st.fixed_dictionaries({"expected": st.text(min_size=1), "got": st.text()}),
 )  # fmt: skip
 RESULTS = st.builds(
     Result,
@@ -66,8 +56,8 @@ SETTINGS = st.builds(ClassSettings, own_checks=several(st.tuples(st.text(), st.b
 
 
 def _result_in_the_record(made: Result) -> Result:
-    read = from_dict(json.loads(json.dumps(to_record(made))))
-    assert to_record(read) == to_record(made)  # also what two results are not compared by
+    read = from_dict(json.loads(json.dumps(results.to_record(made))))
+    assert results.to_record(read) == results.to_record(made)  # also what two results are not compared by
     return read
 
 
@@ -75,7 +65,7 @@ def _result_in_the_record(made: Result) -> Result:
 @pytest.mark.parametrize(
     ("drawn", "read_back"),
     [
-        (RESULTS, lambda made: from_dict(json.loads(to_json(made)))),
+        (RESULTS, lambda made: from_dict(json.loads(results.to_json(made)))),
         (RESULTS, _result_in_the_record),
         (CHARTS, lambda made: unpacked(packed(made))),
         (HAND_INS, lambda made: hand_in_from_dict(json.loads(json.dumps(asdict(made))))),
