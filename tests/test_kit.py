@@ -48,20 +48,23 @@ def autograder(tmp_path_factory: pytest.TempPathFactory, hidden: Traces) -> Path
     return out
 
 
-def unpacked(content: bytes) -> dict[str, bytes]:
+def unpacked(content: bytes, under: str = "") -> dict[str, bytes]:
+    """The files of an archive, those of the wheels in it too."""
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
+        found = {f"{under}{name}": archive.read(name) for name in archive.namelist()}
+    for wheel_ in [name for name in found if name.endswith(".whl")]:
+        found |= unpacked(found[wheel_], f"{wheel_}/")
+    return found
 
 
 def everything(place: Path) -> dict[str, bytes]:
     """All files of a kit, those inside of archives too."""
-    paths = [path for path in place.rglob("*") if path.is_file()] if place.is_dir() else [place]
-    found = {str(path): path.read_bytes() for path in paths}
-    for name in [name for name in found if name.endswith((".whl", ".zip"))]:
-        inner = unpacked(found[name])
-        found |= {f"{name}/{path}": content for path, content in inner.items()}
-        for path in [path for path in inner if path.endswith(".whl")]:
-            found |= {f"{name}/{path}/{deep}": content for deep, content in unpacked(inner[path]).items()}
+    found: dict[str, bytes] = {}
+    for path in place.rglob("*") if place.is_dir() else [place]:
+        if path.is_file():
+            found[str(path)] = path.read_bytes()
+        if path.suffix in (".whl", ".zip"):
+            found |= unpacked(path.read_bytes(), f"{path}/")
     return found
 
 
@@ -153,41 +156,26 @@ def test_the_starter_files_have_the_sheets_signatures_and_say_what_is_to_do(stud
 
 
 @pytest.mark.parametrize(
-    ("written", "file", "said"),
+    ("file", "said"),
     [
         (
-            (),
             "imu_reader.py",
-            ["sensors", "written: Step 2, get_imu_readings", "written: Step 3, simulate_and_collect"],
+            ".*sensors.*\n.*written: Step 2, get_imu_readings\n.*written: Step 3, simulate_and_collect\n",
         ),
-        (("imu_reader.py", "noisy_imu.py"), "filters.py", ["written: Step 6, LowPassFilter"]),
+        ("filters.py", ".*written: Step 6, LowPassFilter\n"),
     ],
 )
-def test_each_starter_file_runs_at_every_step_and_says_what_is_not_written(
-    written: tuple[str, ...], file: str, said: list[str], students: Path, tmp_path: Path
+def test_each_starter_file_runs_at_its_step_and_says_what_is_not_written(
+    file: str, said: str, students: Path, tmp_path: Path
 ) -> None:
-    for path in students.glob("*.py"):
-        (tmp_path / path.name).write_bytes(path.read_bytes())
-    (tmp_path / "textbook").symlink_to(students / "textbook")
-    for name in written:
-        _write_parts(tmp_path / name, VERBATIM[name])
+    shutil.copytree(students, tmp_path, dirs_exist_ok=True)
+    if file == "filters.py":
+        (tmp_path / "noisy_imu.py").write_text("class NoisyIMU:\n    def __init__(self, *_): ...\n")
     environ = {**os.environ, "MPLBACKEND": "Agg"}
     command = [sys.executable, file]
     done = subprocess.run(command, cwd=tmp_path, env=environ, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    lines = done.stdout.splitlines()
-    assert len(lines) == len(said)
-    assert all(words in line for words, line in zip(said, lines, strict=True))
-
-
-def _write_parts(path: Path, sheet: str) -> None:
-    """The sheet's own definitions in the place of those that are still to be written."""
-    text = path.read_text(encoding="utf-8")
-    for node in ast.parse(sheet).body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            old = next(o for o in ast.parse(text).body if isinstance(o, type(node)) and o.name == node.name)
-            text = text.replace(ast.get_source_segment(text, old) or "", ast.get_source_segment(sheet, node) or "")
-    path.write_text(text, encoding="utf-8")
+    assert re.fullmatch(said, done.stdout), done.stdout
 
 
 def test_a_stand_in_uses_nothing_that_the_sheet_does_not_print() -> None:
@@ -234,19 +222,15 @@ def workflows(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_an_audit_of_the_workflows_finds_nothing(workflows: Path) -> None:
+def test_an_audit_of_the_workflows_finds_nothing(workflows: Path, tmp_path: Path) -> None:
     """zizmor, as strict as it can be: unpinned actions, credentials left behind, permissions, templates that are injected."""
-    zizmor = Path(sys.executable).with_name("zizmor")
-    command = [zizmor, "--offline", "--no-progress", "--persona", "auditor", "--strict-collection", workflows]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    audit = [Path(sys.executable).with_name("zizmor"), "--offline", "--no-progress", "--persona", "auditor"]
+    done = subprocess.run([*audit, "--strict-collection", workflows], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
-    loose = workflows / ".github/workflows/imugrade.yml"
-    whole = loose.read_text()
-    try:
-        loose.write_text(re.sub(r"checkout@\w+ # ", "checkout@", whole))
-        assert subprocess.run(command, capture_output=True, check=False).returncode > 10
-    finally:
-        loose.write_text(whole)
+    shutil.copytree(workflows, tmp_path, dirs_exist_ok=True)
+    loose = tmp_path / ".github/workflows/imugrade.yml"
+    loose.write_text(re.sub(r"checkout@\w+ # ", "checkout@", loose.read_text()))
+    assert subprocess.run([*audit, tmp_path], capture_output=True, check=False).returncode > 10
 
 
 @pytest.mark.parametrize(
