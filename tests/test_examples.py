@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import subprocess
 import sys
@@ -17,6 +16,7 @@ from grader.engine.results import from_dict, to_json
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
+from tests.class_commands import column
 from tests.examples import FOLDER, expected, folders, summary
 from tests.fake_results import without_durations
 from tests.generated import STALE
@@ -48,21 +48,15 @@ def _record(out: Path, name: str) -> dict[str, Any]:
     return record
 
 
-def test_every_example_gets_what_the_table_says(out: Path) -> None:
+def test_every_example_gets_what_the_table_says_although_one_loops_for_ever_and_one_kills_its_interpreter(
+    out: Path,
+) -> None:
     """One test, not one an example: workers share the tests of a module, and each would grade the class."""
     records = {folder.name: _record(out, folder.name) for folder in folders()}
     for record in records.values():
         jsonschema.validate(record, SCHEMA)
     assert {name: summary(from_dict(record)) for name, record in records.items()} == expected(), STALE
-
-
-def test_the_class_is_finished_although_one_loops_for_ever_and_one_kills_its_interpreter(out: Path) -> None:
-    with (out / "gradebook.csv").open(encoding="utf-8", newline="") as stream:
-        rows = {row["id"]: row for row in csv.DictReader(stream)}
-    assert sorted(rows) == [folder.name for folder in folders()]
-    assert rows["s11-kills-its-interpreter"]["total"] == rows["s12-endless-loop"]["total"] == "80"
-    assert (out / "index.html").is_file()
-    assert all((out / "submissions" / name / "report.html").is_file() for name in rows)
+    assert column(out / "gradebook.csv", "status").keys() == records.keys()
 
 
 def test_grading_again_gives_the_same_bytes_but_for_durations(out: Path, opened: Opened) -> None:

@@ -5,24 +5,21 @@ import sys
 
 import pytest
 
-from grader import cli
 from grader.engine.check_catalog import checks_of
 from grader.engine.check_runner import known_checks
 from grader.engine.faults import catalogue
 from grader.engine.rubric import load
 from grader.labs.imu.lab import LAB
-
-Capture = pytest.CaptureFixture[str]
-
-
-def explained(capsys: Capture, *arguments: str) -> tuple[int, str, str]:
-    code = cli.main(["explain", *arguments])
-    told = capsys.readouterr()
-    return code, told.out, told.err
+from tests.class_commands import Run, in_process
 
 
-def test_a_fault_is_explained_with_what_is_wrong_and_what_is_right(capsys: Capture) -> None:
-    code, out, _ = explained(capsys, "view-not-copy")
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    return in_process(capsys)
+
+
+def test_a_fault_is_explained_with_what_is_wrong_and_what_is_right(run: Run) -> None:
+    code, out, _ = run("explain", "view-not-copy")
     assert code == 0
     assert out.startswith(
         "# view-not-copy\n\nReturns an array that changes later: a view of sensordata, or one array that every call"
@@ -31,8 +28,8 @@ def test_a_fault_is_explained_with_what_is_wrong_and_what_is_right(capsys: Captu
     assert out.endswith("Read: Lab 04-01, Step 2.\n\nRerun: `imugrade check --only sensor_access`\n")
 
 
-def test_a_check_is_explained_with_its_points_and_its_step(capsys: Capture) -> None:
-    code, out, _ = explained(capsys, "filtering.passes_constant")
+def test_a_check_is_explained_with_its_points_and_its_step(run: Run) -> None:
+    code, out, _ = run("explain", "filtering.passes_constant")
     assert code == 0
     assert out == (
         "# filtering.passes_constant\n\nA constant input comes out unchanged.\n\n"
@@ -40,14 +37,14 @@ def test_a_check_is_explained_with_its_points_and_its_step(capsys: Capture) -> N
     )
 
 
-def test_an_unknown_id_is_one_line_with_the_nearest(capsys: Capture) -> None:
+def test_an_unknown_id_is_one_line_with_the_nearest(run: Run) -> None:
     expected = "imugrade: veiw-not-copy: no fault, check or criterion has this id; did you mean view-not-copy?\n"
-    assert explained(capsys, "veiw-not-copy") == (2, "", expected)
-    assert explained(capsys, "\x1b[31mzzzzzz")[2].endswith("has this id; `imugrade explain` lists all of them\n")
+    assert run("explain", "veiw-not-copy") == (2, "", expected)
+    assert run("explain", "\x1b[31mzzzzzz")[2].endswith("has this id; `imugrade explain` lists all of them\n")
 
 
-def test_without_an_id_everything_is_listed(capsys: Capture) -> None:
-    code, out, _ = explained(capsys)
+def test_without_an_id_everything_is_listed(run: Run) -> None:
+    code, out, _ = run("explain")
     listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ")}
     assert code == 0
     assert listed == {*catalogue(LAB), *(check.id for check in load(LAB).checks)}

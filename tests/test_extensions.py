@@ -15,6 +15,7 @@ import pytest
 
 import reference
 from grader.engine import rubric, traces
+from grader.engine.faults import catalogue
 from grader.engine.grader import Marker
 from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
 from grader.engine.submission_session import SubmissionSession
@@ -28,6 +29,7 @@ from reference.extension_scenarios import tilt_drifting, tilt_shaken, tilt_steep
 from reference.scene import Recording, generator
 from tests.corpus.cases import EXTENSIONS, Case, case, of
 from tests.corpus.pieces import tidy
+from tests.rubrics import edited
 from tests.sandboxes import Opened
 from tests.single_faults import marked
 
@@ -48,7 +50,7 @@ Mark = Callable[..., Result]
 @pytest.fixture
 def mark(marker: Marker) -> Mark:
     """Mark a sound submission with these files."""
-    return lambda files, *, only=None, by=marker: marked(by, {**tidy(), **files}, only)
+    return lambda files, *only: marked(marker, {**tidy(), **files}, *only)
 
 
 def lost(result: ExtensionResult) -> set[str]:
@@ -59,19 +61,15 @@ def lost(result: ExtensionResult) -> set[str]:
 
 
 @pytest.mark.parametrize("faulty", ENDLESS, ids=lambda faulty: faulty.name)
-def test_an_extension_that_never_returns_is_stopped(
-    faulty: Case, mark: Mark, truth: traces.Traces, opened: Opened
-) -> None:
+def test_an_extension_that_never_returns_is_stopped(faulty: Case, truth: traces.Traces, opened: Opened) -> None:
     with opened(truth, replace(rubric.load(LAB), limits=rubric.Limits(1.0, 20.0))) as impatient:
-        result = mark(faulty.files, only=faulty.only, by=impatient)
+        result = marked(impatient, {**tidy(), **faulty.files}, faulty.only)
     assert lost(result.extensions[0]) == set(faulty.loses)
     assert result.extensions[0].checks[0].outcome == "timeout"
     assert result.misconceptions == (faulty.fault,)
 
 
 def test_every_mistake_of_an_extension_has_a_faulty_one() -> None:
-    from grader.engine.faults import catalogue
-
     named = {id_ for id_, mistake in catalogue(LAB).items() if mistake.group == "extensions"}
     assert named <= {faulty.fault for faulty in FAULTY}
     assert {faulty.only for faulty in FAULTY} == {bonus.id for bonus in LAB.bonuses}
@@ -95,19 +93,16 @@ def test_without_extensions_no_question_is_asked_about_them(mark: Mark, monkeypa
     }  # fmt: skip
 
 
-def test_extensions_that_crash_hang_or_meddle_leave_the_five_criteria_alone(mark: Mark) -> None:
+def test_extensions_that_crash_or_meddle_leave_the_five_criteria_alone(mark: Mark) -> None:
     meddling = "import imu_reader\nimu_reader.get_imu_readings = None\nimport os\nos._exit(3)\n"
-    files = dict.fromkeys(EXTENSIONS.values(), meddling)
-    result = mark(files)
-    assert [criterion.points for criterion in result.criteria] == [20.0] * 5
+    result = mark(dict.fromkeys(EXTENSIONS.values(), meddling))
+    assert (result.status, [criterion.points for criterion in result.criteria]) == ("graded", [20.0] * 5)
     assert all(extension.attempted and lost(extension) for extension in result.extensions)
-    assert result.status == "graded"
 
 
 def test_an_extension_in_another_file_counts_and_the_note_says_where(mark: Mark) -> None:
-    result = mark(
-        {"extras.py": case("extensions", "allan_variance-blocks").files["allan_variance.py"]}, only="allan_variance"
-    )
+    blocks = case("extensions", "allan_variance-blocks").files["allan_variance.py"]
+    result = mark({"extras.py": blocks}, "allan_variance")
     assert lost(result.extensions[0]) == set()
     assert result.notes == ("allan_deviation was found in extras.py; the sheet expects it in allan_variance.py",)
 
@@ -132,29 +127,23 @@ def test_an_extension_is_attempted_where_its_file_or_its_name_is(files: dict[str
 # --- extra credit ---------------------------------------------------------------------------------------------------
 
 
-def granted(cap: str = "10") -> rubric.Rubric:
-    text = rubric.shipped(LAB).read_text(encoding="utf-8")
-    line = "# extra_credit: {each: 5, cap: 10}"
-    assert line in text
-    return rubric.parse(LAB, text.replace(line, f"extra_credit: {{each: 5, cap: {cap}}}").encode())
+GRANTED = rubric.parse(LAB, edited("# extra_credit: {each: 5, cap: 10}", "extra_credit: {each: 5, cap: 10}").encode())
 
 
-def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces, opened: Opened) -> None:
-    with opened(truth, granted()) as marker:
+def test_extra_credit_stands_beside_the_score_up_to_the_cap_and_a_part_earns_a_part(
+    truth: traces.Traces, opened: Opened
+) -> None:
+    with opened(truth, GRANTED) as marker:
         result = marker.mark(read_submission(FOLDER, LAB.files))  # the reference, which passes all of its own
+        partly = marked(marker, {**tidy(), **case("extensions", "no-half").files})
     assert {e.id: lost(e) for e in result.extensions} == {bonus.id: set() for bonus in LAB.bonuses}
     assert [(e.points, e.max_points) for e in result.extensions] == [(5.0, 5.0)] * 4
     assert (result.score, result.max_score, result.extra_credit, result.total) == (100.0, 100.0, 10.0, 110.0)
     record = to_dict(result)
     assert record["extra_credit"] == {"points": 10.0, "cap": 10.0}
     assert from_dict(record) == result
-
-
-def test_an_extension_that_is_partly_right_earns_a_part(mark: Mark, truth: traces.Traces, opened: Opened) -> None:
-    with opened(truth, granted()) as marker:
-        result = mark(case("extensions", "no-half").files, by=marker)
-    assert result.score == 100.0
-    assert result.extra_credit == result.extensions[1].points == pytest.approx(5.0 * 8 / 14, abs=0.01)
+    assert partly.score == 100.0
+    assert partly.extra_credit == partly.extensions[1].points == pytest.approx(5.0 * 8 / 14, abs=0.01)
 
 
 # --- the reference: tilt --------------------------------------------------------------------------------------------

@@ -69,11 +69,5 @@ def test_a_curve_is_hidden_where_hardly_an_eighth_of_it_is_seen(inside: int, see
     assert VisibleParts(parts < inside, parts < seen).is_hidden is hidden
 
 
-def test_a_text_on_a_panel_keeps_its_place_and_its_colour(frame: Frame) -> None:
-    facts_of(frame)["axes"][0]["texts"] = [{"text": "x", "place": [1.0, 2.0], "colour": "#ff0000"}]
-    (figure,) = figures_of(frame)
-    assert figure.axes[0].texts == (Placed("x", (1.0, 2.0), "#ff0000"),)
-
-
 def test_a_picture_that_cannot_be_read_is_none() -> None:
     assert picture_of(Frame({"readable": False, "reason": "no picture"}, {})) is None

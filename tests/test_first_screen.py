@@ -21,11 +21,6 @@ from grader.sandbox.wire import Frame
 from tests.corpus.pieces import VERBATIM
 from tests.corpus.writing import write
 
-ROOT = Path(__file__).parent.parent
-
-
-# --- their own prints -------------------------------------------------------------------------------------------------
-
 
 def test_a_flood_is_cut_and_silence_is_said() -> None:
     prints = Prints()
@@ -33,8 +28,6 @@ def test_a_flood_is_cut_and_silence_is_said() -> None:
     prints.add("filtering", "\n".join(map(str, range(100))))
     assert [line.plain for line in prints.lines(LAB)][-1] == "  … 70 more lines"
 
-
-# --- a real check -----------------------------------------------------------------------------------------------------
 
 PRINTING = """
 print("loaded")

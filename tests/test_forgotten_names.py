@@ -26,14 +26,12 @@ SHEET = "\n\n".join(
 )
 
 
-def test_what_was_supplied_is_noted(player: Marking) -> None:
-    notes = marked(player, changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
-    assert "imu_reader.py uses np without an import; the grader supplied it" in notes
-
-
-def test_a_misspelled_name_is_noted(player: Marking) -> None:
-    files: Files = {path: str(text).replace("LowPassFilter", "LowpassFilter") for path, text in verbatim().items()}
-    assert "filters.py defines LowpassFilter; the grader used it as LowPassFilter" in marked(player, files).notes
+def test_what_was_supplied_and_what_was_misspelled_is_noted(player: Marking) -> None:
+    misspelled: Files = {path: str(text).replace("LowPassFilter", "LowpassFilter") for path, text in verbatim().items()}
+    assert marked(player, changed(misspelled, READER, {"import numpy as np\n": ""})).notes == (
+        "imu_reader.py uses np without an import; the grader supplied it",
+        "filters.py defines LowpassFilter; the grader used it as LowPassFilter",
+    )
 
 
 @pytest.mark.parametrize("line", BORROWED_ON_PURPOSE.values(), ids=BORROWED_ON_PURPOSE)
