@@ -193,17 +193,6 @@ def test_of_a_file_that_begins_with_numbers_another_of_the_same_student_leaves_n
     assert [set(entry.read().files) for entry in found.entries] == [{"04_01_notes.py", "filters.py"}]
 
 
-# ---- several attempts ----
-
-
-def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_listed(tmp_path: Path) -> None:
-    first = write({"a_1_10_filters.py": "old", "b_2_11_filters.py": "b"}, tmp_path / "monday", "zip")
-    second = write({"a_1_12_filters.py": "new"}, tmp_path / "friday", "zip")
-    found = read_class([second, first], LAB.files)
-    assert files_of(found) == {"a_1": {"filters.py": b"new"}, "b_2": {"filters.py": b"b"}}
-    assert found.leftovers == (f"{first}/a_1_10_filters.py: an earlier attempt; the latest one is graded",)
-
-
 # ---- Moodle ----
 
 
