@@ -266,13 +266,7 @@ def canvas_feedback(data: bytes) -> dict[tuple[str, str], bytes]:
 def marks_from(
     shape: str, students: Sequence[Student], out: Path, run: Callable[..., tuple[int, str, str]]
 ) -> dict[str, float | None]:
-    """Export a graded class to its own platform and import it there: final points by student number.
-
-    Parameters
-    ----------
-    run
-        Runs `imugrade` with these arguments.
-    """
+    """Export a graded class to its own platform with `imugrade` and import it there: final points by student number."""
     made = out / "upload.csv"
 
     def export(name: str, *more: object) -> bytes:

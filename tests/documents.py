@@ -24,19 +24,7 @@ _SAID_OF_IT = re.compile(r"\s{2,}.*|\s#.*")  # a comment, or words in a column o
 
 @dataclass(frozen=True)
 class Command:
-    """One command as a document has it.
-
-    Attributes
-    ----------
-    document
-        Which one.
-    words
-        The program and its arguments, as a shell splits them.
-    environment
-        What stands before it: ``IMUGRADE_SEED=...``.
-    place
-        "block", "prose" or "heading".
-    """
+    """One command as a document has it: in a "block", in "prose" or in a "heading", with the variables that stand before it."""
 
     document: str
     words: tuple[str, ...]
