@@ -95,9 +95,7 @@ def leave():
     time.sleep(0.5)
     os.kill(os.getpid(), 9)
 
-if __name__ == "__main__":
-    folder = pathlib.Path(sys.argv[1])
-    {run}
+folder = pathlib.Path(sys.argv[1])
 """
 AT_ONCE = "for _ in mark_all(iter([submission('a'), submission('b')]), partial(fake_marker, folder), 1): os.kill(os.getpid(), 9)"
 AT_WORK = "threading.Thread(target=leave).start(); list(mark_all(iter([submission('burn')]), partial(fake_marker, folder), 1))"
@@ -107,11 +105,8 @@ AT_WORK = "threading.Thread(target=leave).start(); list(mark_all(iter([submissio
 @pytest.mark.parametrize("run", [AT_ONCE, AT_WORK], ids=["after the first", "while a worker never gives way"])
 def test_workers_leave_when_the_run_is_killed(tmp_path: Path, run: str) -> None:
     """One went on for half an hour: the thread that looks for the end of the run never had its turn."""
-    script = tmp_path / "run.py"
-    script.write_text(KILLED.format(run=run))
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, str(script), str(tmp_path)]
-    done = subprocess.run(command, env=environment, check=False, stderr=subprocess.DEVNULL)
+    command = [sys.executable, "-c", KILLED + run, str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, check=False, stderr=subprocess.DEVNULL)
     assert done.returncode == -signal.SIGKILL
     with suppress(ProcessLookupError):  # it has ended already
         worker = os.pidfd_open(int((tmp_path / "marked").read_text().split()[1]))

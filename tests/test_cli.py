@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import re
 import signal
 import subprocess
@@ -137,6 +136,24 @@ def test_check_prints_the_table_and_writes_what_was_asked_for(
     assert json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["score"] == 0.0
 
 
+@pytest.mark.parametrize(("secret", "said"), [("a secret", "hidden scenarios wait"), ("  ", "may grade with hidden")])
+def test_lines_above_the_result_say_what_is_checked_what_was_found_and_whether_there_is_a_secret(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, secret: str, said: str
+) -> None:
+    checked(monkeypatch, result())
+    monkeypatch.setenv("IMUGRADE_SEED", secret)
+    folder = tmp_path / "\x1b[31mred"  # the name of a folder cannot colour the terminal
+    folder.mkdir()
+    (folder / "filters.py").touch()
+    monkeypatch.chdir(folder)
+    first, second, third, fourth = run("check")[1].splitlines()[:4]
+    assert first == r"checking \x1b[31mred …"
+    assert second == "filters.py found; no imu_reader.py, no noisy_imu.py, no imu_data.png, no filtered_imu.png"
+    assert "public checks. " in third
+    assert said in third
+    assert fourth == ""
+
+
 def test_watching_checks_again_after_each_save_and_not_in_between(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -265,13 +282,20 @@ def test_help_is_shown_for_every_command(run: Run, command: str) -> None:
     assert out.startswith(f"Usage: imugrade {command}".rstrip())
 
 
-def test_help_loads_nothing_heavy() -> None:
-    program = (
-        "import sys\n"
-        "from grader import cli\n"
-        "cli.main(['--help'])\n"
-        "print(sorted({'numpy', 'mujoco', 'rich', 'jinja2', 'yaml', 'pytest', 'matplotlib'} & set(sys.modules)))\n"
-    )
+@pytest.mark.parametrize(
+    ("code", "slow"),
+    [
+        ("from grader import cli; cli.main(['--help'])", "numpy mujoco rich jinja2 yaml pytest matplotlib"),
+        ("from grader.commands import opening; from grader.engine import rubric; from grader.intake import read_submission",
+         "mujoco matplotlib scipy pytest grader.engine.grader"),
+        ("from grader import cli; from grader.intake import read_submission; from grader.engine.lab_sandbox import open_sandbox_for; "
+         "from grader.labs.imu.lab import LAB; open_sandbox_for(LAB, {}).close()",
+         "numpy mujoco matplotlib pytest yaml grader.engine.results"),
+    ],
+    ids=["help", "the first lines of a check", "the sandbox of a check"],
+)  # fmt: skip
+def test_what_comes_first_waits_for_no_slow_import(code: str, slow: str) -> None:
+    program = f"{code}\nimport sys\nprint(sorted(set({slow.split()}) & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout.splitlines()[-1] == "[]"
 
@@ -300,13 +324,6 @@ def test_a_terminal_without_the_signs_gets_question_marks(
 # --- doctor and traces ------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def unrecorded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The doctor records nothing, which takes a second."""
-    monkeypatch.setattr("grader.commands.machine.try_recording", lambda _: None)
-
-
-@pytest.mark.usefixtures("unrecorded")
 def test_doctor_tells_each_level_with_its_reason_the_one_in_use_and_a_second_copy_that_can_be_opened(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -314,6 +331,7 @@ def test_doctor_tells_each_level_with_its_reason_the_one_in_use_and_a_second_cop
     works = [LevelResult(level, True, "") for level in (landlock, none)]
     tried = [LevelResult(full, False, "no user namespaces"), *works]
     monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)
+    monkeypatch.setattr("grader.commands.machine.try_recording", lambda _: None)  # it takes a second
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(21_894, ()))
     code, out, err = run("doctor")
     told = [" ".join(line.split()) for line in out.splitlines()]
@@ -356,23 +374,22 @@ def test_a_written_bundle_is_the_one_in_use_and_private(run: Run, tmp_path: Path
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
 def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students: Path, tmp_path: Path) -> None:
     (tmp_path / "marker").mkdir()
-    script = tmp_path / "run.py"
-    script.write_text(
+    program = (
         "import sys\n"
         "from functools import partial\n"
         "from pathlib import Path\n"
         "from grader import cli\n"
         "from grader.course import classroom\n"
         "from tests.fake_results import fake_marker\n"
-        "if __name__ == '__main__':\n"
-        "    classroom.opener = lambda order: partial(fake_marker, Path(sys.argv[1]))\n"
-        "    sys.exit(cli.main(sys.argv[2:]))\n"
+        "classroom.opener = lambda order: partial(fake_marker, Path(sys.argv[1]))\n"
+        "sys.exit(cli.main(sys.argv[2:]))\n"
     )
     (students / "bob").rename(students / "wait")
-    command = map(str, [sys.executable, script, tmp_path / "marker", "grade", students, "-o", tmp_path / "out", "-j1"])
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(list(command), env=environment, **pipes) as process:  # type: ignore[call-overload]
+    given = [tmp_path / "marker", "grade", students, "-o", tmp_path / "out", "-j1"]
+    with subprocess.Popen(
+        [sys.executable, "-c", program, *map(str, given)],
+        cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
         assert process.stdout is not None
         lines = [process.stdout.readline() for _ in range(2)]
         process.send_signal(signal.SIGINT)
