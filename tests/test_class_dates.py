@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.class_commands import Run, column, commands, hand_in, late_policy, rubric_with
+from tests.class_commands import Run, column, commands, graded, hand_in, late_policy, rubric_with
 from tests.classes import a_class, gradescope
 from tests.corpus.writing import zipped
 
@@ -23,11 +23,10 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
     return commands(monkeypatch, capsys)
 
 
-def graded(run: Run, late: str, roster: str) -> dict[str, str]:
+def deducted(run: Run, late: str, roster: str = CAME) -> dict[str, str]:
+    """The points that a late policy takes off, as the gradebook has them."""
     rubric_with(Path("rub.yaml"), late_policy(late))
-    Path("roster.csv").write_text(roster)
-    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub.yaml", "--roster", "roster.csv")
-    assert (code, err) == (0, "")
+    assert graded(run, "--rubric", "rub.yaml", roster=roster) == ""
     return column(Path("out/gradebook.csv"), "late_deduction")
 
 
@@ -37,11 +36,11 @@ def graded(run: Run, late: str, roster: str) -> dict[str, str]:
 def test_days_are_counted_by_the_clock_of_the_time_zone_and_have_24_hours_without_one(
     run: Run, due: str, ann: str
 ) -> None:
-    assert graded(run, due, CAME) == {"ann": ann, "bob": "20", "cy": "10"}
+    assert deducted(run, due) == {"ann": ann, "bob": "20", "cy": "10"}
 
 
 def test_a_cut_off_is_by_the_clock_as_well(run: Run) -> None:
-    graded(run, f"{IN_BERLIN}, cut_off_days: 1", CAME)
+    deducted(run, f"{IN_BERLIN}, cut_off_days: 1")
     assert column(Path("out/gradebook.csv"), "late") == {"ann": "1", "bob": "refused", "cy": "1"}
 
 
@@ -62,17 +61,17 @@ def test_a_time_zone_that_is_none_or_not_named_is_told(run: Run, late: str, told
 def test_grace_days_of_a_student_are_taken_off_the_days_that_count(run: Run) -> None:
     head, *rows = CAME.splitlines()
     roster = "\n".join([f"{head},grace_days", f"{rows[0]},2", f"{rows[1]},1", f"{rows[2]},"])
-    assert graded(run, IN_BERLIN, roster) == {"ann": "0", "bob": "10", "cy": "10"}
+    assert deducted(run, IN_BERLIN, roster) == {"ann": "0", "bob": "10", "cy": "10"}
     assert column(Path("out/gradebook.csv"), "grace_days_used") == {"ann": "1", "bob": "1", "cy": "0"}
     Path("roster.csv").write_text(roster.replace(",2\n", ",two\n"))
-    code, _, err = run("grade", "class", "-o", "out", "--roster", "roster.csv")
-    assert (code, err) == (2, "imugrade: roster.csv:2: grace days must be a whole number, not two\n")
+    refused = run("grade", "class", "-o", "out", "--roster", "roster.csv")
+    assert refused[::2] == (2, "imugrade: roster.csv:2: grace days must be a whole number, not two\n")
 
 
 def test_the_time_of_the_platform_goes_before_that_of_the_roster(run: Run) -> None:
     path = gradescope(a_class(2, [{"filters.py": "# 1\n"}]), Path())
-    Path("roster.csv").write_text("sid,submitted\ns00000,2026-11-21T09:00Z\ns00001,2026-11-20T21:00Z\n")
-    err = run("grade", path, "-o", "out", "--roster", "roster.csv")[2]
+    roster = "sid,submitted\ns00000,2026-11-21T09:00Z\ns00001,2026-11-20T21:00Z\n"
+    err = graded(run, folder=path, roster=roster)
     assert (
         "imugrade: Jürgen_Müßig_s00000: submitted 2026-11-20T21:00:00+00:00 by the platform, which counts, "
         "and 2026-11-21T09:00:00+00:00 by the roster\n"

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 
 import pytest
 
-from tests.class_commands import Run, commands, hand_in
+from tests.class_commands import Run, commands, graded, hand_in, rows
 from tests.corpus.writing import zipped
 from tests.desk import desk_over, words
 
@@ -23,19 +21,12 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
     return commands(monkeypatch, capsys)
 
 
-def rows(path: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(Path(path).read_text(encoding="utf-8-sig"))))
-
-
 def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -> None:
     for name in ("lab04-jdoe-gh", "lab04-rroe42"):
         hand_in(Path("class"), **{name: 1})
         Path("class", name, ".git").mkdir()
         Path("class", name, ".git", "HEAD").write_text("ref: refs/heads/main\n")
-    Path("classroom_roster.csv").write_text(GITHUB_ROSTER)
-    code, _, err = run("grade", "class", "-o", "out", "--roster", "classroom_roster.csv")
-    assert code == 0
-    assert "in the roster, no submission: s1003\n" in err
+    assert "in the roster, no submission: s1003\n" in graded(run, roster=GITHUB_ROSTER)
     assert [(row["id"], row["name"], row["status"]) for row in rows("out/gradebook.csv")] == [
         ("lab04-jdoe-gh", "Jane Doe", "graded"),
         ("lab04-rroe42", "lab04-rroe42", "graded"),
@@ -60,17 +51,13 @@ HEAD = "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible
 
 def canvas_download(**kept: float) -> None:
     """One file for each, by `<name>_<user id>`."""
-    Path("canvas.zip").write_bytes(
-        zipped(
-            {f"{who}_{900 + at}_filters.py": f"# {share}\n".encode() for at, (who, share) in enumerate(kept.items())}
-        )
-    )
+    files = {f"{who}_{900 + at}_filters.py": f"# {share}\n".encode() for at, (who, share) in enumerate(kept.items())}
+    Path("canvas.zip").write_bytes(zipped(files))
 
 
 def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     canvas_download(leeann_101=1)
-    Path("roster.csv").write_text(PAIR)
-    assert run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")[0] == 0
+    graded(run, folder="canvas.zip", roster=PAIR)
     Path("canvas.csv").write_text(HEAD + '"Lee, Ann",101,S5038,ann1,A,\n"Roe, Bob",102,S5039,bob1,A,\n')
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (0, "imugrade: graded: 2\n")
@@ -89,8 +76,7 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
 
 def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) -> None:
     canvas_download(leeann_101=1)
-    Path("roster.csv").write_text("id,name,group\n5038,Ann Lee,1\n5039,Bob Roe,1\n")
-    assert run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")[0] == 0
+    graded(run, folder="canvas.zip", roster="id,name,group\n5038,Ann Lee,1\n5039,Bob Roe,1\n")
     Path("canvas.csv").write_text(HEAD + '"Lee, Ann",101,S5038,,A,\n"Roe, Bob",102,S5039,,A,\n')
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (0, "imugrade: graded: 2\n")
@@ -107,11 +93,8 @@ def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) 
 
 def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(run: Run) -> None:
     hand_in(Path("class"), ann1=1, ann2=None, ann3=None)
-    Path("roster.csv").write_text(
-        "id,name\nann1,Ann Lee\nann2,Ann Lee\nann3,Ann Lee\nann4,Ann Lee\nann5,Ann Lee\ncy,Cy Moe\n"
-    )
-    code, _, err = run("grade", "class", "-o", "out", "--roster", "roster.csv")
-    assert (code, "in the roster, no submission: Ann Lee (ann4); Ann Lee (ann5); Cy Moe\n" in err) == (0, True)
+    roster = "id,name\nann1,Ann Lee\nann2,Ann Lee\nann3,Ann Lee\nann4,Ann Lee\nann5,Ann Lee\ncy,Cy Moe\n"
+    assert "in the roster, no submission: Ann Lee (ann4); Ann Lee (ann5); Cy Moe\n" in graded(run, roster=roster)
     names = [
         ("ann1", "Ann Lee", "graded"),
         ("ann2", "Ann Lee", "empty"),
@@ -121,7 +104,7 @@ def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(ru
         ("", "Cy Moe", "no submission"),
     ]
     assert [(row["id"], row["name"], row["status"]) for row in rows("out/gradebook.csv")] == names
-    code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")
+    err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")[2]
     assert [(row["id"], row["name"], row["status"]) for row in rows("marks.csv")] == names
     why = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
     assert (
@@ -152,22 +135,21 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
 
 def test_the_beginning_of_several_ids_is_ambiguous(run: Run) -> None:
     hand_in(Path("class"), jane_1=1, jane_2=0)
-    assert run("grade", "class", "-o", "out")[0] == 0
-    code, _, err = run("grade", "class", "-o", "out", "--only", "jane")
-    assert (code, err) == (2, "imugrade: jane is ambiguous: it may mean jane_1, jane_2; give the id\n")
+    graded(run)
+    assert run("grade", "class", "-o", "out", "--only", "jane")[::2] == (
+        2,
+        "imugrade: jane is ambiguous: it may mean jane_1, jane_2; give the id\n",
+    )
 
 
 def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:
     canvas_download(doejane_101=1)
-    Path("roster.csv").write_text("name,canvas_user_id,sid\nJane Doe,103,s3\n")
-    code, _, err = run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")
-    assert code == 0
+    err = graded(run, folder="canvas.zip", roster="name,canvas_user_id,sid\nJane Doe,103,s3\n")
     assert "imugrade: roster.csv:2: Jane Doe not doejane_101 (doejane): canvas number 103 and 101\n" in err
 
 
 def test_the_class_page_sorts_names_by_their_letters_without_accents(run: Run) -> None:
     hand_in(Path("class"), a=1, b=1)
-    Path("roster.csv").write_text("id,name\na,Zoë W\nb,Łukasz A\nc,Ødegård X\nd,Max Y\n", encoding="utf-8")
-    assert run("grade", "class", "-o", "out", "--roster", "roster.csv")[0] == 0
+    graded(run, roster="id,name\na,Zoë W\nb,Łukasz A\nc,Ødegård X\nd,Max Y\n")
     page = words(Path("out/index.html").read_text(encoding="utf-8")).partition("Status Łukasz")[2]
     assert sorted(("Zoë", "Max", "Ødegård"), key=page.index) == ["Max", "Ødegård", "Zoë"]
