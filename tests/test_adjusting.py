@@ -75,7 +75,9 @@ def test_the_same_again_changes_nothing_and_withdrawing_brings_the_automatic_poi
     assert "adjusted" not in (out / "gradebook.csv").read_text()
 
 
-def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path, tmp_path: Path) -> None:
+def test_a_table_of_adjustments_is_taken_whole_or_not_at_all_as_a_spreadsheet_saves_it(
+    run: Run, out: Path, tmp_path: Path
+) -> None:
     table = tmp_path / "a.csv"
     table.write_text(
         "\ufeffid,criterion,points,comment\nalice,sensor_access,18,ok\nalicia,sensor_access,1,x\nbob,sensoraccess,1,x\n"
@@ -93,9 +95,13 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
         "9: bob has no adjustment of sensor_access to withdraw",
     ]
     assert run("adjust", out)[1] == ""
-    table.write_text('id,criterion,points,comment\nalice,sensor_access,18,ok\nbob,sensor_access,19.5,"a, ""b"""\n')
-    told = "alice sensor_access 18, final 18\nbob sensor_access 19.5, final 19.5\n"
-    assert run("adjust", out, "--csv", table)[1] == told
+    head, end = ("ID", "Criterion", "Points", "Comment"), ("", "", "", "")
+    for points, encoding, sign in (("18", "cp1252", ";"), ("19", "utf-8-sig", ","), ("19.5", "utf-16", "\t")):
+        rows = (head, *((id_, "sensor_access", points, '"für, ""später"""') for id_ in ("alice", "bob")), end)
+        table.write_bytes("".join(f"{sign.join(row)}\r\n" for row in rows).encode(encoding))
+        told = "".join(f"{id_} sensor_access {points}, final {points}\n" for id_ in ("alice", "bob"))
+        assert run("adjust", out, "--csv", table) == (0, told, ""), encoding
+    assert run("adjust", out)[1].count(': für, "später"\n') == 6
 
 
 @pytest.mark.parametrize(
@@ -113,10 +119,6 @@ def test_a_wish_that_is_not_whole_is_one_line(arguments: str, line: str, run: Ru
 # ---- several attempts ----
 
 
-def attempts(tmp_path: Path, *points: object) -> list[Path]:
-    return [write({f"doe_1_{100 + i}_filters.py": f"# {p}\n"}, tmp_path / str(i), "zip") for i, p in enumerate(points)]
-
-
 @pytest.mark.parametrize(
     ("points", "which", "total"),
     [((14, 20, 16), "latest", "16"), ((14, 20, 16), "best", "20"), ((14, "open", 16), "best", "")],
@@ -124,7 +126,10 @@ def attempts(tmp_path: Path, *points: object) -> list[Path]:
 def test_of_several_attempts_the_latest_or_the_best_counts(
     points: tuple[object, ...], which: str, total: str, run: Run, tmp_path: Path
 ) -> None:
-    run("grade", *attempts(tmp_path, *points), "-o", tmp_path / "out", "--attempts", which)
+    downloads = [
+        write({f"doe_1_{100 + i}_filters.py": f"# {p}\n"}, tmp_path / str(i), "zip") for i, p in enumerate(points)
+    ]
+    run("grade", *downloads, "-o", tmp_path / "out", "--attempts", which)
     row = (tmp_path / "out" / "gradebook.csv").read_text().splitlines()[1]
     assert row.split(",")[3] == total
     record = json.loads((tmp_path / "out" / "submissions" / "doe_1" / "result.json").read_text())
@@ -138,16 +143,6 @@ def test_people_are_called_by_any_name_of_theirs(run: Run, out: Path, tmp_path: 
     for points, word in enumerate(("alice", "Doe, Jane", "jane doe", "JANE@example.edu", "s1"), start=3):
         assert "1 on record" in run("grade", tmp_path / "class", "-o", out, "--only", word)[1]
         assert run("adjust", out, word, *WISH, points)[1] == f"alice sensor_access {points}, final {points}\n"
-
-
-@pytest.mark.parametrize(("encoding", "sign"), [("cp1252", ";"), ("utf-8-sig", ","), ("utf-16", "\t")])
-def test_adjustments_are_read_as_a_spreadsheet_saves_them(
-    encoding: str, sign: str, run: Run, out: Path, tmp_path: Path
-) -> None:
-    rows = (("ID", "Criterion", "Points", "Comment"), ("bob", "sensor_access", "12.5", "für später"), ("", "", "", ""))
-    (tmp_path / "a.csv").write_bytes("".join(f"{sign.join(row)}\r\n" for row in rows).encode(encoding))
-    assert run("adjust", out, "--csv", tmp_path / "a.csv")[1] == "bob sensor_access 12.5, final 12.5\n"
-    assert "für später" in run("adjust", out)[1]
 
 
 # ---- diff ----
