@@ -27,20 +27,18 @@ from tests.random_figures import figure_of, frame_of
 
 
 def tar_that_claims(size: int, how: str) -> bytes:
-    """A tar of two files, the first of which says that it is larger than any disk."""
+    """A tar of three files, the last of which says that it is larger than any disk."""
     buffer = io.BytesIO()
-    with tarfile.open(
-        fileobj=buffer, mode="w", format=tarfile.PAX_FORMAT if how == "pax" else tarfile.GNU_FORMAT
-    ) as archive:
-        for name in ("filters.py", "imu_reader.py", "noisy_imu.py"):
+    form = tarfile.PAX_FORMAT if how == "pax" else tarfile.GNU_FORMAT
+    with tarfile.open(fileobj=buffer, mode="w", format=form) as archive:
+        for name in ("filters.py", "imu_reader.py"):
             info = tarfile.TarInfo(name)
-            if name == "noisy_imu.py":
-                info.size = size if how == "header" else 0
-                info.pax_headers = {"size": str(size)} if how == "pax" else {}
-                archive.fileobj.write(info.tobuf(archive.format))  # type: ignore[union-attr]
-            else:
-                info.size = 10
-                archive.addfile(info, io.BytesIO(b"answer=42\n"))
+            info.size = 10
+            archive.addfile(info, io.BytesIO(b"answer=42\n"))
+        info = tarfile.TarInfo("noisy_imu.py")
+        info.size = size if how == "header" else 0
+        info.pax_headers = {"size": str(size)} if how == "pax" else {}
+        buffer.write(info.tobuf(form))
     return buffer.getvalue()
 
 
@@ -85,29 +83,18 @@ def test_a_label_is_read_in_time_in_proportion_to_its_length(word: str) -> None:
     """A title of 8,000 letters of repeated units took a minute."""
     text = (word * 20_000)[:20_000]
     with cpu_within(3):
-        for read in (
-            labels.unit_of,
-            labels.claims,
-            labels.axis_of,
-            labels.has_time_unit,
-            labels.in_milliseconds,
-            labels.counts_samples,
-        ):
-            read(text)
+        for read in ("unit_of", "claims", "axis_of", "has_time_unit", "in_milliseconds", "counts_samples"):
+            getattr(labels, read)(text)
 
 
 # Replies --------------------------------------------------------------------------------------------------------------
 
 
-def nested(key: str) -> dict[str, object]:
-    """A list of 64 lists of 64 times the same array."""
-    leaf = {"kind": "array", "key": key}
-    return {"kind": "list", "items": [{"kind": "list", "items": [leaf] * 64}] * 64}
-
-
 def test_a_reply_that_names_one_array_many_times_is_no_answer() -> None:
     """0.3 MB that came over the line became 2.6 GB."""
-    frame = Frame({"error": None, "value": nested("a0"), "changed": []}, {"a0": np.zeros(40_000)})
+    leaf = {"kind": "array", "key": "a0"}
+    nested = {"kind": "list", "items": [{"kind": "list", "items": [leaf] * 64}] * 64}
+    frame = Frame({"error": None, "value": nested, "changed": []}, {"a0": np.zeros(40_000)})
     with memory_within(20), cpu_within(5), pytest.raises(Malformed, match="array 'a0' in two places"):
         LAB.checked("simulate", frame, {}, {})
 
@@ -144,9 +131,7 @@ def test_many_long_curves_are_compared_in_time() -> None:
     """As many numbers as a reply may hold, as 240 curves of one figure: comparing all pairs took a quarter of an hour."""
     rng = np.random.default_rng(0)
     rows = 4_000_000 // 480
-    widths = [
-        3 if number % 2 else 40 for number in range(240)
-    ]  # half of them smoother than the others, and none a version of one
+    widths = [3, 40] * 120  # half of them smoother than the others, and none a version of one
     columns = [np.convolve(rng.normal(size=rows + k - 1), np.ones(k) / k, "valid") for k in widths]
     curves = [drawn(np.arange(rows) * 1.0, y, "metersec" * 25) for y in columns]
     with cpu_within(40):

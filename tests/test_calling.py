@@ -43,6 +43,7 @@ def call(parameters: str, returned: str, slots: tuple[Slot, ...] = SLOTS) -> tup
         ("model, data, size=1, offset=0, idx=None", "model, data, size, offset, idx", "MDSOP", ("place",)),
         ("model, data, size=1, offset=0, idx='x'", "model, data, size, offset, idx", "MDSOx", ()),
         ("m, d, std=1, bias=0, place='x'", "m, d, std, bias, place", "MDSOx", ("size", "offset")),
+        ("d, m, /, size=1, offset=0", "m, d, size, offset", "DMSO", ()),  # what only position tells
         ("*given, **named", "*given, *named.values()", "MDSO", ()),
     ],
 )
@@ -50,10 +51,6 @@ def test_a_function_is_called_by_its_own_parameters(
     parameters: str, returned: str, came: str, departs: tuple[str, ...]
 ) -> None:
     assert call(parameters, returned) == (tuple(came), departs)
-
-
-def test_what_only_position_tells_is_given_as_promised() -> None:
-    assert call("d, m, /, size=1, offset=0", "m, d, size, offset")[0] == ("D", "M", "S", "O")
 
 
 def test_what_may_go_anywhere_goes_to_a_parameter_of_any_name() -> None:

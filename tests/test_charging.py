@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import pytest
@@ -49,22 +49,20 @@ PART: Part[Facts] = Part(
 )
 
 
-@PART.check("part.a", lab_step=1)
-def check_a(facts: Facts) -> Deviation | None:
-    """A holds"""
-    return Deviation({"came": 1.5}, size=Size("a is off", 0.02, "m")) if "a" in facts.off.split() else None
+def check_of(name: str, deviation: Deviation) -> Callable[[Facts], Deviation | None]:
+    def check(facts: Facts) -> Deviation | None:
+        return deviation if name in facts.off.split() else None
+
+    check.__doc__ = f"{name.upper()} holds"
+    return check
 
 
-@PART.check("part.b", lab_step=1)
-def check_b(facts: Facts) -> Deviation | None:
-    """B holds"""
-    return Deviation({"came": 2}, share=0.5) if "b" in facts.off.split() else None
-
-
-@PART.check("part.c", lab_step=1)
-def check_c(facts: Facts) -> Deviation | None:
-    """C holds"""
-    return Deviation({"came": 3}) if "c" in facts.off.split() else None
+for name, deviation in {
+    "a": Deviation({"came": 1.5}, size=Size("a is off", 0.02, "m")),
+    "b": Deviation({"came": 2}, share=0.5),
+    "c": Deviation({"came": 3}),
+}.items():
+    PART.check(f"part.{name}", lab_step=1)(check_of(name, deviation))
 
 
 def row(id_: str, **more: object) -> tuple[str, Mistake]:
@@ -84,14 +82,15 @@ ROWS = dict(
 )
 
 
-def charged(off: str, fits: str = "", **stopped: Exception) -> dict[str, tuple[float, str]]:
-    """By check: what it keeps, and the rows that tell it, or the check that does."""
+def charged(off: str, fits: str = "", **stopped: Exception) -> dict[str, Exception | tuple[float, str]]:
+    """By check: why it is not judged, or what it keeps, and the rows that tell it, or the check that does."""
     charges = PART.judge(Facts(off, fits, stopped), ROWS)
     return {name.removeprefix("part."): _short(charge) for name, charge in charges.items()}
 
 
-def _short(charge: Charge | Exception) -> tuple[float, str]:
-    assert isinstance(charge, Charge)
+def _short(charge: Charge | Exception) -> Exception | tuple[float, str]:
+    if isinstance(charge, Exception):
+        return charge
     return charge.keeps, charge.see or " ".join(id_ for id_, _ in charge.found)
 
 
@@ -121,19 +120,10 @@ def test_what_each_check_is_charged(off: str, fits: str, marked: dict[str, tuple
     assert charged(off, fits) == marked
 
 
-def test_a_property_that_could_not_be_measured_says_why_and_nothing_is_charged_there() -> None:
+def test_where_nothing_could_be_measured_nothing_is_charged_and_a_fault_is_charged_to_the_check_that_saw_it() -> None:
     why = Skipped("an output")
-    assert PART.judge(Facts("a form", "cheap odd", {"a": why}), ROWS) == {"part.a": why}
-
-
-def test_a_fault_that_is_charged_where_nothing_could_be_measured_leaves_its_charge_to_the_check_that_saw_it() -> None:
-    why = Skipped("an output")
-    found = PART.judge(Facts("b c", "dear", {"a": why}), ROWS)
-    assert found.pop("part.a") is why
-    assert {name: _short(charge) for name, charge in found.items()} == {
-        "part.b": (0.5, "part.b"),
-        "part.c": (0.0, "part.c"),
-    }
+    assert charged("a form", "cheap odd", a=why) == {"a": why}
+    assert charged("b c", "dear", a=why) == {"a": why, "b": (0.5, "part.b"), "c": (0.0, "part.c")}
 
 
 def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
@@ -159,12 +149,9 @@ def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_s
 
 
 def test_a_check_that_is_not_charged_says_where_the_fault_is_told() -> None:
-    charges = PART.judge(Facts("a b c", "cheap nothing-there"), ROWS) | PART.judge(Facts("a b", "cheap"), ROWS)
-    told = {
-        id_: feedback.feedback_on(Charged(charge), None, ROWS)
-        for id_, charge in charges.items()
-        if isinstance(charge, Charge)
-    }
-    assert told["part.b"].said == "No further deduction: the same fault was deducted under “A holds”."
-    taken = PART.judge(Facts("c", "nothing-there"), ROWS)["part.a"]
-    assert feedback.feedback_on(Charged(taken), None, ROWS).said == "Not graded until “C holds” is fixed."  # type: ignore[arg-type]
+    for off, fits, id_, said in (
+        ("a b", "cheap", "part.b", "No further deduction: the same fault was deducted under “A holds”."),
+        ("c", "nothing-there", "part.a", "Not graded until “C holds” is fixed."),
+    ):
+        charge = PART.judge(Facts(off, fits), ROWS)[id_]
+        assert feedback.feedback_on(Charged(charge), None, ROWS).said == said  # type: ignore[arg-type]

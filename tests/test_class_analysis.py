@@ -41,18 +41,6 @@ def renamed(source: str) -> str:
 # --- fingerprints ---------------------------------------------------------------------------------------------------
 
 
-def test_the_sheets_own_code_leaves_nothing_to_compare() -> None:
-    assert of_the_sheet(LAB)
-    assert set(fingerprint(files("s01-sheet-verbatim"))) <= of_the_sheet(LAB)
-
-
-def test_names_strings_comments_and_layout_do_not_count() -> None:
-    source = files("s04-object-oriented")["imu_reader.py"].decode()
-    before = fingerprint({"a.py": source.encode()})
-    assert len(before) > 20
-    assert fingerprint({"b.py": renamed(source).encode()}) == before
-
-
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"[" * 100_000, b'{"cells": 3}', b"'''", b"x" * 500_000])
 def test_whatever_is_handed_in_has_a_fingerprint(content: bytes) -> None:
     assert fingerprint({"a.ipynb": content, "b.py": content, "c.txt": content}) in ((), fingerprint({"b.py": content}))
@@ -73,10 +61,11 @@ def test_a_disguised_copy_is_found_and_people_who_handed_in_the_sheet_are_not() 
     original = files("s04-object-oriented")
     copy = {path: renamed(content.decode()).encode() for path, content in original.items() if path.endswith(".py")}
     sheet = fingerprint(files("s01-sheet-verbatim"))
+    assert of_the_sheet(LAB) >= set(sheet) > set()
     prints = {f"sheet{i}": sheet for i in range(5)} | {"one": fingerprint(original), "other": fingerprint(copy)}
     (found,) = pairs(prints, of_the_sheet(LAB))
     assert (found.first, found.second) == ("one", "other")
-    assert found.share > 0.95
+    assert found.share == 1.0
     assert found.lines == pytest.approx(found.common * 6.5 / 9, abs=0.5)
 
 
