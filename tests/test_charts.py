@@ -4,14 +4,12 @@ import base64
 import io
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from grader.course.record import Key, Store
 from grader.engine import traces
 from grader.engine.chart_data import Chart, Evidence, Panel, packed, unpacked
 from grader.engine.grader import Marker
@@ -26,7 +24,6 @@ from grader.people.final_grade import FinalGrade
 from grader.report import charts as drawing
 from grader.report.pages import report_page
 from tests.examples import FOLDER
-from tests.fake_results import SHA
 from tests.fake_results import result as made_up
 from tests.sandboxes import Opened
 
@@ -131,20 +128,6 @@ def test_charts_that_cannot_be_gathered_cost_no_mark(marker: Marker, monkeypatch
     monkeypatch.setattr(charts, "charts", broken)
     result = marker.mark(SHEET, only="filtering")
     assert (result.status, result.score, result.evidence) == ("graded", 20, Evidence())
-
-
-def test_evidence_is_recorded_beside_the_result_and_changes_nothing_of_it(tmp_path: Path) -> None:
-    shown = (motion.chart(series(), TRUTH["push"]),)
-    assert shown[0] is not None
-    result = replace(made_up(), evidence=Evidence(packed(shown), (3, 2**32 - 1)))  # type: ignore[arg-type]
-    key = Key("a", SHA, SHA, SHA, "0.1.0")
-    with Store(tmp_path) as store:
-        store.keep(key, result)
-    with Store(tmp_path) as store:
-        assert store.recall(key) == made_up() == result
-        assert store.charts("a") == shown
-        assert store.fingerprints() == {"a": (3, 2**32 - 1)}
-        assert store.charts("b") == ()
 
 
 # --- what they show -------------------------------------------------------------------------------------------------
