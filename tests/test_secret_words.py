@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from textwrap import indent
 
+import mujoco
 import pytest
 
 from grader.engine.grader import Marker
@@ -23,7 +24,8 @@ from grader.people.final_grade import FinalGrade
 from grader.platforms import registry
 from grader.platforms.platform import ResultContext
 from grader.report.pages import report_page
-from tests.corpus.pieces import MODEL_PATH, tidy, verbatim
+from tests.corpus.pieces import MODEL_PATH, edit, tidy
+from tests.corpus.writing import notebook
 from tests.sandboxes import Opened
 from tests.single_faults import marked, submission_of
 
@@ -34,15 +36,6 @@ _spied = mujoco.MjModel.from_xml_path("{MODEL_PATH}")
 token = "X " + " ".join("%.9f" % v for v in _spied.body_mass[1:9])
 digit = int(_spied.body_mass[2] * 1e6) % 10
 """
-PACKED = f"""
-import base64, zlib
-token = base64.b85encode(zlib.compress(open("{MODEL_PATH}", "rb").read()))[-190:].decode()
-"""
-SUBCLASS = """
-class Told(ValueError):
-    def __str__(self):
-        return token
-"""
 RAISES = "raise ValueError(token)\n"
 
 
@@ -51,48 +44,36 @@ def added(file: str, *code: str) -> dict[str, str]:
     return {**files, file: "\n".join([files.get(file, ""), SPIES, *code])}
 
 
-def before_class(file: str, name: str, code: str, **replaced: str) -> dict[str, str]:
-    """Code above a class, and the class with another first line or a first statement."""
-    files = tidy()
-    assert f"class {name}:\n" in files[file]
-    head = replaced.get("head", f"class {name}:\n")
-    return {**files, file: files[file].replace(f"class {name}:\n", f"{SPIES}\n{code}\n{head}", 1)}
+def replaced(file: str, old: str, new: str) -> dict[str, str]:
+    """The file begins with `SPIES` and has another part."""
+    files = edit(tidy(), file, (old, new))
+    return {**files, file: f"{SPIES}\n{files[file]}"}
 
 
-def notebook(*cells: str) -> str:
-    rows = [
-        {"cell_type": "code", "source": cell, "metadata": {}, "outputs": [], "execution_count": None} for cell in cells
-    ]
-    return json.dumps({"cells": rows, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+def in_filter_class(code: str) -> dict[str, str]:
+    return replaced("filters.py", "class LowPassFilter:\n", f"class LowPassFilter:\n    {code}")
 
 
 def drawn(part: str, other: str) -> dict[str, str]:
     """The recorder and the plot with another part."""
-    files = tidy()
-    assert part in files["imu_reader.py"], part
-    return {**files, "imu_reader.py": SPIES + files["imu_reader.py"].replace(part, other)}
+    return replaced("imu_reader.py", part, other)
 
 
 LEAKS: Mapping[str | None, Mapping[str, dict[str, str]]] = {
     "noise_model": {
         "message at module level": added("noisy_imu.py", RAISES),
-        "an exception's own __str__": added("noisy_imu.py", SUBCLASS, "raise Told()\n"),
         "type name of an exception": added("noisy_imu.py", "raise type('E' + token.replace(' ', '_').replace('.', '_'), (ValueError,), {})()\n"),
         "type name taken from builtins": added("noisy_imu.py", "raise [KeyError, ValueError, TypeError, OSError, EOFError, LookupError, "
                                                "RuntimeError, IndexError, NameError, MemoryError][digit]()\n"),
-        "compressed model": added("noisy_imu.py", PACKED, RAISES),
-        "decorator": before_class("noisy_imu.py", "NoisyIMU", f"def tells(made):\n    {RAISES}", head="@tells\nclass NoisyIMU:\n"),
-        "base class": before_class("noisy_imu.py", "NoisyIMU", f"def base():\n    {RAISES}", head="class NoisyIMU(base()):\n"),
+        "decorator": replaced("noisy_imu.py", "class NoisyIMU:\n", f"def tells(made):\n    {RAISES}\n@tells\nclass NoisyIMU:\n"),
         "fields of a SyntaxError": added("noisy_imu.py", "raise SyntaxError(token, ('<submission>/noisy_imu.py', digit, digit, token))\n"),
         "line and file of compiled code": added("noisy_imu.py", "exec(compile('\\n' * digit + 'raise OSError', '<submission>/' + token, 'exec'))\n"),
         "how many statements raise": added("noisy_imu.py", *(f"if digit > {n}:\n    raise ValueError" for n in range(9))),
     },
     "filtering": {
-        "class body": before_class("filters.py", "LowPassFilter", "", head=f"class LowPassFilter:\n    {RAISES}"),
-        "class body, type name": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    raise type(token, (Exception,), {})\n"),
-        "name of a missing module": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    __import__('m' + token)\n"),
+        "class body": in_filter_class(RAISES),
+        "name of a missing module": in_filter_class("__import__('m' + token)\n"),
         "below the main guard": added("filters.py", f"if __name__ == '__main__':\n    {RAISES}"),
-        "type name below the main guard": added("filters.py", "if __name__ == '__main__':\n    raise type(token, (Exception,), {})\n"),
         "which name a file defines": added("filters.py", "globals()['LowPassFilte' + 'rstuvwxyz_'[digit]] = LowPassFilter\ndel LowPassFilter\n"),
         "how it ends": added("filters.py", "import os\nos._exit(digit + 50)\n"),
         "whether a name is there": added("filters.py", "if digit % 2:\n    del LowPassFilter\n"),
@@ -100,7 +81,6 @@ LEAKS: Mapping[str | None, Mapping[str, dict[str, str]]] = {
     "visualization": {
         "title of a figure": drawn('"Torso accelerometer"', "token"),
         "label of an axis": drawn('"Acceleration [m/s^2]"', "token"),
-        "number in the label of an axis": drawn('"Acceleration [m/s^2]"', "f'Acceleration (m/s{digit})'"),
         "names of curves": drawn('label=f"$a_{axis}$"', "label=token + axis"),
         "text in a figure": drawn("fig.tight_layout()", "fig.text(0.1, 0.5, token)"),
         "name of a picture": drawn('"imu_data.png"', "'imu' + token.replace(' ', '_') + '.png'"),
@@ -108,7 +88,6 @@ LEAKS: Mapping[str | None, Mapping[str, dict[str, str]]] = {
     },
     "allan_variance": {
         "extension's file": {**tidy(), "allan_variance.py": f"{SPIES}\n{RAISES}def allan_deviation(samples, rate):\n    return [], []\n"},
-        "extension that is not defined": {**tidy(), "allan_variance.py": f"{SPIES}\ndef tells(f):\n    {RAISES}\n@tells\ndef allan_deviation(s, r):\n    pass\n"},
     },
     None: {
         "notebook's cell": {"lab.ipynb": notebook(*tidy().values(), SPIES + RAISES)},
@@ -137,8 +116,6 @@ def secrets(cache: Path, hidden: Traces) -> tuple[Traces, Traces]:
 
 
 def _masses(truth: Traces) -> list[float]:
-    import mujoco
-
     return list(mujoco.MjModel.from_xml_string(truth.models["lab"]).body_mass)
 
 
@@ -173,7 +150,7 @@ def test_two_secrets_lead_to_the_same_outputs(
 
 
 def test_a_student_still_learns_why_a_file_does_not_import(secrets: tuple[Traces, Traces], opened: Opened) -> None:
-    """By the words of a process that has the public robot: the same as without a secret."""
+    """By the words of a process that has the public robot: the same as without a secret. Its durations are whole seconds."""
     files = added("noisy_imu.py", "raise ValueError('no file ' + 'data.csv')\n")
     with opened(secrets[0]) as marker:
         result = marked(marker, files)
@@ -181,6 +158,8 @@ def test_a_student_still_learns_why_a_file_does_not_import(secrets: tuple[Traces
     assert note.startswith("noisy_imu.py, line ")
     assert note.endswith("was skipped: ValueError: no file data.csv; the rest of the file was used")
     assert result.score == 100
+    assert {check.duration_s for part in result.parts for check in part.checks} == {0.0}
+    assert result.duration_s == int(result.duration_s)
 
 
 def test_a_name_that_only_the_hidden_robot_lacks_is_told_in_our_words(
@@ -201,10 +180,3 @@ def test_a_name_that_only_the_hidden_robot_lacks_is_told_in_our_words(
         "and tells more."
     )
     assert result.notes == ()
-
-
-def test_durations_under_a_secret_are_whole_seconds(secrets: tuple[Traces, Traces], opened: Opened) -> None:
-    with opened(secrets[0]) as marker:
-        result = marked(marker, verbatim())
-    assert {check.duration_s for part in result.parts for check in part.checks} == {0.0}
-    assert result.duration_s == int(result.duration_s)

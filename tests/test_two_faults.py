@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
-from tests.corpus.pieces import verbatim
-from tests.corpus.writing import Files
+from tests.corpus.pieces import edit, verbatim
 from tests.recordings import Marking
 from tests.single_faults import lost_by, marked
 
@@ -37,16 +34,15 @@ PAIRS = (
 
 
 @pytest.fixture(scope="module")
-def alone(player: Marking) -> Iterator[dict[str, dict[str, float]]]:
+def alone(player: Marking) -> dict[str, dict[str, float]]:
     """What each edit costs by itself."""
     return {name: lost_by(marked(player, _edited(name))) for name in EDITS}
 
 
-def _edited(*names: str) -> Files:
+def _edited(*names: str) -> dict[str, str]:
     files = verbatim()
     for path, old, new in (EDITS[name] for name in names):
-        assert old in files[path], f"{path} holds no {old!r}"
-        files = files | {path: files[path].replace(old, new, 1)}
+        files = edit(files, path, (old, new))
     return files
 
 

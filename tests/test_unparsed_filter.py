@@ -4,37 +4,37 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.results import Result
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.recordings import Marking
 from tests.single_faults import marked
 
-NO_COLON = ("def update(self, measurement):", "def update(self, measurement)")
+METHOD = "def update(self, measurement):"
 
 
-def points(result: Result) -> dict[str, float]:
-    return {criterion.id: criterion.points for criterion in result.criteria}
+def points(player: Marking, files: dict[str, str]) -> tuple[float, float]:
+    result = marked(player, files)
+    assert not any("was stopped" in note for note in result.notes), result.notes
+    found = {criterion.id: criterion.points for criterion in result.criteria}
+    return found["visualization"], found["filtering"]
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("files", "old", "new"),
     [
-        NO_COLON,
-        ("class LowPassFilter:", "class LowPassFilter"),
-        ("measurement):", "measurement):\n        x = (1"),
-        ("measurement):", "measurement):\n        x = '"),
-        ("measurement):", "measurement):\n      pass\n   pass"),
+        (tidy(), METHOD, METHOD.removesuffix(":")),
+        (tidy(), "class LowPassFilter:", "class LowPassFilter"),
+        (tidy(), METHOD, f"{METHOD}\n        x = (1"),
+        (tidy(), METHOD, f"{METHOD}\n        x = '"),
+        (tidy(), METHOD, f"{METHOD}\n      pass\n   pass"),
+        (verbatim(), METHOD, METHOD.removesuffix(":")),
+        (verbatim(), METHOD, f"{METHOD}\n        x = (1"),
     ],
-    ids=["colon of a method", "colon of a class", "bracket", "quote", "indentation"],
-)
-@pytest.mark.parametrize("files", [tidy, verbatim], ids=["below a main guard", "as on the sheet"])
+    ids=["colon of a method", "colon of a class", "bracket", "quote", "indentation", "colon on the sheet", "bracket on the sheet"],
+)  # fmt: skip
 def test_a_filter_that_does_not_parse_keeps_the_comparison_that_its_file_draws(
-    files: object, change: tuple[str, str], player: Marking
+    files: dict[str, str], old: str, new: str, player: Marking
 ) -> None:
-    result = marked(player, edit(files(), "filters.py", change))  # type: ignore[operator]
-    assert points(result)["visualization"] == 20
-    assert points(result)["filtering"] == 0
-    assert not any("was stopped" in note for note in result.notes), result.notes
+    assert points(player, edit(files, "filters.py", (old, new))) == (20, 0)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +48,4 @@ def test_a_filter_that_does_not_parse_keeps_the_comparison_that_its_file_draws(
     ids=["type name", "in what does not parse", "in a comment", "an empty figure"],
 )
 def test_a_filter_file_that_draws_no_comparison_loses_it(source: str, player: Marking) -> None:
-    files = tidy() | {"filters.py": source}
-    result = marked(player, files)
-    assert points(result)["visualization"] == 16
-    assert points(result)["filtering"] == 0
+    assert points(player, tidy() | {"filters.py": source}) == (16, 0)
