@@ -38,64 +38,53 @@ def told(noted: list[dict[str, Any]]) -> list[tuple[int, str, str, str]]:
     return [(each["at"], each["how"], each["type"], each["message"]) for each in noted]
 
 
-@pytest.mark.parametrize(
-    ("bad", "kind", "message"),
-    [
-        ("1 / 0", "ZeroDivisionError", "division by zero"),
-        ("raise SystemExit(3)", "SystemExit", "3"),
-        ("raise KeyboardInterrupt", "KeyboardInterrupt", ""),
-    ],
-)
-def test_what_follows_a_statement_that_raises_is_there(bad: str, kind: str, message: str) -> None:
-    names, noted = run(f"a = 1\n{bad}\nb = 2\n")
-    assert (names["a"], names["b"]) == (1, 2)
-    assert told(noted) == [(2, "raised", kind, message)]
-
-
+MAIN = "__main__"
 GUARD = "if __name__ == '__main__':\n"
-
-
-@pytest.mark.parametrize("guard", [GUARD, "if '__main__' == __name__:\n"])
-def test_below_a_main_guard_a_program_goes_on_after_a_statement_that_raises(guard: str) -> None:
-    text = f'"""What it is."""\n{guard}    "how it is run"\n    a = 1\n    1 / 0\n    b = 2\n\nc = 3\n'
-    names, noted = run(text, called="__main__")
-    assert [names[name] for name in ("a", "b", "c", "__doc__")] == [1, 2, 3, "What it is."]
-    assert told(noted) == [(5, "raised", "ZeroDivisionError", "division by zero")]
+BELOW = '"""What it is."""\n{}    "how it is run"\n    a = 1\n    1 / 0\n    b = 2\n\nc = 3\n'
 
 
 @pytest.mark.parametrize(
-    ("guard", "called"),
+    ("text", "called", "there", "skipped"),
     [
-        (GUARD, "lab"),
-        ("if __name__ != '__main__':\n", "__main__"),
-        ("if __name__ == '__main__' and a:\n", "__main__"),
+        ("a = 1\n1 / 0\nb = 2\n", "lab", {"a": 1, "b": 2}, [(2, "raised", "ZeroDivisionError", "division by zero")]),
+        ("a = 1\nraise SystemExit(3)\nb = 2\n", "lab", {"a": 1, "b": 2}, [(2, "raised", "SystemExit", "3")]),
+        ("a = 1\nraise KeyboardInterrupt\nb = 2\n", "lab", {"a": 1, "b": 2}, [(2, "raised", "KeyboardInterrupt", "")]),
+        # Below a main guard a program goes on; what stands below anything else is one statement.
+        (BELOW.format(GUARD), MAIN, {"a": 1, "b": 2, "c": 3, "__doc__": "What it is."}, [(5, "raised", "ZeroDivisionError", "division by zero")]),
+        (BELOW.format("if '__main__' == __name__:\n"), MAIN, {"a": 1, "b": 2}, [(5, "raised", "ZeroDivisionError", "division by zero")]),
+        (f"a = 0\n{GUARD}    1 / 0\n    a = 2\n", "lab", {"a": 0}, []),
+        ("a = 0\nif __name__ != '__main__':\n    1 / 0\n    a = 2\n", MAIN, {"a": 0}, []),
+        ("a = 0\nif __name__ == '__main__' and a:\n    1 / 0\n    a = 2\n", MAIN, {"a": 0}, []),
+        # A file that looks whether a package is there is told so.
+        ("try:\n    import nothing_here\nexcept ImportError:\n    nothing_here = None\n", "lab", {"nothing_here": None}, []),
     ],
-)
-def test_what_stands_below_anything_else_is_one_statement(guard: str, called: str) -> None:
-    names, _ = run(f"a = 0\n{guard}    1 / 0\n    a = 2\n", called=called)
-    assert names["a"] == 0
+)  # fmt: skip
+def test_what_follows_a_statement_that_raises_is_there(
+    text: str, called: str, there: dict[str, object], skipped: list[tuple[int, str, str, str]]
+) -> None:
+    names, noted = run(text, called=called)
+    assert {name: names[name] for name in there} == there
+    assert told(noted) == skipped
 
 
-def test_what_is_imported_from_the_future_holds_for_the_whole_file() -> None:
+def test_what_is_imported_from_the_future_holds_for_the_whole_file_and_other_hints_that_raise_are_left_out() -> None:
     names, noted = run("from __future__ import annotations\ndef f(x: nothing) -> nothing: return 1\n")
     assert (names["f"](0), noted) == (1, [])
-
-
-def test_hints_that_raise_are_left_out_and_the_definition_stays() -> None:
     names, noted = run("def f(x: Tuple[int]):\n    return x\n\n\nclass A:\n    a: Nothing = 3\n")
     assert (names["f"](4), names["A"].a) == (4, 3)
     assert [(at, how) for at, how, *_ in told(noted)] == [(1, "hints"), (5, "hints")]
 
 
-STOPS = {
-    "a decorator": "\n@nothing\ndef f(): return 1\n",
-    "a base": "\nclass f(nothing):\n    pass\n",
-    "a line of a class": "\nclass f:\n    nothing = nowhere\n",
-    "a default": "\ndef f(first=2, second=nothing, third=1): return third\n",
-}
-
-
-@pytest.mark.parametrize("text", STOPS.values(), ids=STOPS)
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\n@nothing\ndef f(): return 1\n",
+        "\nclass f(nothing):\n    pass\n",
+        "\nclass f:\n    nothing = nowhere\n",
+        "\ndef f(first=2, second=nothing, third=1): return third\n",
+    ],
+    ids=["a decorator", "a base", "a line of a class", "a default"],
+)
 def test_a_definition_that_raises_is_lost_and_told_by_its_line(text: str) -> None:
     names, noted = run(text, wanted=("f", "g"))
     assert "f" not in names
@@ -123,11 +112,6 @@ def test_what_was_made_with_a_missing_package_tells_of_the_package(lost: str) ->
     assert "update" not in names
     with pytest.raises(ModuleNotFoundError, match="No module named 'nothing_here'"):
         names["helper"](1)
-
-
-def test_who_looks_whether_a_package_is_there_is_told_so() -> None:
-    names, noted = run("try:\n    import nothing_here\nexcept ImportError:\n    nothing_here = None\n")
-    assert (names["nothing_here"], noted) == (None, [])
 
 
 @needs_a_timer

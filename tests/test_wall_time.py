@@ -29,12 +29,10 @@ class Slow:
     def __init__(self, cpu_s: float, wall_s: float) -> None:
         self.cpu_s = self.wall_s = 0.0
         self._takes = cpu_s, wall_s
-        self.offered: list[float] = []
 
     def ask(self, op: str, fields: Any = None, arrays: Any = None, **limits: float) -> Frame:
         if op == "submit":
             return Frame({"written": []}, {})
-        self.offered.append(limits["most_s"])
         cpu_s, wall_s = self._takes
         self.cpu_s += cpu_s
         self.wall_s += min(wall_s, limits["most_s"])
@@ -59,12 +57,6 @@ class Boxes:
         return self.workers[-1]
 
 
-def conversation(sandbox: Boxes) -> SubmissionSession:
-    return SubmissionSession(
-        sandbox, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
-    )  # type: ignore[arg-type] # fmt: skip
-
-
 def asked(talk: SubmissionSession, times: int) -> Iterator[bool]:
     for _ in range(times):
         try:
@@ -76,7 +68,9 @@ def asked(talk: SubmissionSession, times: int) -> Iterator[bool]:
 
 def test_answers_that_come_late_use_up_the_time_of_their_part_and_of_no_other() -> None:
     sandbox = Boxes(cpu_s=0.1, wall_s=25.0)
-    talk = conversation(sandbox)
+    talk = SubmissionSession(
+        sandbox, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
+    )  # type: ignore[arg-type] # fmt: skip
     talk.account_to("filtering")
     assert list(asked(talk, 6)) == [True, True, True, False, False, False]
     assert sum(worker.wall_s for worker in sandbox.workers) == 4 * SHARE_S
