@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from grader.base.errors import GraderError, RequestError
 from grader.engine import recording
@@ -41,14 +39,6 @@ def hidden(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return recorder.record(tmp_path_factory.mktemp("hidden"), SECRET, "hidden")
 
 
-@pytest.fixture
-def copy(tmp_path: Path) -> Path:
-    """The shipped bundle, to be damaged."""
-    for source in (SHIPPED, SHIPPED.with_suffix(".json")):
-        shutil.copy(source, tmp_path / source.name)
-    return tmp_path / SHIPPED.name
-
-
 def test_the_same_seed_gives_the_same_bytes(public: Path, hidden: Path, tmp_path: Path) -> None:
     again = recorder.record(tmp_path), recorder.record(tmp_path, SECRET, "hidden")
     for first, second in zip((public, hidden), again, strict=True):
@@ -63,11 +53,8 @@ def test_another_seed_gives_other_numbers_under_the_same_names(hidden: Path, tmp
     for key in ("tumbling/acceleration", "reading_lab/qpos", "noise/accel_bias", "filter/input"):
         assert np.abs(one.arrays[key] - other.arrays[key]).max() > 0.01, key
     assert all(one.models[name] != other.models[name] for name in ("lab", "shuffled", "many_imus"))
-
-
-def test_the_public_seed_as_a_secret_does_not_give_the_public_numbers(tmp_path: Path) -> None:
-    hidden = truth.load(recorder.record(tmp_path, PUBLIC_SEED, "hidden"))
-    assert np.abs(hidden.arrays["noise/accel_bias"] - bundles.shipped().arrays["noise/accel_bias"]).max() > 0.01
+    bias = truth.load(recorder.record(tmp_path / "public", PUBLIC_SEED, "hidden")).arrays["noise/accel_bias"]
+    assert np.abs(bias - bundles.shipped().arrays["noise/accel_bias"]).max() > 0.01  # of the public seed as a secret
 
 
 def test_the_secret_is_nowhere_in_the_hidden_bundle(hidden: Path) -> None:
@@ -92,22 +79,11 @@ def test_the_shipped_bundle_is_what_the_reference_records_now(public: Path) -> N
 # --- what the scenarios are good for --------------------------------------------------------------------------------
 
 
-def both(public: Path, hidden: Path) -> Iterator[truth.Traces]:
-    yield truth.load(public)
-    yield truth.load(hidden)
-
-
-def slices(row: NDArray[np.float64], start: int) -> NDArray[np.float64]:
-    found = row[start : start + 3]
-    assert len(found) == 3, "a mistaken address must be in range, or it would be noticed by its length alone"
-    return found
-
-
 @pytest.mark.parametrize("name", ["reading_lab", "reading_shuffled"])
 def test_no_mistaken_address_reads_the_right_numbers_by_luck(public: Path, hidden: Path, name: str) -> None:
-    for bundle in both(public, hidden):
-        s = bundle[name]
-        lab = bundle["reading_lab"]
+    """Each mistaken address is in range: it would be noticed by its length alone."""
+    for bundle in (truth.load(public), truth.load(hidden)):
+        s, lab = bundle[name], bundle["reading_lab"]
         for place, (accel, gyro) in enumerate(s.pairs):
             learnt = lab.sensor_adr[lab.pairs[place % 4]]
             for kind, sensor in enumerate((accel, gyro)):
@@ -115,8 +91,9 @@ def test_no_mistaken_address_reads_the_right_numbers_by_luck(public: Path, hidde
                 wrong = {sensor, right - 1, right + 1, s.sensor_adr[(gyro, accel)[kind]]}
                 wrong |= {learnt[kind]} if name == "reading_shuffled" else set()
                 for address in wrong:
-                    apart = [np.abs(slices(row, address) - slices(row, right)).max() for row in s.sensordata[:12]]
-                    assert max(apart) > 0.5, (bundle.name, name, sensor, address)
+                    apart = [np.abs(row[address : address + 3] - row[right : right + 3]) for row in s.sensordata[:12]]
+                    assert np.shape(apart) == (12, 3), (bundle.name, name, sensor, address)
+                    assert np.max(apart) > 0.5, (bundle.name, name, sensor, address)
 
 
 @pytest.mark.parametrize("usual", [factor * 0.002 for factor in TIMESTEPS])
@@ -143,28 +120,32 @@ def test_scenarios_are_read_by_key_and_by_attribute_and_cannot_be_changed() -> N
         _ = push.accelerations
 
 
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """The shipped bundle, to be damaged."""
+    for source in (SHIPPED, SHIPPED.with_suffix(".json")):
+        shutil.copy(source, tmp_path)
+    return tmp_path / SHIPPED.name
+
+
 def refusal(path: Path) -> str:
     with pytest.raises(RequestError) as error:
         truth.load(path)
-    assert "\n" not in str(error.value)
     return str(error.value)
 
 
-def test_a_changed_number_is_noticed(copy: Path) -> None:
+def test_a_damaged_archive_or_a_changed_number_in_it_is_refused_in_one_line(copy: Path) -> None:
     with np.load(copy) as archive:
         arrays = {key: archive[key] for key in archive.files}
     arrays["push/acceleration"][3, 1] += 1e-12
     recorder.write_npz(copy, arrays)
     assert refusal(copy) == f"{copy}: the traces do not match their manifest; record them again"
-
-
-@pytest.mark.parametrize("content", [b"PK\x03\x04 not an archive", b"\x80\x04pickled", None])
-def test_what_is_no_bundle_is_refused_in_one_line(copy: Path, content: bytes | None) -> None:
-    if content is None:  # pickled objects are not loaded
-        np.savez(copy, **{"push/time": np.array([{"a": 1}], dtype=object)})
-    else:
+    no_bundle = f"{copy}: not a trace bundle, or a damaged one; record the traces again"
+    np.savez(copy, **{"push/time": np.array([{"a": 1}], dtype=object)})  # pickled objects are not loaded
+    assert refusal(copy) == no_bundle
+    for content in (b"PK\x03\x04 not an archive", b"\x80\x04pickled"):
         copy.write_bytes(content)
-    assert refusal(copy) == f"{copy}: not a trace bundle, or a damaged one; record the traces again"
+        assert refusal(copy) == no_bundle
 
 
 @pytest.mark.parametrize(
@@ -181,6 +162,7 @@ def test_a_changed_manifest_is_refused_in_one_line(copy: Path, old: str, new: st
     assert old in text
     manifest.write_text(text.replace(old, new, 1), encoding="utf-8")
     assert complaint in refusal(copy)
+    assert "\n" not in refusal(copy)
 
 
 # --- obtaining one --------------------------------------------------------------------------------------------------
@@ -200,40 +182,28 @@ def recordings(monkeypatch: pytest.MonkeyPatch, public: Path, hidden: Path) -> l
     return calls
 
 
-def with_mujoco(monkeypatch: pytest.MonkeyPatch, installed: str) -> None:
-    for module in (bundles, recording):
-        monkeypatch.setattr(module, "version", lambda package: installed if package == "mujoco" else "1.0")
-
-
-def test_a_hidden_bundle_is_recorded_once(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
+def test_a_hidden_bundle_is_recorded_once_for_its_owner_only_and_does_not_tell_its_seed(
+    recordings: list[tuple[str, str]], tmp_path: Path
+) -> None:
     first, again = (bundles.obtain(LAB, SECRET, tmp_path) for _ in range(2))
     assert recordings == [("hidden", SECRET)]
     assert first.sha256 == again.sha256
-    bundles.obtain(LAB, "another", tmp_path)
-    assert recordings[1:] == [("hidden", "another")]
-
-
-def test_cached_bundles_are_for_their_owner_only_and_do_not_tell_the_seed(
-    recordings: list[tuple[str, str]], tmp_path: Path
-) -> None:
-    bundles.obtain(LAB, SECRET, tmp_path)
     (entry,) = (tmp_path / "traces").iterdir()
     assert re.fullmatch("[0-9a-f]{32}", entry.name)
     assert entry.stat().st_mode & 0o077 == 0
-
-
-def test_a_damaged_cache_entry_is_recorded_again(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
-    bundles.obtain(LAB, SECRET, tmp_path)
-    next((tmp_path / "traces").glob("*/hidden.npz")).write_bytes(b"half of it")
-    assert bundles.obtain(LAB, SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
-    bundles.obtain(LAB, SECRET, tmp_path)
-    assert len(recordings) == 2
+    (entry / "hidden.npz").write_bytes(b"half of it")
+    for _ in range(2):  # a damaged one is recorded again
+        assert bundles.obtain(LAB, SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
+    bundles.obtain(LAB, "another", tmp_path)
+    assert recordings[1:] == [("hidden", SECRET), ("hidden", "another")]
 
 
 def test_public_traces_are_the_shipped_ones_on_the_simulator_that_recorded_them(
     recordings: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    with_mujoco(monkeypatch, bundles.shipped().versions["mujoco"])
+    installed = bundles.shipped().versions["mujoco"]
+    for module in (bundles, recording):
+        monkeypatch.setattr(module, "version", lambda package: installed if package == "mujoco" else "1.0")
     assert bundles.obtain(LAB, None, tmp_path).sha256 == bundles.shipped().sha256
     assert recordings == []
 
@@ -246,13 +216,18 @@ def test_hidden_traces_without_the_reference_are_a_wrong_request(
         bundles.obtain(LAB, SECRET, tmp_path)
 
 
+def reference_that(folder: Path, statement: str) -> Path:
+    """A folder with a package `reference` whose recorder does only this."""
+    (folder / "reference").mkdir()
+    (folder / "reference" / "__init__.py").touch()
+    (folder / "reference" / "traces.py").write_text(f"{statement}\n", encoding="utf-8")
+    return folder
+
+
 def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    (tmp_path / "reference").mkdir()
-    (tmp_path / "reference" / "__init__.py").touch()
-    (tmp_path / "reference" / "traces.py").write_text("raise OSError('no space left')\n", encoding="utf-8")
-    monkeypatch.setattr(recording, "_SOURCES", tmp_path)
+    monkeypatch.setattr(recording, "_SOURCES", reference_that(tmp_path, "raise OSError('no space left')"))
     with pytest.raises(GraderError, match="recording the hidden traces failed: OSError: no space left"):
         bundles.obtain(LAB, SECRET, tmp_path / "cache")
 
@@ -266,8 +241,5 @@ def test_a_recorder_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatc
 def test_a_folder_called_reference_where_the_command_runs_is_not_run(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, hidden: Path
 ) -> None:
-    (tmp_path / "reference").mkdir()
-    (tmp_path / "reference" / "__init__.py").touch()
-    (tmp_path / "reference" / "traces.py").write_text("raise SystemExit('a student was here')\n", encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
+    monkeypatch.chdir(reference_that(tmp_path, "raise SystemExit('a student was here')"))
     assert bundles.obtain(LAB, SECRET, tmp_path / "cache").sha256 == truth.load(hidden).sha256
