@@ -22,6 +22,8 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
+import psutil
+
 from grader.engine import rubric
 from grader.engine.grader import Marker
 from grader.intake import read_submission
@@ -37,16 +39,11 @@ ENVIRONMENT = {
     "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
 }  # fmt: skip
 """One thread, no plugins, and modules that are compiled once, as they are where they are installed."""
-PLAIN_PYTEST = (
-    "-m",
-    "pytest",
-    "-q",
-    "-p",
-    "no:cacheprovider",
-    "-c",
+PLAIN_PYTEST = [
+    *["-m", "pytest", "-q", "-p", "no:cacheprovider", "-c"],
     os.devnull,
     str(ROOT / "tests/benchmarks/plain.py"),
-)
+]
 ROUNDS = 3
 SIZES = (8, 40)
 """Of the small and the large class."""
@@ -111,10 +108,7 @@ def questions(sample: Path) -> dict[str, Any]:
     return counts
 
 
-Run = Callable[[list[str], Path], float]
-
-
-def contenders(counts: Path) -> dict[str, tuple[str, Run]]:
+def contenders(counts: Path) -> dict[str, tuple[str, Callable[[list[str], Path], float]]]:
     """Each by its name: which class it grades, and how."""
 
     def grade(places: list[str], at: Path) -> float:
@@ -124,20 +118,20 @@ def contenders(counts: Path) -> dict[str, tuple[str, Run]]:
     def floor(places: list[str], at: Path) -> float:
         return cost([sys.executable, "-m", "tests.benchmarks.floor", str(counts), *places], at)
 
-    def plain(*options: str) -> Run:
-        return lambda places, at: sum(cost([sys.executable, *PLAIN_PYTEST, *options], Path(each)) for each in places)
+    def plain(places: list[str], at: Path, *options: str) -> float:
+        return sum(cost([sys.executable, *PLAIN_PYTEST, *options], Path(each)) for each in places)
 
     return {
         "floor": ("sound", floor),
         "ours": ("sound", grade),
         "ours, one fault in each": ("faulty", grade),
-        "plain pytest": ("sound", plain()),
-        "plain pytest -n 2": ("sound", plain("-p", "xdist.plugin", "-n", "2")),
+        "plain pytest": ("sound", plain),
+        "plain pytest -n 2": ("sound", lambda places, at: plain(places, at, "-p", "xdist.plugin", "-n", "2")),
     }
 
 
-def compare(folder: Path, counts: Path) -> dict[str, list[float]]:
-    """CPU seconds per submission of each contender, by round."""
+def compare(folder: Path, counts: Path) -> dict[str, float]:
+    """CPU seconds per submission of each contender: the median of the rounds."""
     small, large = SIZES
     classes = {
         kind: [class_of(size, folder / f"{kind}-{size}", its) for size in SIZES] for kind, its in CLASSES.items()
@@ -147,25 +141,15 @@ def compare(folder: Path, counts: Path) -> dict[str, list[float]]:
         for name, (kind, run) in contenders(counts).items():
             a, b = (run(places, folder) for places in classes[kind])
             slopes.setdefault(name, []).append((b - a) / (large - small))
-    return slopes
+    return {name: statistics.median(each) for name, each in slopes.items()}
 
 
 def memory(sample: Path) -> float:
     """MB that a marker with its zygote holds for itself alone, after one submission."""
     with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         marker.mark(read_submission(sample, LAB.files))
-        zygote = marker._sandbox._zygote
-        pids = [os.getpid()] + ([zygote.pid, *_children(zygote.pid)] if zygote else [])
-        return sum(_private_kb(pid) for pid in pids) / 1024
-
-
-def _children(pid: int) -> list[int]:
-    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-
-
-def _private_kb(pid: int) -> int:
-    lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
-    return sum(int(line.split()[1]) for line in lines if line.startswith(("Private_Clean", "Private_Dirty")))
+        this = psutil.Process()
+        return sum(each.memory_full_info().uss for each in (this, *this.children(recursive=True))) / 2**20
 
 
 def main() -> None:
@@ -176,7 +160,7 @@ def main() -> None:
         sample, counts = Path(class_of(1, Path(scratch, "sample"), (SAMPLE,))[0]), Path(scratch, "counts.json")
         counts.write_text(json.dumps(questions(sample)))
         mebibytes = statistics.median(memory(sample) for _ in range(ROUNDS))
-        median = {name: statistics.median(each) for name, each in compare(Path(scratch), counts).items()}
+        median = compare(Path(scratch), counts)
     print("\n| contender | CPU s a submission | of the floor | of plain pytest |\n| --- | --- | --- | --- |")
     for name, spent in median.items():
         print(f"| {name} | {spent:.3f} | {spent / median['floor']:.2f} | {spent / median['plain pytest']:.2f} |")

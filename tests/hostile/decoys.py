@@ -14,8 +14,9 @@ import zlib
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any
+
+import psutil
 
 import grader
 from tests.corpus.writing import Files, Link
@@ -26,7 +27,7 @@ _PACKAGE = Path(grader.__file__).parent
 _SETTLING_S = 5.0
 
 
-class Decoys:
+class Decoys(ExitStack):
     """The decoys of one run; a context manager.
 
     `folder` holds a file to read (``@SECRET@``), one to change (``@TARGET@``) and a neighbour's submission (``@NEIGHBOUR@``);
@@ -34,27 +35,25 @@ class Decoys:
     """
 
     def __enter__(self) -> Decoys:
-        self._open = ExitStack()
-        self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
+        super().__enter__()
+        self.folder = Path(self.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
         os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the sandbox, not of modes
         self._abstract = f"{SECRET} {self.folder.name}"
         self._ipc_key = hex(zlib.crc32(self.folder.name.encode()) >> 1)  # /proc shows keys as signed numbers
+        self.callback(self._remove_shared_memory)
         self._lay_out()
         self._listeners = self._listen()
         self._decoy = self._start_decoy()
+        self.callback(lambda: self._decoy.wait())
+        self.callback(lambda: self._decoy.kill())
         self._adopt_orphans(1)
+        self.callback(self._adopt_orphans, 0)
         self._before = self._state()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._decoy.kill()
-        self._decoy.wait()
-        self._adopt_orphans(0)
+    def _remove_shared_memory(self) -> None:
         with suppress(FileNotFoundError):
             subprocess.run(["ipcrm", "-M", self._ipc_key, "-Q", self._ipc_key], check=False, capture_output=True)
-        self._open.close()
 
     def _lay_out(self) -> None:
         for name in ("secret.txt", "target.txt", "neighbour/filters.py", "traces.npz", "rubric.yaml"):
@@ -71,7 +70,7 @@ class Decoys:
             "ABSTRACT": socket.socket(socket.AF_UNIX),
         }
         for listener in listeners.values():
-            self._open.enter_context(listener)
+            self.enter_context(listener)
             listener.setblocking(False)
         listeners["UDP"].bind(("127.0.0.1", 0))
         listeners["SOCKET"].bind(str(self.folder / "socket"))
@@ -186,16 +185,10 @@ def _filled_content(content: str | bytes | Link, marks: Mapping[str, str]) -> st
 
 
 def below(pid: int) -> set[int]:
-    """Every living process that descends from a process, as far as /proc tells."""
-    parents: dict[int, int] = {}
-    for entry in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError, ValueError, IndexError):
-            state, parent = entry.read_text(errors="replace").rpartition(")")[2].split()[:2]
-            if state != "Z":
-                parents[int(entry.parent.name)] = int(parent)
-    found: set[int] = set()
-    grown = {pid}
-    while grown:
-        grown = {child for child, parent in parents.items() if parent in grown} - found
-        found |= grown
+    """Every living process that descends from a process."""
+    found = set()
+    with suppress(psutil.NoSuchProcess):
+        for child in psutil.Process(pid).children(recursive=True):
+            with suppress(psutil.NoSuchProcess):
+                found |= {child.pid} if child.status() != psutil.STATUS_ZOMBIE else set()
     return found

@@ -7,16 +7,14 @@ import re
 import tempfile
 import time
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from functools import cache
 from pathlib import Path
-from types import TracebackType
 
 from grader.engine import rubric
 from grader.engine.grader import Marker
 from grader.engine.results import Result
-from grader.engine.rubric import Limits, Rubric
-from grader.engine.traces import Traces
+from grader.engine.rubric import Limits
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
@@ -44,42 +42,28 @@ class Verdict:
     troubles: list[str] = field(default_factory=list)
 
 
-@cache
-def small_rubric() -> Rubric:
-    return replace(rubric.load(LAB), limits=LIMITS)
-
-
-@cache
-def _hidden() -> Traces:
-    return bundles.obtain(LAB, _SECRET_SEED)
-
-
-class AttackJudge:
+class AttackJudge(ExitStack):
     """One isolation level with its markers and decoys; a context manager."""
 
     def __init__(self, isolation_level: str | None) -> None:
+        super().__init__()
         self.isolation_level = isolation_level
         self._scores: dict[tuple[object, ...], float] = {}
         self._markers: dict[bool, Marker] = {}
 
     def __enter__(self) -> AttackJudge:
-        self._bait = Decoys().__enter__()
-        self._markers[False] = Marker(small_rubric(), bundles.shipped(), isolation_level=self.isolation_level)
-        self.isolation_level = self._markers[False].isolation.name
+        super().__enter__()
+        self._bait = self.enter_context(Decoys())
         self._neighbour_scores = self._neighbour()
-        self._expected = frozenset(below(os.getpid()))
         return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        for marker in self._markers.values():
-            marker.close()
-        self._bait.__exit__(kind, error, trace)
 
     def _marker(self, hidden: bool) -> Marker:
         if hidden not in self._markers:
-            self._markers[hidden] = Marker(small_rubric(), _hidden(), isolation_level=self.isolation_level)
+            traces = bundles.obtain(LAB, _SECRET_SEED) if hidden else bundles.shipped()
+            limited = replace(rubric.load(LAB), limits=LIMITS)
+            opened = self.enter_context(Marker(limited, traces, isolation_level=self.isolation_level))
+            self._markers[hidden] = opened
+            self.isolation_level = opened.isolation.name
             self._neighbour()
             self._expected = frozenset(below(os.getpid()))
         return self._markers[hidden]
@@ -95,7 +79,7 @@ class AttackJudge:
         with tempfile.TemporaryDirectory() as scratch:
             submission = read_submission(write(tidy(), Path(scratch) / "neighbour"), LAB.files)
             for only in ("sensor_access", "filtering"):
-                result = self._markers[False].mark(submission, only=only)
+                result = self._marker(hidden=False).mark(submission, only=only)
                 found |= {check.id: check.points for criterion in result.criteria for check in criterion.checks}
         return found
 
@@ -150,5 +134,3 @@ def _carried_out(result: Result) -> list[str]:
     checks = [check for part in (*result.criteria, *result.extensions) for check in part.checks]
     texts = [*result.notes, *(check.message for check in checks), *(check.hint for check in checks)]
     return [text for text in texts if re.search(r"HIDDEN|\b(39|40)\d\d\.\d|\bline \d{3,}", text)]
-
-

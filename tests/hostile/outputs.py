@@ -59,27 +59,17 @@ def _standing(result: Result) -> FinalGrade:
     return FinalGrade("one", result, HandIn((person,), submitted=result.submission))
 
 
-def _responses(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
-    """What a job on the platform writes."""
+def _of_platform(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
+    """What a job on the platform writes, and what the platform is given of a class."""
     handed = ResultContext(LAB, fake_results.submission("one"), Path(), ENVIRONMENT)
-    if platform.respond is not None:
-        respond = platform.respond
+    if (respond := platform.respond) is not None:
         yield platform.name, lambda result: respond(result, handed)
-    if platform.aside is not None:
-        aside = platform.aside.text
-        yield f"{platform.name} aside", lambda result: aside(result, handed)
-
-
-def _gradebooks(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
-    """What the platform is given of a class."""
-    if platform.write is not None:
-        yield platform.gradebook, partial(_written, platform.write)
+    if (aside := platform.aside) is not None:
+        yield f"{platform.name} aside", lambda result: aside.text(result, handed)
+    if (write := platform.write) is not None:
+        yield platform.gradebook, lambda result: write({"one": _standing(result)}, ()).decode("utf-8-sig")
     if platform.fill is not None:
         yield platform.gradebook, partial(_filled, platform)
-
-
-def _written(write: Callable[[Mapping[str, FinalGrade]], bytes], result: Result) -> str:
-    return write({"one": _standing(result)}, ()).decode("utf-8-sig")
 
 
 def _filled(platform: Platform, result: Result) -> str:
@@ -95,27 +85,20 @@ WRITERS: Mapping[str, Callable[[Result], str]] = {
     "report.html": lambda result: report_page(_standing(result), unpacked(result.evidence.charts)),
     "index.html": lambda result: index_page({"one": _standing(result)}, {"one": result.evidence.fingerprint}),
     "the terminal": _on_terminal,
-    **{
-        name: write
-        for platform in registry.platforms(*registry.DEEDS)
-        for name, write in (*_responses(platform), *_gradebooks(platform))
-    },
+    **dict(row for platform in registry.platforms(*registry.DEEDS) for row in _of_platform(platform)),
 }
 
 
 def troubles(result: Result) -> list[str]:
     """What is wrong with the outputs of one result; empty if nothing is."""
-    return [f"{name}: {problem}" for name, write in WRITERS.items() for problem in _in_output(name, write, result)]
-
-
-def _in_output(name: str, write: Callable[[Result], str], result: Result) -> Iterator[str]:
-    try:
-        text = write(result)
-    except GraderError:
-        if result.status != "incomplete":  # not every platform has a word for that
-            raise
-    else:
-        yield from problems(name, text)
+    found = []
+    for name, write in WRITERS.items():
+        try:
+            found += [f"{name}: {problem}" for problem in problems(name, write(result))]
+        except GraderError:
+            if result.status != "incomplete":  # not every platform has a word for that
+                raise
+    return found
 
 
 def problems(name: str, text: str) -> Iterator[str]:
@@ -127,9 +110,7 @@ def problems(name: str, text: str) -> Iterator[str]:
 
 def _raw(text: str) -> Iterator[str]:
     """Characters that move the cursor, hide or reorder what is written: none may come through as itself."""
-    bad = {
-        c for c in text if unicodedata.category(c) in {"Cc", "Cf", "Cs", "Zl", "Zp"} and c not in _JOINERS + "\n\t\r"
-    }
+    bad = {c for c in text if unicodedata.category(c) in {"Cc", "Cf", "Cs", "Zl", "Zp"} and c not in _JOINERS + "\n\t\r"}
     if bad:
         yield f"it holds {', '.join(sorted(f'U+{ord(c):04X}' for c in bad))}"
 
@@ -138,19 +119,13 @@ def _in_json(text: str) -> Iterator[str]:
     record = json.loads(text)
     if isinstance(record, dict):
         record.pop("submission", None)  # the contract: it keeps the original
-    for value in _strings(record):
-        yield from _raw(value)
+    yield from _raw(_all_text(record))
 
 
-def _strings(value: object) -> Iterator[str]:
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        for key, item in value.items():
-            yield from (*_strings(key), *_strings(item))
-    elif isinstance(value, list):
-        for item in value:
-            yield from _strings(item)
+def _all_text(value: object) -> str:
+    if isinstance(value, dict):
+        return _all_text([*value, *value.values()])
+    return "".join(map(_all_text, value)) if isinstance(value, list) else value if isinstance(value, str) else ""
 
 
 _HARMFUL = {"script", "iframe", "object", "embed", "img", "link", "base", "form", "input", "marquee", "b", "i"}
@@ -176,19 +151,21 @@ def _in_page_of_ours(name: str, text: str) -> Iterator[str]:
     yield from (Counter(_in_page(text)) - own).elements()
 
 
+def _cells(text: str) -> list[str]:
+    return [cell for row in csv.reader(io.StringIO(text)) for cell in row]
+
+
 def _in_csv(text: str) -> Iterator[str]:
-    for row in csv.reader(io.StringIO(text)):
-        for cell in row:
-            if cell.startswith(_FORMULA) and not re.fullmatch(r"-?\d+(\.\d+)?", cell):
-                yield f"a formula {cell[:40]!r}"
+    for cell in _cells(text):
+        if cell.startswith(_FORMULA) and not re.fullmatch(r"-?\d+(\.\d+)?", cell):
+            yield f"a formula {cell[:40]!r}"
 
 
 def _in_worksheet(text: str) -> Iterator[str]:
     """Moodle reads its cells as HTML."""
     yield from _in_csv(text)
-    for row in csv.reader(io.StringIO(text)):
-        for cell in row:
-            yield from _in_page(cell)
+    for cell in _cells(text):
+        yield from _in_page(cell)
 
 
 def _in_commands(text: str) -> Iterator[str]:
