@@ -1,12 +1,9 @@
-"""A fake platform, listed as a new one would be: `python -m tests.fake_platform` prints what knows it."""
+"""A fake platform, listed as a new one would be."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stdout
-from io import StringIO
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from grader.engine.results import Result
 from grader.intake.downloads import Download
@@ -44,37 +41,3 @@ def listed(*does: registry.Deed) -> Iterator[None]:
     registry.LISTED["made-up"] = registry.Listed("tests.fake_platform", does)
     yield
     del registry.LISTED["made-up"]
-
-
-def who_knows_it() -> dict[str, object]:
-    """What lists platforms, and what a test finds missing. All of it is imported after the platform is listed."""
-    from docs import generated
-    from grader import cli
-    from tests import test_platforms
-    from tests.hostile import outputs
-
-    return {
-        **{
-            command: _printed(lambda command=command: cli.main([command, "--help"]))
-            for command in ("ci", "export", "grade")
-        },
-        "platforms": generated.ci_platforms(),
-        "classes": f"{generated.downloads()}\n{generated.gradebooks()}",
-        "commands": generated.commands(),
-        "writers": sorted(outputs.WRITERS),
-        "unread": sorted(test_platforms.unread()),
-        "unnamed in the README": test_platforms.unnamed(
-            (Path(__file__).parent.parent / "README.md").read_text("utf-8")
-        ),
-    }
-
-
-def _printed(run: Callable[[], object]) -> str:
-    with redirect_stdout(StringIO()) as out:
-        run()
-    return " ".join(out.getvalue().split())
-
-
-if __name__ == "__main__":
-    with listed("respond", "read", "write"):
-        print(json.dumps(who_knows_it()))

@@ -74,7 +74,6 @@ def test_what_is_written_obeys_the_published_schema() -> None:
         (("misconceptions",), ["Not An Id"]),
         (("provenance", "secret"), "x"),
         (("provenance", "rubric_sha256"), "abc"),
-        (("provenance", "isolation"), "strong"),
         (("criteria", 0, "surprise"), 1),
         (("criteria", 0, "checks", 0, "surprise"), 1),
         (("criteria", 0, "checks", 0, "outcome"), "won"),
