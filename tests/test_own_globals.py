@@ -13,7 +13,6 @@ from grader.labs.imu.worker import calls, own_globals
 from grader.worker import submission
 
 pytestmark = pytest.mark.quick
-SCENE = (calls.MODEL, calls.DATA)
 Load = Callable[[str], Any]
 
 
@@ -38,45 +37,31 @@ def _scene() -> tuple[Any, Any]:
     return model, mujoco.MjData(model)
 
 
+BOTH, TOLD = ["model", "data"], ["global model", "global data"]
 READS = {
-    "both": ("def f(m, d):\n    return model, data", ["model", "data"]),
-    "in a method": (
-        "class C:\n    def read(self):\n        return model, data\nf = lambda m, d: C().read()",
-        ["model", "data"],
-    ),
-    "by another name": ("simulation = data\ndel data\ndef f(m, d):\n    return model, simulation", ["model", "data"]),
-    "where nothing has set them": ("del model, data\ndef f(m, d):\n    return model, mj_data", ["model", "data"]),
-    "an attribute of that name": ("class C:\n    data = None\ndef f(m, d):\n    return C.data, m", []),
-    "one of two": ("other = mujoco.MjData(model)\ndef f(m, d):\n    return model, data, other", ["model"]),
-}
+    "both": ("def f(m, d):\n    return model, data", BOTH, TOLD),
+    "both, and the parameters": ("def f(m=None, d=None):\n    return (m or model), (d or data)", BOTH, []),
+    "both, without parameters": ("def f():\n    return model, data", BOTH, []),
+    "in a method": ("class C:\n    def read(self):\n        return model, data\nf = lambda m, d: C().read()", BOTH, []),
+    "in a helper": ("def helper():\n    return data.time\ndef f(m, d):\n    return m.nq, helper()", ["data"], ["global data"]),
+    "by another name": ("simulation = data\ndel data\ndef f(m, d):\n    return model, simulation", BOTH, TOLD),
+    "where nothing has set them": ("del model, data\ndef f(m, d):\n    return model, mj_data", BOTH, TOLD),
+    "an attribute of that name": ("class C:\n    data = None\ndef f(m, d):\n    return C.data, m", [], []),
+    "one of two": ("other = mujoco.MjData(model)\ndef f(m, d):\n    return model, data, other", ["model"], TOLD),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(("code", "meant"), READS.values(), ids=READS)
-def test_globals_that_functions_read_stand_for_what_is_given(load: Load, code: str, meant: list[str]) -> None:
+@pytest.mark.parametrize(("code", "meant", "told"), READS.values(), ids=READS)
+def test_globals_that_functions_read_stand_for_what_is_given_and_who_passes_over_it_is_told_of(
+    load: Load, code: str, meant: list[str], told: list[str]
+) -> None:
     program, (model, data) = load(code), _scene()
     before = dict(vars(program))
     with own_globals.set_model_and_data(model, data):
         stands = [each for each in vars(program).values() if each is model or each is data]
+        assert own_globals.globals_read_instead(program.f, (calls.MODEL, calls.DATA)) == told
     assert [{id(model): "model", id(data): "data"}[id(each)] for each in stands] == meant
     assert vars(program) == before
-
-
-USES = {
-        "neither": ("def f(m, d):\n    return model.nq, data.time", ["global model", "global data"]),
-        "the model": ("def f(m, d):\n    return m.nq, data.time", ["global data"]),
-        "both": ("def f(m, d):\n    return m.nq, d.time", []),
-        "a global in their absence": ("def f(m=None, d=None):\n    return (m or model).nq, (d or data).time", []),
-        "neither, by a helper": ("def helper():\n    return data.time\ndef f(m, d):\n    return m.nq, helper()", ["global data"]),
-        "no model and no data": ("def f(m, d):\n    return 1.0", []),
-    "no parameters": ("def f():\n    return model.nq, data.time", []),
-    }  # fmt: skip
-
-
-@pytest.mark.parametrize(("code", "told"), USES.values(), ids=USES)
-def test_who_reads_a_global_and_not_its_parameter_is_told_of(load: Load, code: str, told: list[str]) -> None:
-    program = load(code)
-    with own_globals.set_model_and_data(*_scene()):
-        assert own_globals.globals_read_instead(program.f, SCENE) == told
 
 
 PLOTS = {

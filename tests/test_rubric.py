@@ -349,10 +349,12 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
+        ("", "late:\n  grace_minutes: 5", "late has no key `due`; add it"),
         ("", f"late:\n  {DUE}\n  extensions: [jane]", "extensions must be `who: date` lines; who is an id, a name or an e-mail"
          " address"),
         ("", "mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),
         ("", "repairs: {apply: always, deduct: 5}", "apply must be suggested or none, not 'always'"),
+        ("", "repairs: {apply: suggested}", "repairs has no key `deduct`; add it"),
         ("call_cpu_s: 10", "call_cpu_s: 0.09", "call_cpu_s must be a number from 0.1 to 1000, not '0.09'; correct it"),
         ("submission_cpu_s: 120", "submission_cpu_s: 100001", "submission_cpu_s must be a number from 0.1 to 100000, not"
          " '100001'; correct it"),
