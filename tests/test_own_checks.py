@@ -72,18 +72,15 @@ def test_a_check_without_a_weight_and_a_weight_without_a_check_are_told(own: Own
 @pytest.mark.parametrize(
     ("source", "said"),
     [
-        ("boo", "own checks: check_step.py: NameError: name 'boo' is not defined"),
-        (
-            "def check_x(student):\n    pass\n",
-            "own checks: check_step.py: check_x is no check: write @check(...) above it",
-        ),
-        (EXAMPLE.replace(ID, "filtering.reduces_noise"), "own checks: there are 2 checks filtering.reduces_noise"),
-        ("def f(:\n", "own checks: check_step.py: SyntaxError: invalid syntax"),
+        ("boo", "check_step.py: NameError: name 'boo' is not defined"),
+        ("def f(:\n", "check_step.py: SyntaxError: invalid syntax"),
+        ("def check_x(student): ...\n", "check_step.py: check_x is no check: write @check(...) above it"),
+        (EXAMPLE.replace(ID, "filtering.reduces_noise"), "there are 2 checks filtering.reduces_noise"),
     ],
 )
 def test_a_slip_in_the_folder_is_the_requests_fault_and_named(own: Own, source: str, said: str) -> None:
     checks = rubric.load(LAB, own(check_step=source)).own_checks
-    with pytest.raises(RequestError, match=re.escape(said)):
+    with pytest.raises(RequestError, match=re.escape(f"own checks: {said}")):
         known_checks(LAB, checks)
 
 

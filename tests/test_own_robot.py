@@ -9,6 +9,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 import pytest
@@ -135,10 +136,10 @@ def marked(opened: Opened, rubric_file: Path, submission: Path, cache: Path, see
         return marker.mark(read_submission(submission, LAB.files))
 
 
-def refusal(rubric_file: Path, cache: Path) -> str:
+def refusal(rubric_file: Path, cache: Path) -> list[str]:
     with pytest.raises(rubric.RubricError) as refused:
         bundles.obtain(LAB, None, cache, rubric.load(LAB, rubric_file).settings["model"])
-    return str(refused.value).replace(str(rubric_file), "rubric.yaml")
+    return str(refused.value).replace(str(rubric_file), "rubric.yaml").splitlines()
 
 
 # --- robots that nobody here made -------------------------------------------------------------------------------------
@@ -189,7 +190,6 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
     [
         ("s06-id-as-address", "sensor_access.follows_address"),
         ("s08-no-reset", "data_collection.starts_from_reset"),
-        ("s13-rows-all-the-same", "data_collection.matches_truth"),
     ],
 )
 def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
@@ -251,7 +251,6 @@ def test_another_file_that_the_model_includes_makes_other_traces(cache: Path, tm
             "the simulation of the model becomes unstable within 2 s of the push; try a smaller timestep",
         ),
         ({"head": "</mujoco><no>"}, "MuJoCo cannot load the model: "),
-        ({"head": "<wordlbody/>"}, "MuJoCo cannot load the model: "),
     ],
 )
 def test_a_model_that_cannot_be_graded_is_refused_with_the_line(
@@ -259,16 +258,15 @@ def test_a_model_that_cannot_be_graded_is_refused_with_the_line(
 ) -> None:
     rover(tmp_path, **change)
     file = rubric_for(tmp_path)
-    told, expected = refusal(file, cache), f"rubric.yaml:{line_of(file.read_text(), 'path:')}: {said}"
-    assert told.startswith(expected) if said.endswith(" ") else told == expected
-    assert "\n" not in told
+    (told,) = refusal(file, cache)
+    assert told.startswith(f"rubric.yaml:{line_of(file.read_text(), 'path:')}: {said}")
 
 
 def test_each_sensor_that_is_missing_or_of_another_type_is_refused_with_its_line(cache: Path, tmp_path: Path) -> None:
     rover(tmp_path)
     file = rubric_for(tmp_path, accelerometer="torso_accel", gyroscope="pose")
     first, second = (line_of(file.read_text(), f"{name}:") for name in ("accelerometer", "gyroscope"))
-    assert refusal(file, cache).splitlines() == [
+    assert refusal(file, cache) == [
         f"rubric.yaml:{first}: the model has no sensor 'torso_accel'; its accelerometers are force",
         f"rubric.yaml:{second}: the model's sensor 'pose' is of type framequat; its gyroscopes are rates",
     ]
@@ -300,12 +298,9 @@ _MESHED = """\
 
 
 def test_a_mesh_becomes_what_it_weighs_and_what_it_touches_with(tmp_path: Path) -> None:
-    import PIL.Image
-
     (tmp_path / "shapes").mkdir()
     (tmp_path / "shapes" / "brick.obj").write_text(_CUBE)
-    PIL.Image.new("RGB", (8, 8)).save(tmp_path / "shapes" / "brick.png")
-    PIL.Image.new("RGB", (8, 8)).save(tmp_path / "brick.png")
+    plt.imsave(tmp_path / "brick.png", np.zeros((8, 8)))
     (tmp_path / "brick.xml").write_text(_MESHED)
     text = self_contained(tmp_path / "brick.xml")
     assert "file=" not in text

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from matplotlib.image import imread
 
 import reference
 from reference.imu_reader import sensor_id, simulate_and_collect
@@ -49,9 +48,3 @@ def test_handed_in_as_loose_files_they_run_and_draw_what_the_sheet_asks_for(tmp_
     assert "torso_accelerometer: type=1, dim=3, address=5" in done.stdout
     assert "Difference (m/s²):" in done.stdout
     assert {path.name for path in tmp_path.glob("*.png")} == {"imu_data.png", "filtered_imu.png"}
-
-
-def test_the_pictures_that_come_with_it_are_there_and_small() -> None:
-    for name in ("imu_data.png", "filtered_imu.png"):
-        assert imread(FOLDER / name).std() > 0.01
-        assert (FOLDER / name).stat().st_size < 80_000
