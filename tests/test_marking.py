@@ -1,4 +1,4 @@
-"""One submission and its marks: the reference gets all, no fault of ours is a zero, no plugin of the machine takes part."""
+"""One submission and its marks: the reference gets all, no fault of ours is a zero, and whatever is accepted can be sent and judged."""
 
 from __future__ import annotations
 
@@ -6,12 +6,19 @@ from pathlib import Path
 
 import pytest
 
+from grader.base.errors import GraderError
+from grader.course.warnings import remarks
 from grader.engine import check_runner, rubric
 from grader.engine.grader import Marker
+from grader.engine.results import Result
 from grader.engine.traces import Traces
 from grader.intake import read_submission
+from grader.intake.file_budget import MAX_FILES
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from tests.corpus.pieces import tidy
+from grader.labs.imu.student import Student
+from grader.people.final_grade import FinalGrade
+from tests.corpus.pieces import edit, tidy, verbatim
 from tests.sandboxes import Opened
 from tests.single_faults import marked
 
@@ -58,3 +65,70 @@ def test_no_plugin_of_the_machine_takes_part_in_the_marking(request: pytest.Fixt
     name = "hypothesispytest"
     assert request.config.pluginmanager.has_plugin(name)
     assert not any(item.config.pluginmanager.has_plugin(name) for item in check_runner.session(LAB)._items)
+
+
+# --- answers that the judging stumbles over: `not_judged` is for faults that any submission meets ------------------------
+
+
+def _marked_signed(opened: Opened, monkeypatch: pytest.MonkeyPatch, problem: type[Exception]) -> Result:
+    """Mark a filter with a wrong sign, for which the judging of filters fails."""
+    signed = edit(verbatim(), "filters.py", ("self.alpha * measurement +", "-self.alpha * measurement +"))
+    really = Student.filter
+
+    def stumbling(student: Student, *args: object, **named: object) -> object:
+        if student.files.get("filters.py") == str(signed["filters.py"]).encode():
+            raise problem("a number that nobody has thought of")
+        return really(student, *args, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Student, "filter", stumbling)
+    with opened(bundles.shipped()) as marker:
+        return marked(marker, signed, "filtering")
+
+
+def test_what_sound_code_does_not_meet_is_lost_and_shown_to_a_person(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _marked_signed(opened, monkeypatch, ZeroDivisionError)
+    assert result.status == "graded"
+    assert {check.outcome for check in result.criteria[0].checks} == {"failed"}
+    assert "the grader could not read what the code returned" in result.notes[0]
+    (told,) = remarks({"a": FinalGrade("a", result)}, (), ())
+    assert told == "an answer that the grader could not read (review what the code returns): a"
+
+
+def test_a_sandbox_that_fails_is_a_fault_of_ours(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _marked_signed(opened, monkeypatch, GraderError).status == "incomplete"
+
+
+# --- limits fit each other: what is accepted can be sent to a worker, and any answer can be sent back in a question -------
+
+LARGE = edit(
+    verbatim(),
+    "imu_reader.py",
+    ("    return {\n", "    more = {f'more{n}': np.zeros(585_000) for n in range(7)}\n    return {**more,\n"),
+)
+"""A recording just below the cap of an answer, 32 MiB: 4,095,000 numbers beside its three series."""
+
+
+@pytest.mark.parametrize("part", ["data_collection", "visualization"])
+def test_a_recording_just_below_the_cap_is_judged_in_every_question(marker: Marker, part: str) -> None:
+    result = marked(marker, LARGE, part)
+    assert result.status == "graded"
+    assert {check.outcome for check in result.criteria[0].checks} == {"passed"}
+
+
+def test_a_recording_above_the_cap_costs_its_own_checks(marker: Marker) -> None:
+    larger = {**LARGE, "imu_reader.py": LARGE["imu_reader.py"].replace("range(7)", "range(8)")}
+    result = marked(marker, larger)
+    assert result.status == "graded"
+    assert [criterion.points for criterion in result.criteria] == [20, 0, 20, 20, 20]
+
+
+@pytest.mark.parametrize("letter", ["m", "語"])
+def test_a_thousand_programs_and_a_thousand_tables_with_the_longest_names_are_sent(marker: Marker, letter: str) -> None:
+    wide = max(1, 240 // len(letter.encode()))
+    folder = "/".join([letter * wide] * 3)
+    more = {f"{folder}/{n:04}.py": "x = 1\n" for n in range(MAX_FILES)}
+    more |= {f"{folder}/{n:04}.csv": "1,2\n" for n in range(MAX_FILES)}
+    result = marked(marker, {**verbatim(), **more}, "filtering")
+    assert (result.status, result.criteria[0].points) == ("graded", 20)
