@@ -47,19 +47,15 @@ def test_every_yaml_example_is_part_of_a_rubric(page: str, text: str, tmp_path: 
         (own,) = (each for each in shipped["criteria"] if each["id"] == given["id"])
         own.update(given)
     if path := example.get("model", {}).get("path"):
-        sensors = example["model"]["sensors"].values()
-        (tmp_path / path).write_text(_robot(*sensors), encoding="utf-8")
+        accelerometer, gyroscope = example["model"]["sensors"].values()
+        (tmp_path / path).write_text(
+            '<mujoco><worldbody><body pos="0 0 1"><freejoint/><geom size=".1"/><site name="imu"/></body></worldbody>'
+            f'<sensor><accelerometer name="{accelerometer}" site="imu"/><gyro name="{gyroscope}" site="imu"/></sensor></mujoco>'
+        )
     merged = {**shipped, **{key: value for key, value in example.items() if key != "criteria"}}
     (tmp_path / "rubric.yaml").write_text(yaml.safe_dump(merged), encoding="utf-8")
     loaded = rubric.load(LAB, tmp_path / "rubric.yaml")
     assert loaded.sha256 != rubric.load(LAB).sha256 or example.items() <= shipped.items()
-
-
-def _robot(accelerometer: str, gyroscope: str) -> str:
-    return (
-        '<mujoco><worldbody><body pos="0 0 1"><freejoint/><geom size=".1"/><site name="imu"/></body></worldbody>'
-        f'<sensor><accelerometer name="{accelerometer}" site="imu"/><gyro name="{gyroscope}" site="imu"/></sensor></mujoco>'
-    )
 
 
 def test_every_command_has_an_example_in_the_documents() -> None:

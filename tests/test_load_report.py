@@ -47,24 +47,13 @@ def test_no_process_can_claim_so_many_that_the_next_question_grows_too_long() ->
     assert len(endings.to_skip(())) == 24
 
 
-class Writing(Slow):
-    """A worker that never ends, and has written down a place."""
-
-    def place(self) -> str:
-        return PLACE
-
-
-class Writers(Boxes):
-    def worker(self) -> Slow:
-        return Writing(*self._takes)
-
-
 @pytest.mark.parametrize(("has_seen_data", "skipped"), [(False, [("lab.py", 3)]), (True, [])])
 def test_a_place_that_a_process_wrote_down_after_it_saw_data_is_not_used(
-    has_seen_data: bool, skipped: list[tuple[str, int]]
+    has_seen_data: bool, skipped: list[tuple[str, int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The place could hold data: which statement is skipped would tell it to the next process."""
-    session = conversation(Writers(cpu_s=1.0, wall_s=1e6))
+    monkeypatch.setattr(Slow, "place", lambda _: PLACE, raising=False)
+    session = conversation(Boxes(cpu_s=1.0, wall_s=1e6))
     session._fresh_session().has_seen_data = has_seen_data
     with pytest.raises(TimedOut):
         session.ask("load", {"path": "lab.py"})
