@@ -43,7 +43,7 @@ def test_who_uses_what_is_not_there_is_told_what_is(player: Marking) -> None:
 
 @pytest.mark.parametrize("stopped", STOPPED_IN_PLOT)
 @pytest.mark.parametrize("where", PLOTS_FIRST)
-def test_a_plot_that_stops_the_script_costs_the_plot_and_not_what_is_drawn_after_it(
+def test_a_plot_that_stops_the_script_does_not_cost_what_is_drawn_later(
     player: Marking, where: str, stopped: str
 ) -> None:
     before, after = STOPPED_IN_PLOT[stopped]
@@ -58,9 +58,7 @@ def test_a_plot_that_stops_the_script_costs_the_plot_and_not_what_is_drawn_after
     ("slip", "why"),
     [("print(raw_data)", "NameError"), ("raise SystemExit", "SystemExit"), ("while True: pass", "it had not ended")],
 )
-def test_a_statement_that_fails_below_a_main_guard_costs_nothing_and_is_told(
-    player: Marking, slip: str, why: str
-) -> None:
+def test_a_statement_that_fails_below_a_main_guard_costs_nothing(player: Marking, slip: str, why: str) -> None:
     files = lab(compare=COMPARE.replace("    compare()\n", f"    {slip}\n    compare()\n"))
     result = marked(player, files)
     (note,) = [note for note in result.notes if "went on" in note]
@@ -84,9 +82,7 @@ def test_of_a_name_that_is_defined_twice_a_note_says_which_one_was_graded(player
         assert said == ([f"LowPassFilter is defined 2 times, in {told} was graded"] if told else [])
 
 
-def test_a_filter_that_is_negated_is_charged_for_its_recursion_and_the_report_says_where_the_rest_went(
-    player: Marking,
-) -> None:
+def test_a_negated_filter_is_charged_for_its_recursion_alone_and_the_report_says_so(player: Marking) -> None:
     files = edit(lab(), "filters.py", ("        return self.state.copy()\n", "        return -self.state\n"))
     criterion = _criterion(player, "filtering", files)
     assert criterion.points == 14.0

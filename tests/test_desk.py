@@ -140,9 +140,7 @@ def test_a_form_larger_than_ours_is_not_read(still: Desk) -> None:
 # ---- points by hand ----
 
 
-def test_points_for_a_check_a_criterion_the_total_and_a_bonus_reach_the_published_files_and_beneath_others_are_refused(
-    desk: Desk, out: Path
-) -> None:
+def test_points_of_a_person_reach_the_published_files_and_beneath_others_are_refused(desk: Desk, out: Path) -> None:
     before = (out / "submissions" / "bob" / "result.json").read_bytes()
     heading = re.compile(r"· \S+ automatic")  # beside a grade that differs
     assert not heading.search(words(desk.get("/submission/bob").text))

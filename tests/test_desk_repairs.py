@@ -121,9 +121,7 @@ def test_what_does_not_run_is_first_in_the_queue_and_opens_in_the_editor_at_its_
     assert 'class="editor"' not in desk.get("/submission/ada?edit=nothing.py").text
 
 
-def test_a_preview_records_nothing_and_a_saved_repair_is_one_of_the_command_and_is_undone_at_the_desk(
-    desk: Desk, out: Path
-) -> None:
+def test_a_preview_records_nothing_and_a_saved_repair_is_the_commands_and_is_undone(desk: Desk, out: Path) -> None:
     before = (out / "gradebook.csv").read_bytes()
     preview = previewed(desk)
     for told in ("Filtering of 20 14 20 +6", "Sensor access of 20 20 20", "Sum of 100 94 100 +6", "-stops +# 1"):

@@ -111,9 +111,7 @@ ls "$1"/out/submissions/*/result.json | wc -l
 """
 
 
-def test_a_full_disk_and_a_read_only_one_are_told_in_one_line_and_the_record_goes_on_where_it_ended(
-    tmp_path: Path,
-) -> None:
+def test_a_full_or_read_only_disk_is_told_in_one_line_and_the_record_goes_on(tmp_path: Path) -> None:
     unshare = shutil.which("unshare")
     if unshare is None or subprocess.run([unshare, "-Urm", "true"], check=False, capture_output=True).returncode:
         pytest.skip("no mount namespace of one's own")

@@ -130,9 +130,7 @@ def test_an_extension_is_attempted_where_its_file_or_its_name_is(files: dict[str
 GRANTED = rubric.parse(LAB, edited("# extra_credit: {each: 5, cap: 10}", "extra_credit: {each: 5, cap: 10}").encode())
 
 
-def test_extra_credit_stands_beside_the_score_up_to_the_cap_and_a_part_earns_a_part(
-    truth: traces.Traces, opened: Opened
-) -> None:
+def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces, opened: Opened) -> None:
     with opened(truth, GRANTED) as marker:
         result = marker.mark(read_submission(FOLDER, LAB.files))  # the reference, which passes all of its own
         partly = marked(marker, {**tidy(), **case("extensions", "no-half").files})

@@ -113,9 +113,7 @@ def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the
 
 
 @pytest.mark.parametrize("status", ["empty", "unreadable"])
-def test_without_gradable_files_there_is_no_grade_until_a_person_has_given_points_or_reviewed_it(
-    status: Status,
-) -> None:
+def test_without_gradable_files_there_is_no_grade_until_a_person_gives_or_reviews_it(status: Status) -> None:
     empty = result(lost(), status=status)
     override = Adjustment("sensor_access", 5.0, "by e-mail", "me", "now")
     comment = Adjustment("sensor_access", None, "nothing here", "me", "now", alone=True)

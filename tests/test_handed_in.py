@@ -42,9 +42,7 @@ def drawn() -> Any:
 @pytest.mark.parametrize(
     ("picture", "earned"), [(drawn(), 1.0), (NOISE, 0.0), (Image.new("RGB", (900, 600), "white"), 0.0)]
 )
-def test_a_plot_without_code_earns_its_form_and_a_person_is_asked_to_look(
-    picture: Any, earned: float, marker: Marker
-) -> None:
+def test_a_plot_without_code_earns_its_form_and_is_for_a_person(picture: Any, earned: float, marker: Marker) -> None:
     files = {**lab(plot="", compare=""), "imu_data.png": content(picture)}
     result = marked(marker, files, "visualization")
     points = [check.points or 0.0 for check in result.criteria[0].checks if not check.id.endswith("comparison_plot")]

@@ -83,9 +83,7 @@ def _words(result: Result) -> list[str]:
     return [text for check in checks for text in (check.id, check.outcome, check.message, check.hint)]
 
 
-def test_two_secrets_lead_to_the_same_words_and_no_place_is_named_that_code_could_have_chosen(
-    results: list[Result],
-) -> None:
+def test_two_secrets_lead_to_the_same_words_and_to_no_place_that_code_chose(results: list[Result]) -> None:
     """Powers of ten apart: an error's size is told, as coarsely as that."""
     first, second = (_words(result) for result in results)
     differ = [(a, b) for a, b in zip(first, second, strict=True) if a != b]

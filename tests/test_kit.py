@@ -165,7 +165,7 @@ def test_the_starter_files_have_the_sheets_signatures_and_say_what_is_to_do(stud
         ("filters.py", ".*written: Step 6, LowPassFilter\n"),
     ],
 )
-def test_each_starter_file_runs_at_its_step_and_says_what_is_not_written(
+def test_each_starter_file_runs_and_says_what_is_not_written(
     file: str, said: str, students: Path, tmp_path: Path
 ) -> None:
     shutil.copytree(students, tmp_path, dirs_exist_ok=True)
