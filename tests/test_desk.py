@@ -13,7 +13,6 @@ from urllib.parse import urlencode
 import pytest
 from markupsafe import escape
 
-from grader import cli
 from grader.base.errors import RequestError
 from grader.course.submission_archive import LARGEST, pack, unpack
 from grader.desk.overviews import queue
@@ -25,6 +24,7 @@ from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person
 from grader.report.similarity import Pair
+from tests.class_commands import in_process
 from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, words
 
 ADDRESS, TITLES = "sensor_access.follows_address", "visualization.titles"
@@ -493,30 +493,26 @@ def test_without_the_extra_the_command_says_how_to_install_it(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.delattr("grader.desk.serving", raising=False)
     monkeypatch.setitem(sys.modules, "uvicorn", None)
-    assert cli.main(["review", str(out)]) == 2
-    assert capsys.readouterr().err == "imugrade: review needs uvicorn, which comes with: pip install 'imugrade[desk]'\n"
+    told = "imugrade: review needs uvicorn, which comes with: pip install 'imugrade[desk]'\n"
+    assert in_process(capsys)("review", out) == (2, "", told)
 
 
 def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    def adjust(*arguments: str) -> str:
-        cli.main(["adjust", str(out), *arguments, "--author", "me"])
-        told = capsys.readouterr()
-        return told.out + told.err
-
+    run = in_process(capsys)
     for wish, told in {
-        f"--criterion {ADDRESS} --points 5 --comment x": f"{ADDRESS} 5, final 99",
-        "--criterion bonus --points 2 --comment x": "bonus 2, final 101",
-        "--criterion filtering --comment neat": "filtering comment, final 101",
-        "--criterion filtering --undo": "filtering withdrawn, final 101",
-        "--criterion bonus --undo": "bonus withdrawn, final 99",
+        f"bob --criterion {ADDRESS} --points 5 --comment x": f"bob {ADDRESS} 5, final 99\n",
+        "bob --criterion bonus --points 2 --comment x": "bob bonus 2, final 101\n",
+        "bob --criterion filtering --comment neat": "bob filtering comment, final 101\n",
+        "bob --criterion bonus --undo": "bob bonus withdrawn, final 99\n",
+        f"--having sensor-id-as-address --criterion {ADDRESS} --points 6 --comment misled": (
+            f"bob {ADDRESS} 6, final 100\ncyd {ADDRESS} 6, final 99\n"
+        ),
+        "--take-back 1": f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n",
     }.items():
-        assert adjust("bob", *wish.split()) == f"bob {told}\n"
-    told = adjust("--having", "sensor-id-as-address", "--criterion", ADDRESS, "--points", "6", "--comment", "misled")
-    assert told == f"bob {ADDRESS} 6, final 100\ncyd {ADDRESS} 6, final 99\n"
-    assert "(decision 1: mistake: sensor id as address)" in adjust()
-    assert adjust("--take-back", "1") == f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n"
-    none = adjust("--having", "nothing", "--criterion", ADDRESS, "--points", "1")
-    assert "no two submissions have this in common" in none
+        assert run("adjust", out, *wish.split()) == (0, told, "")
+    assert "(decision 1: mistake: sensor id as address)" in run("adjust", out)[1]
+    none = run("adjust", out, *f"--having nothing --criterion {ADDRESS} --points 1".split())
+    assert "no two submissions have this in common" in none[2]
 
 
 def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:

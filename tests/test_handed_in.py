@@ -6,18 +6,18 @@ import io
 import time
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from PIL import Image
 
 from grader.engine.findings import NEEDS_REVIEW
 from grader.engine.grader import Marker
-from grader.labs.imu import bundles
 from grader.worker.pictures import decode
 from tests.corpus.pieces import lab
+from tests.examples import FOLDER
 from tests.single_faults import marked
 
+DRAWN = Image.open(FOLDER / "s01-sheet-verbatim" / "imu_data.png").convert("RGB")
 NOISE = Image.fromarray(np.random.default_rng(1).integers(0, 256, (600, 900, 3), np.uint8))
 
 
@@ -27,20 +27,8 @@ def content(picture: Any) -> bytes:
     return stream.getvalue()
 
 
-def drawn() -> Any:
-    """A figure of both sensors, as a picture."""
-    run = bundles.shipped()["push"]
-    figure, panels = plt.subplots(2, 1, figsize=(12, 8))
-    for panel, key in zip(panels, ("acceleration", "angular_velocity"), strict=True):
-        panel.plot(run["time"], run[key])
-    stream = io.BytesIO()
-    figure.savefig(stream)
-    plt.close(figure)
-    return Image.open(stream).convert("RGB")
-
-
 @pytest.mark.parametrize(
-    ("picture", "earned"), [(drawn(), 1.0), (NOISE, 0.0), (Image.new("RGB", (900, 600), "white"), 0.0)]
+    ("picture", "earned"), [(DRAWN, 1.0), (NOISE, 0.0), (Image.new("RGB", (900, 600), "white"), 0.0)]
 )
 def test_a_plot_without_code_earns_its_form_and_is_for_a_person(picture: Any, earned: float, marker: Marker) -> None:
     files = {**lab(plot="", compare=""), "imu_data.png": content(picture)}
@@ -53,7 +41,7 @@ def test_a_plot_without_code_earns_its_form_and_is_for_a_person(picture: Any, ea
 def test_a_picture_of_any_colours_is_reduced_quickly() -> None:
     """Noise took 27 times as long as a figure; its own reading and shrinking take 2 to 4 times as long."""
     took = []
-    for picture in (drawn(), NOISE):
+    for picture in (DRAWN, NOISE):
         handed, begun = np.frombuffer(content(picture), np.uint8), time.process_time()
         decode({}, {"bytes": handed})
         took.append(time.process_time() - begun)
