@@ -30,10 +30,3 @@ CHEAP, DEAR = at_most(1, "cheap", 3), at_most(2, "dear", 5)
 def test_what_is_told(hypotheses: list[Reason[int]], seen: int, cause: str | None) -> None:
     found = explain(hypotheses, seen)
     assert (found and found.cause) == cause
-
-
-def test_what_costs_more_is_not_tried_once_something_fits() -> None:
-    def never(seen: int) -> bool:
-        raise AssertionError(seen)
-
-    assert explain([Reason("of", 2, "dear", never), CHEAP], 3) is CHEAP
