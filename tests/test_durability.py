@@ -15,14 +15,13 @@ import pytest
 
 from grader.engine import rubric
 from grader.engine.grader import Marker
-from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.sandbox import Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
-from tests.corpus.writing import write
 from tests.durability import ROOT, campaign, hand_in
+from tests.single_faults import marked
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds processes in /proc")
 
@@ -45,7 +44,7 @@ def own_marker() -> Iterator[Marker]:
 
 @pytest.mark.parametrize("number", [1, 4, 9, 15])
 def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
-    number: int, own_marker: Marker, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    number: int, own_marker: Marker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked, ask = 0, Worker.ask
 
@@ -56,9 +55,8 @@ def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
             os.kill(own_marker._sandbox._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
         return ask(self, *question, **limits)
 
-    submission = read_submission(write(tidy(), tmp_path / "whole"), LAB.files)
     monkeypatch.setattr(Worker, "ask", disturbed)
-    result = own_marker.mark(submission)
+    result = marked(own_marker, tidy())
     assert asked > number
     assert (result.status, result.score) == ("graded", 100.0)
 

@@ -57,6 +57,12 @@ class Boxes:
         return self.workers[-1]
 
 
+def conversation(sandbox: Boxes) -> SubmissionSession:
+    return SubmissionSession(
+        sandbox, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
+    )  # type: ignore[arg-type] # fmt: skip
+
+
 def asked(talk: SubmissionSession, times: int) -> Iterator[bool]:
     for _ in range(times):
         try:
@@ -67,10 +73,7 @@ def asked(talk: SubmissionSession, times: int) -> Iterator[bool]:
 
 
 def test_answers_that_come_late_use_up_the_time_of_their_part_and_of_no_other() -> None:
-    sandbox = Boxes(cpu_s=0.1, wall_s=25.0)
-    talk = SubmissionSession(
-        sandbox, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
-    )  # type: ignore[arg-type] # fmt: skip
+    talk = conversation(sandbox := Boxes(cpu_s=0.1, wall_s=25.0))
     talk.account_to("filtering")
     assert list(asked(talk, 6)) == [True, True, True, False, False, False]
     assert sum(worker.wall_s for worker in sandbox.workers) == 4 * SHARE_S
