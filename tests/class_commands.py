@@ -15,11 +15,11 @@ from grader.course.pool import Bounds
 from grader.engine.findings import Where
 from grader.engine.marks import marked
 from grader.engine.results import Result
-from grader.engine.rubric import Rubric, shipped
+from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.intake import Submission
-from grader.labs.imu.lab import LAB
 from tests.desk import Student, result_of
+from tests.rubrics import SHIPPED, edited
 
 Run = Callable[..., tuple[int, str, str]]
 Mark = Callable[[Submission, Rubric, Traces], Result]
@@ -96,10 +96,9 @@ def hand_in(root: Path, **kept: object) -> Path:
 
 def rubric_with(path: Path, *edits: tuple[str, str]) -> Path:
     """The shipped rubric with these edits."""
-    text = shipped(LAB).read_text(encoding="utf-8")
+    text = SHIPPED
     for old, new in edits:
-        assert old in text
-        text = text.replace(old, new, 1)
+        text = edited(old, new, text)
     path.write_text(text, encoding="utf-8")
     return path
 

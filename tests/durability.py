@@ -23,7 +23,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tests.corpus.pieces import FILTER_INCREMENT, tidy
+from tests.classes import filters_alone
+from tests.corpus.pieces import tidy
 from tests.corpus.writing import write
 from tests.fake_results import without_durations
 from tests.hostile.decoys import below
@@ -31,18 +32,14 @@ from tests.hostile.decoys import below
 ROOT = Path(__file__).parent.parent
 TARGETS = ("grader", "marker", "zygote", "worker")
 _WITHIN_S = 120.0
-_FILTER = "import numpy as np\n\n\n" + FILTER_INCREMENT
 
 
 def hand_in(folder: Path, *, full: bool) -> Path:
     """A small class: some filters alone, which are graded fast, one that crashes, and with `full` a whole submission."""
     for number in range(5):
-        wrong = _FILTER.replace("self.alpha * (x", f"{0.5 + number / 10} * self.alpha * (x") if number else _FILTER
-        write({"filters.py": wrong}, folder / f"student{number}")
-    write(
-        {"filters.py": _FILTER + "\n\nLowPassFilter.update = lambda self, m: __import__('os')._exit(0)\n"},
-        folder / "crashes",
-    )
+        write(filters_alone(0.5 + number / 10 if number else 1.0), folder / f"student{number}")
+    crash = "\n\nLowPassFilter.update = lambda self, m: __import__('os')._exit(0)\n"
+    write({"filters.py": f"{filters_alone(1.0)['filters.py']}{crash}"}, folder / "crashes")
     if full:
         write(tidy(), folder / "whole")
     return folder
@@ -129,12 +126,15 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
         process = subprocess.Popen(command(students, out, 2), cwd=ROOT, stdout=said, stderr=said)
         run.hit = _kill_one(process, target, chance, out)
         seen = below(process.pid)
-        code = _wait(process)
+        try:
+            code = process.wait(timeout=_WITHIN_S)
+        finally:
+            process.kill()
         if run.hit and target == "grader":
             run.troubles += _left(seen)
-        if code != 0 and not (run.hit and target == "grader"):
+        elif code:
             said.seek(0)
-            run.troubles.append(f"{'did not end' if code is None else f'exit code {code}'}: {said.read()[-300:]!r}")
+            run.troubles.append(f"exit code {code}: {said.read()[-300:]!r}")
     run.recorded_before = recorded(out)
     again = grade(students, out)
     if again.returncode:
@@ -149,16 +149,6 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
     if recorded(out) != len(expected):
         run.troubles.append(f"{recorded(out)} results for {len(expected)} submissions")
     return run
-
-
-def _wait(process: subprocess.Popen[bytes]) -> int | None:
-    """The exit code; None where there would never be one."""
-    try:
-        return process.wait(timeout=_WITHIN_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
-        return None
 
 
 def _kill_one(process: subprocess.Popen[bytes], target: str, chance: random.Random, out: Path) -> bool:

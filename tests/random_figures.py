@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -25,19 +24,6 @@ _COLOURS = [None, None, ("r", "g", "b"), ("tab:red", "tab:green", "tab:blue"), (
 _STROKES = ["-", "-", "-", "--", "-.", ":"]
 
 
-@dataclass(frozen=True)
-class RandomFigure:
-    """A figure with what a reader sees of each of its curves."""
-
-    seed: int
-    of: dict[str, VisibleParts]
-    """By the curve's label."""
-
-    @property
-    def sights(self) -> list[VisibleParts]:
-        return list(self.of.values())
-
-
 @contextlib.contextmanager
 def figure_of(seed: int) -> Iterator[Any]:
     """The figure of this seed, in its style."""
@@ -46,19 +32,15 @@ def figure_of(seed: int) -> Iterator[Any]:
         plt.style.use(str(rng.choice(_STYLES)))
         mpl.rcParams["lines.markeredgewidth"] = 1.0  # a style of no edges has no crosses and no hollow markers
         figure = _figure(rng)
-        try:
-            yield figure
-        finally:
-            plt.close(figure)
+        yield figure
+        plt.close(figure)
 
 
-def made(seed: int, left_out: str = "") -> RandomFigure:
-    """The figure of this seed, as facts and pixels, looked at; with a curve that is claimed and not drawn."""
+def made(seed: int, left_out: str = "") -> dict[str, VisibleParts]:
+    """What a reader sees of each curve of the figure of this seed, by its label; of one that is claimed and not drawn, too."""
     with figure_of(seed) as figure:
         found = looked_at(told(figure, left_out), Patience())
-    return RandomFigure(
-        seed, {curve.label: curve.visible_parts for panel in found.axes for curve in panel.curves if curve.n > 3}
-    )
+    return {curve.label: curve.visible_parts for panel in found.axes for curve in panel.curves if curve.n > 3}
 
 
 def told(figure: Any, left_out: str = "") -> Figure:
@@ -195,7 +177,3 @@ def _furnish(rng: Any, axes: Any, t: Any) -> None:
 def share_seen(sight: VisibleParts) -> float:
     """Of what is inside."""
     return float(sight.seen.sum() / max(1, sight.inside.sum()))
-
-
-def every(seeds: range) -> Iterator[RandomFigure]:
-    return map(made, seeds)

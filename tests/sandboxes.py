@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import cache
+from typing import Any
 
 from grader.engine import rubric
 from grader.engine.grader import Marker
@@ -12,8 +13,7 @@ from grader.engine.lab_sandbox import open_sandbox
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu.lab import LAB
-from grader.sandbox.isolation_levels import IsolationLevel
-from grader.sandbox.sandbox import Sandbox, Worker
+from grader.sandbox.sandbox import Sandbox
 
 Opened = Callable[..., AbstractContextManager[Marker]]
 """A marker by traces, and by the lab's own rubric or another one."""
@@ -25,15 +25,8 @@ class Lasting:
     def __init__(self, sandbox: Sandbox) -> None:
         self._sandbox = sandbox
 
-    @property
-    def isolation_level(self) -> IsolationLevel:
-        return self._sandbox.isolation_level
-
-    def worker(self) -> Worker:
-        return self._sandbox.worker()
-
-    def warm(self, modules: Sequence[str]) -> None:
-        self._sandbox.warm(modules)
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._sandbox, name)
 
     def __enter__(self) -> Lasting:
         return self

