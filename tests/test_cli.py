@@ -27,6 +27,7 @@ from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 from grader.sandbox.level_choice import LevelResult
 from grader.sandbox.one_copy import Search
 from tests.class_commands import NO_SEED, Run, hand_in, in_process
+from tests.corpus.writing import write
 from tests.fake_results import FakeMarker, check, fake_marker, lost, result
 
 ROOT = Path(__file__).parent.parent
@@ -73,7 +74,6 @@ INSIDE = "is one of the submissions; choose another folder for the results"
 WRONG = {
     "check --nonsense": "No such option: --nonsense…; see imugrade check --help",
     "grade x": "Missing option '--out' / '-o'…; see imugrade grade --help",
-    "grade -o out": "Missing argument 'PATH'…; see imugrade grade --help",
     "check HERE/nowhere": NOWHERE,
     "grade HERE/nowhere -o HERE/out": NOWHERE,
     "grade HERE/class -o HERE/out --rubric HERE/no.yaml": "HERE/no.yaml: there is no such file; give the path of a rubric.yaml",
@@ -124,53 +124,45 @@ def test_a_check_that_does_not_end_well_is_told_in_one_line(
 # --- check ------------------------------------------------------------------------------------------------------------
 
 
-def test_check_prints_the_table_and_writes_what_was_asked_for(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made = result(lost())
-    checked(monkeypatch, made)
-    code, out, err = run("check", tmp_path, "--html", tmp_path / "r.html", "--json", tmp_path / "r.json")
-    assert (code, err) == (0, "")
-    assert " ✗ failed  Reads the right sensor  0 / 6\n" in out
-    assert "<h1>alice</h1>" in (tmp_path / "r.html").read_text(encoding="utf-8")
-    assert json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["score"] == 0.0
-
-
 @pytest.mark.parametrize(("secret", "said"), [("a secret", "hidden scenarios wait"), ("  ", "may grade with hidden")])
-def test_lines_above_the_result_say_what_is_checked_what_was_found_and_whether_there_is_a_secret(
+def test_a_check_says_what_it_checks_what_was_found_and_whether_there_is_a_secret_and_writes_what_was_asked_for(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, secret: str, said: str
 ) -> None:
-    checked(monkeypatch, result())
+    checked(monkeypatch, result(lost()))
     monkeypatch.setenv("IMUGRADE_SEED", secret)
     folder = tmp_path / "\x1b[31mred"  # the name of a folder cannot colour the terminal
     folder.mkdir()
     (folder / "filters.py").touch()
     monkeypatch.chdir(folder)
-    first, second, third, fourth = run("check")[1].splitlines()[:4]
+    code, out, err = run("check", "--html", "../r.html", "--json", "../r.json")
+    assert (code, err) == (0, "")
+    first, second, third, fourth = out.splitlines()[:4]
     assert first == r"checking \x1b[31mred …"
     assert second == "filters.py found; no imu_reader.py, no noisy_imu.py, no imu_data.png, no filtered_imu.png"
     assert "public checks. " in third
     assert said in third
     assert fourth == ""
+    assert " ✗ failed  Reads the right sensor  0 / 6\n" in out
+    assert "<h1>alice</h1>" in (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["score"] == 0.0
 
 
 def test_watching_checks_again_after_each_save_and_not_in_between(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pauses: list[str] = []
+    pauses: list[float] = []
 
-    def pause(_: float) -> None:
-        pauses.append("pause")
-        if len(pauses) == 2:
-            hand_in(tmp_path, me=0.25)
-        if len(pauses) == 4:
-            (tmp_path / "__pycache__").mkdir()
-            (tmp_path / "__pycache__" / "filters.pyc").touch()
-            hand_in(tmp_path, venv=1)
-        if len(pauses) == 5:
-            (tmp_path / "report.html").touch()  # our own answer: to look at it would never end
-        if len(pauses) == 7:
-            raise KeyboardInterrupt
+    def pause(seconds: float) -> None:
+        pauses.append(seconds)
+        match len(pauses):
+            case 2:
+                hand_in(tmp_path, me=0.25)
+            case 4:
+                write({"__pycache__/filters.pyc": "", "venv/filters.py": ""}, tmp_path)
+            case 5:
+                (tmp_path / "report.html").touch()  # our own answer: to look at it would never end
+            case 7:
+                raise KeyboardInterrupt
 
     monkeypatch.setattr("grader.commands.checking.time.sleep", pause)
     hand_in(tmp_path, me=1)
@@ -359,8 +351,7 @@ def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:
     code, out, err = run("traces", "list")
     assert (code, err) == (0, "")
     assert out.startswith("public traces, ")
-    for scenario in bundles.shipped().scenarios:
-        assert f"\n{scenario}: " in out
+    assert [scenario for scenario in bundles.shipped().scenarios if f"\n{scenario}: " not in out] == []
     assert "\n  time 1500\n" in out
 
 
