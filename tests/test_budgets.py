@@ -5,7 +5,6 @@ from __future__ import annotations
 import gzip
 import io
 import tarfile
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,14 +13,16 @@ import pytest
 
 from grader.base.errors import Malformed
 from grader.engine import fingerprint
-from grader.engine.figures import Array, Axes, Curve, Figure, VisibleParts
+from grader.engine.figures import Axes, Curve
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.visualization import comparing, labels
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 from tests.budgets import cpu_within, memory_within
-from tests.random_figures import figure_of, frame_of
+from tests.judging.test_check_visualization import SHEET, curve, figure_of
+from tests.random_figures import figure_of as random_figure
+from tests.random_figures import frame_of
 
 # Archives -------------------------------------------------------------------------------------------------------------
 
@@ -101,30 +102,22 @@ def test_a_reply_that_names_one_array_many_times_is_no_answer() -> None:
 
 def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
     """One pair of such curves was compared for nine seconds, and there were 14,400 pairs."""
-    with figure_of(0) as figure:
+    with random_figure(0) as figure:
         frame = frame_of(figure)
     for axes in frame.fields["figures"][0]["axes"]:
-        for curve in axes["curves"]:
-            curve["x"] = curve["y"] = "a0"
+        for each in axes["curves"]:
+            each["x"] = each["y"] = "a0"
     arrays = {"a0": np.zeros(40_000), "seen": frame.arrays["seen"]}
     with pytest.raises(Malformed, match="array 'a0' in two places"):
         LAB.checked("plot", Frame({**frame.fields, "error": None}, arrays), {}, {})
 
 
-def drawn(x: Array, y: Array, label: str = "") -> Curve:
-    """A curve that is seen from end to end."""
-    sight = VisibleParts(np.ones(100, bool), np.ones(100, bool))
-    return Curve(label, "#1f77b4", "line", len(x), x, y, "-", "-", "-", 1.0, ("#1f77b4ff",), 1.5, sight)
-
-
-def panel(ylabel: str, curves: Sequence[Curve]) -> Axes:
+def panel(ylabel: str, *curves: Curve) -> Axes:
+    """A panel as large as the picture."""
     ends = (0.0, 1.0)
-    place, scales = (0.0, 0.0, 1.0, 1.0), ("linear", "linear")
-    return Axes(True, place, "", "", ylabel, (), (), tuple(curves), ends, ends, scales, own_ticks=False)
-
-
-def of_panels(*panels: Axes) -> Figure:
-    return Figure("saved", None, "png", (640, 480), panels)
+    return replace(
+        SHEET.axes[0], position=(0.0, 0.0, 1.0, 1.0), x_limits=ends, y_limits=ends, ylabel=ylabel, curves=curves
+    )
 
 
 def test_many_long_curves_are_compared_in_time() -> None:
@@ -133,26 +126,31 @@ def test_many_long_curves_are_compared_in_time() -> None:
     rows = 4_000_000 // 480
     widths = [3, 40] * 120  # half of them smoother than the others, and none a version of one
     columns = [np.convolve(rng.normal(size=rows + k - 1), np.ones(k) / k, "valid") for k in widths]
-    curves = [drawn(np.arange(rows) * 1.0, y, "metersec" * 25) for y in columns]
+    curves = [curve(np.arange(rows) * 1.0, y, "metersec" * 25, "#1f77b4") for y in columns]
     with cpu_within(40):
-        assert comparing.comparisons(of_panels(panel("metersec" * 25, curves))) == []
+        assert comparing.comparisons(figure_of(panel("metersec" * 25, *curves))) == []
 
 
 def test_filtered_curves_are_found_among_five_versions_of_each_channel() -> None:
     rng = np.random.default_rng(0)
     raw = rng.normal(size=(500, 6))
     versions = [raw, *(np.apply_along_axis(np.convolve, 0, raw, np.ones(k) / k, "same") for k in (3, 5, 7, 9, 11))]
-    curves = [drawn(np.arange(500.0), column) for column in np.hstack(versions).T]
-    of_sensor = [[curve for n, curve in enumerate(curves) if n % 6 // 3 == sensor] for sensor in (0, 1)]
-    assert len(comparing.comparisons(of_panels(panel("m/s²", of_sensor[0]), panel("rad/s", of_sensor[1])))) >= 30
+    curves = [curve(np.arange(500.0), column, "", "#1f77b4") for column in np.hstack(versions).T]
+    accel, gyro = ([each for n, each in enumerate(curves) if n % 6 // 3 == sensor] for sensor in (0, 1))
+    assert (
+        len(comparing.comparisons(figure_of(panel("m/s²", *accel), panel("rad/s", *gyro)))) > 42
+    )  # as one sensor alone has
 
 
 def test_a_reply_of_many_curves_in_many_colours_is_looked_at_in_time() -> None:
     """Two hundred and forty curves of sixteen colours each, in panels as large as the picture."""
     rng = np.random.default_rng(0)
-    one = replace(drawn(rng.uniform(0, 1, 6000), rng.uniform(0, 1, 6000)), marker="o", width=9.0)
-    curves = [replace(one, inks=tuple(f"#{n:02x}{k:02x}80" for k in range(0, 256, 16))) for n in range(240)]
-    figure = of_panels(*(panel("", curves[10 * n : 10 * n + 10]) for n in range(24)))
+    one = curve(rng.uniform(0, 1, 6000), rng.uniform(0, 1, 6000), "", "#1f77b4")
+    curves = [
+        replace(one, marker="o", width=9.0, inks=tuple(f"#{n:02x}{k:02x}80" for k in range(0, 256, 16)))
+        for n in range(240)
+    ]
+    figure = figure_of(*(panel("", *curves[10 * n : 10 * n + 10]) for n in range(24)))
     pixels = rng.integers(0, 255, (640, 640, 3)).astype(np.uint8)
     with cpu_within(10):
         looked_at(replace(figure, pixels=pixels, extent=(640.0, 640.0), dots=50.0), Patience())
