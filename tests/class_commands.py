@@ -118,11 +118,11 @@ def graded(run: Run, *more: object, folder: object = "class", roster: str = "") 
     return err
 
 
-def rows(table: Path | str) -> list[dict[str, str]]:
-    """The lines of a table by the titles of its columns."""
+def cells(table: Path | str, *titles: str) -> list[tuple[str, ...]]:
+    """What stands in the columns of these titles, a line each."""
     with open(table, encoding="utf-8-sig", newline="") as stream:
-        return list(csv.DictReader(stream))
+        return [tuple(row[title] for title in titles) for row in csv.DictReader(stream)]
 
 
 def column(table: Path, title: str, key: str = "id") -> dict[str, str]:
-    return {row[key]: row[title] for row in rows(table)}
+    return dict(cells(table, key, title))  # type: ignore[arg-type] # pairs

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import datetime, timezone
 from typing import Any
+from urllib.parse import unquote
 from xml.etree import ElementTree
 
 import jsonschema
@@ -94,26 +95,15 @@ def as_the_runner_reads(text: str) -> list[tuple[str, dict[str, str], str]]:
             found = COMMAND.fullmatch(line)
             assert found, line
             properties = dict(pair.split("=", 1) for pair in found["properties"].split(","))
-            commands.append((found["kind"], {k: decoded(v) for k, v in properties.items()}, decoded(found["message"])))
+            commands.append((found["kind"], {k: unquote(v) for k, v in properties.items()}, unquote(found["message"])))
     return commands
-
-
-def decoded(text: str) -> str:
-    for code, char in (("%0A", "\n"), ("%0D", "\r"), ("%3A", ":"), ("%2C", ","), ("%25", "%")):
-        text = text.replace(code, char)
-    return text
 
 
 def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
     commands = as_the_runner_reads(github.commands(mixed(), Places(LAB)))
     assert [kind for kind, _, _ in commands] == ["error", "error", "warning", "notice"]
     crashed, lost_, *_ = commands
-    assert crashed[2].splitlines() == [
-        "Expected  an answer",
-        "Got       none: killed",
-        "Costs     12 points now, because 1 more check could not run. Everything else was graded without it.",
-        "Rerun     imugrade check --only sensor_access",
-    ]
+    assert "\nCosts     12 points now, because 1 more check could not run. Everything else was" in crashed[2]
     assert lost_[1] == {"title": "Reads the right sensor (0 / 6)"}
     assert lost_[2].splitlines() == [
         "Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²",
@@ -127,8 +117,7 @@ def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
 
 def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submission() -> None:
     places = Places(LAB, {"filters.py": "lab/filters.py"}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
-    said = {"expected": "no exception", "got": "ValueError: no at evil.py, line 3"}
-    row = check("error", 0.0, where=Where("filters.py", 12), **said)
+    row = check("error", 0.0, "ValueError: no at evil.py, line 3", where=Where("filters.py", 12))
     told = as_the_runner_reads(github.commands(result(row), places))[0][1]
     assert (told["file"], told["line"]) == ("lab/filters.py", "12")
     assert places.of(check("error", 0.0, where=Where("/etc/passwd", 1))) == Place("lab/imu_reader.py", 7)

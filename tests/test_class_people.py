@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.class_commands import Run, commands, graded, hand_in, rows
+from tests.class_commands import Run, cells, commands, graded, hand_in
 from tests.corpus.writing import zipped
 from tests.desk import desk_over, words
 
@@ -27,7 +27,7 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
         Path("class", name, ".git").mkdir()
         Path("class", name, ".git", "HEAD").write_text("ref: refs/heads/main\n")
     assert "in the roster, no submission: s1003\n" in graded(run, roster=GITHUB_ROSTER)
-    assert [(row["id"], row["name"], row["status"]) for row in rows("out/gradebook.csv")] == [
+    assert cells("out/gradebook.csv", "id", "name", "status") == [
         ("lab04-jdoe-gh", "Jane Doe", "graded"),
         ("lab04-rroe42", "lab04-rroe42", "graded"),
         ("", "s1003", "no submission"),
@@ -38,7 +38,7 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
     assert (code, err) == (2, f"imugrade: graded: 2\nimugrade: blank: 1 (s1003: no submission)\n{BLANK}")
     assert not Path("marks.csv").exists()
     assert run("export", "out", "-f", "gradescope", "-o", "marks.csv", "--allow-blank")[0] == 0
-    assert [(row["SID"], row["Total Score"], row["Status"]) for row in rows("marks.csv")] == [
+    assert cells("marks.csv", "SID", "Total Score", "Status") == [
         ("s1001", "100", "Graded"),
         ("s1002", "100", "Graded"),
         ("s1003", "", "Missing"),
@@ -61,7 +61,7 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     Path("canvas.csv").write_text(HEAD + '"Lee, Ann",101,S5038,ann1,A,\n"Roe, Bob",102,S5039,bob1,A,\n')
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (0, "imugrade: graded: 2\n")
-    assert [row["Lab (1)"] for row in rows("filled.csv")] == ["100", "100", "100"]
+    assert cells("filled.csv", "Lab (1)") == [("100",)] * 3
     with desk_over(Path("out").absolute()) as desk:
         assert '<option value="canvas" selected>' in desk.get("/export").text
     Path("moodle.csv").write_text(
@@ -69,9 +69,9 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
         "Participant 7,Ann Lee,ann@example.edu,,100,Yes\nParticipant 8,Bob Roe,bob@example.edu,,100,Yes\n"
     )
     assert run("export", "out", "-f", "moodle", "--template", "moodle.csv", "-o", "filled.csv")[0] == 0
-    assert [row["Grade"] for row in rows("filled.csv")] == ["100", "100"]
+    assert cells("filled.csv", "Grade") == [("100",)] * 2
     assert run("export", "out", "-f", "gradescope", "-o", "filled.csv")[::2] == (0, "imugrade: graded: 2\n")
-    assert [(row["SID"], row["Total Score"]) for row in rows("filled.csv")] == [("S5038", "100"), ("S5039", "100")]
+    assert cells("filled.csv", "SID", "Total Score") == [("S5038", "100"), ("S5039", "100")]
 
 
 def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) -> None:
@@ -103,9 +103,9 @@ def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(ru
         ("", "Ann Lee (ann5)", "no submission"),
         ("", "Cy Moe", "no submission"),
     ]
-    assert [(row["id"], row["name"], row["status"]) for row in rows("out/gradebook.csv")] == names
+    assert cells("out/gradebook.csv", "id", "name", "status") == names
     err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")[2]
-    assert [(row["id"], row["name"], row["status"]) for row in rows("marks.csv")] == names
+    assert cells("marks.csv", "id", "name", "status") == names
     why = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
     assert (
         f"imugrade: blank: 5 (Ann Lee (ann2): {why}; Ann Lee (ann3): {why}; Ann Lee (ann4): no submission;"
@@ -118,7 +118,7 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     Path("roster.csv").write_text("id,name,section\nann,Ann Lee,A\nbob,Bob Roe,A\ncy,Cy Moe,B\n")
     code, out, _ = run("grade", "class", "-o", "out", "--roster", "roster.csv")
     assert (code, "\n2 graded · of these 1 empty · mean of graded 100.0\n" in out) == (0, True)
-    assert [(row["name"], row["section"], row["total"], row["status"]) for row in rows("out/gradebook.csv")] == [
+    assert cells("out/gradebook.csv", "name", "section", "total", "status") == [
         ("Ann Lee", "A", "100", "graded"),
         ("Bob Roe", "A", "", "empty"),
         ("Cy Moe", "B", "", "no submission"),
@@ -130,7 +130,7 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
         assert "no submission (1)" in page
     for more, empty in ((), ""), (("--unreadable", "0"), "0"):
         assert run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank", *more)[0] == 0
-        assert [(row["section"], row["final"]) for row in rows("marks.csv")] == [("A", "100"), ("A", empty), ("B", "")]
+        assert cells("marks.csv", "section", "final") == [("A", "100"), ("A", empty), ("B", "")]
 
 
 def test_the_beginning_of_several_ids_is_ambiguous(run: Run) -> None:
