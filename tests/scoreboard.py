@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 import sys
 import tempfile
@@ -82,24 +83,30 @@ def words(checks: Iterable[CheckResult]) -> str:
     )
 
 
+def look_at_points(verdict: Verdict, result: Result, may: Mapping[str, float], must: Iterable[str]) -> None:
+    """A criterion loses no more points than it `may`, none where nothing is said, and something where it `must`."""
+    for criterion in result.criteria:
+        taken = sum(check.max_points - (check.points or 0.0) for check in criterion.checks)
+        if taken > may.get(criterion.id, 0.0) + 1e-6:
+            verdict.trouble("too much", words(c for c in lost(result) if criterion_of(c) == criterion.id))
+        if criterion.id in must and not taken:
+            verdict.trouble("missed", f"costs nothing in {criterion.id}")
+
+
 def look_at_sound(verdict: Verdict, result: Result, sound: Case) -> None:
     if result.status != "graded":
-        verdict.trouble("false deduction", f"status is {result.status}")
-    if gone := lost(result):
-        verdict.trouble("false deduction", words(gone))
+        verdict.trouble("status", result.status)
+    look_at_points(verdict, result, {}, ())
     if result.misconceptions:
         verdict.trouble("named wrong", ", ".join(result.misconceptions))
 
 
 def look_at_fault(verdict: Verdict, result: Result, case: Case) -> None:
     """A fault, or each of two, costs something in its criterion and nothing elsewhere, and has a name."""
-    gone, faults = lost(result), case.faults or {case.fault: case.criterion}
-    for fault, criterion in faults.items():
-        if criterion and not any(criterion_of(c) == criterion for c in gone):
-            verdict.trouble("missed", f"{fault} costs nothing in {criterion}")
-    if outside := [c for c in gone if criterion_of(c) not in (*faults.values(), *case.elsewhere)]:
-        verdict.trouble("cascade", words(outside))
-    if case.loses and (more := [c for c in gone if criterion_of(c) == case.criterion and c.id not in case.loses]):
+    faults = case.faults or {case.fault: case.criterion}
+    look_at_points(verdict, result, dict.fromkeys((*faults.values(), *case.elsewhere), math.inf), faults.values())
+    inside = [check for check in lost(result) if criterion_of(check) == case.criterion]
+    if case.loses and (more := [check for check in inside if check.id not in case.loses]):
         verdict.trouble("too much", f"only {', '.join(case.loses)} should be lost, but also {words(more)}")
     names = named(result, without=case.elsewhere)  # a missing file may be named again where it is missed
     _look_at_names(verdict, result, names, set(faults), {*faults, *case.also}, case.never)
@@ -127,11 +134,10 @@ def look_at_charges(verdict: Verdict) -> None:
 
 
 def look_at_nothing(verdict: Verdict, result: Result, nothing: Case) -> None:
+    look_at_points(verdict, result, {nothing.criterion: math.inf}, ())
     for criterion in result.criteria:
         if criterion.id == nothing.criterion and criterion.points > nothing.earns:
             verdict.trouble("earns too much", f"{criterion.points} for {criterion.title}; lost: {words(lost(result))}")
-        if criterion.id != nothing.criterion and criterion.points < criterion.max_points:
-            verdict.trouble("cascade", words(c for c in lost(result) if criterion_of(c) == criterion.id))
 
 
 def named(result: Result, without: Sequence[str] = ()) -> set[str]:
@@ -157,11 +163,8 @@ def _look_at_names(
 def look_at_broken(verdict: Verdict, result: Result, broken: Case) -> None:
     if result.status not in broken.status:
         verdict.trouble("status", f"{result.status}, not {' or '.join(broken.status)}")
-    for criterion in result.criteria:
-        if criterion.id in broken.keeps and criterion.points != criterion.max_points:
-            verdict.trouble("cascade", words(c for c in lost(result) if criterion_of(c) == criterion.id))
-    if broken.costs and not any(criterion_of(c) == broken.costs for c in lost(result)):
-        verdict.trouble("missed", f"costs nothing in {broken.costs}")
+    may_lose = [criterion for criterion in CRITERIA if criterion not in broken.keeps]
+    look_at_points(verdict, result, dict.fromkeys(may_lose, math.inf), (broken.costs,))
     if any(check.points is None for criterion in result.criteria for check in criterion.checks):
         verdict.trouble("not judged", words(c for c in lost(result) if c.points is None))
     if broken.names:
@@ -188,13 +191,7 @@ def look_at_extension(verdict: Verdict, result: Result, case: Case) -> None:
 
 
 def look_at_edit(verdict: Verdict, result: Result, edit: Case) -> None:
-    takes = edit.takes or {}
-    for criterion in result.criteria:
-        taken = sum(check.max_points - (check.points or 0.0) for check in criterion.checks)
-        if taken > takes.get(criterion.id, 0.0) + 1e-6:
-            verdict.trouble("too much", words(c for c in lost(result) if criterion_of(c) == criterion.id))
-        if criterion.id in edit.must and not taken:
-            verdict.trouble("missed", f"costs nothing in {criterion.id}")
+    look_at_points(verdict, result, edit.takes or {}, edit.must)
 
 
 _LOOKS: Mapping[str, Callable[[Verdict, Result, Case], None]] = {

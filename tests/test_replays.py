@@ -95,5 +95,5 @@ def test_what_was_learnt_by_heart_from_the_public_model_is_named(
 
 @pytest.mark.parametrize("name", ["verbatim", "tidy", "listy", "looping"])
 def test_sound_work_gets_everything_on_another_robot(marker: Marker, name: str) -> None:
-    result = marked(marker, getattr(pieces, name)())
+    result = marked(marker, pieces.lab_of(name, {}))
     assert (result.score, lost(result)) == (100.0, set())

@@ -97,16 +97,6 @@ def tidy() -> dict[str, str]:
     return lab_of("tidy", {})
 
 
-def listy() -> dict[str, str]:
-    """Lists that grow, sensors by `data.sensor`, pyplot's state machine."""
-    return lab_of("listy", {})
-
-
-def looping() -> dict[str, str]:
-    """A while loop over the simulated time, fancy indexing, the sheet's plot and filter."""
-    return lab_of("looping", {})
-
-
 def edit(files: Mapping[str, str], path: str, *changes: tuple[str, str]) -> dict[str, str]:
     """Return the files with passages of one exchanged, one after the other; each must be there exactly once.
 
