@@ -152,30 +152,20 @@ def finding(case: Case) -> BaseException | None:
 
 def marked(found: BaseException | None) -> Marked:
     """A finding as a case has it; what another check is charged is not charged again, or not reached."""
-    if isinstance(found, Charged):
-        told = feedback.feedback_on(found, None, rows(LAB))
-        return (
-            (round(told.keeps, 4), list(told.mistakes)) if told.outcome in ("partial", "failed") else _elsewhere(found)
-        )
-    if isinstance(found, CheckFailed):
-        return round(found.keeps, 4), list(found.mistakes)
-    return None if found is None else type(found).__name__.lower()
-
-
-def _elsewhere(found: Charged) -> Marked:
-    return "skipped" if found.charge.keeps == 0 else None
+    if not isinstance(found, Charged | CheckFailed):
+        return None if found is None else type(found).__name__.lower()
+    told = feedback.feedback_on(found, None, rows(LAB))
+    if told.outcome in ("partial", "failed"):
+        return round(told.keeps, 4), list(told.mistakes)
+    return None if isinstance(found, Charged) and found.charge.keeps else "skipped"
 
 
 def words(found: BaseException | None) -> dict[str, str]:
     """What a student is told, `hidden` of it where the scenario is hidden."""
-    if isinstance(found, Charged):
+    if isinstance(found, Charged | CheckFailed):
         said, hidden = feedback.feedback_on(found, None, rows(LAB)), hidden_feedback.feedback_on(found, rows(LAB))
         texts = {"expected": said.expected, "got": said.got, "hint": said.hint, "said": said.said, "hidden": hidden.got}
-        return {key: text for key, text in texts.items() if text}
-    if isinstance(found, CheckFailed):
-        hidden = hidden_feedback.feedback_on(found, rows(LAB))
-        told = {"expected": found.expected, "got": found.got, "hint": str(found.hint), "hidden": hidden.got}
-        return {key: text for key, text in told.items() if text}
+        return {key: str(text) for key, text in texts.items() if text}
     if isinstance(found, Raised):  # what the exception says is Python's or NumPy's, and differs between versions
         return {"raised": found.fault.type, "while": found.doing}
     return {} if found is None else {type(found).__name__.lower(): str(found)}

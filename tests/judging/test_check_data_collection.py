@@ -13,7 +13,7 @@ from mujoco import rollout
 from grader.labs.imu.data_collection import checks
 from tests.judging.fake_students import Case, FakeStudent, Marked, Row, finding, is_as_marked, marked, truth
 
-NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
+CHECKS = NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
     checks.check_sample_count,
     checks.check_time_axis,
@@ -218,20 +218,24 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("nothing", of(returned=lambda *_: None), {**_NOT_REACHED, NAMED: (0.0, ["wrong-return-type"]), COUNT: (0.0, [])}),
     ("no stamp under its name", of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}), {NAMED: (0.0, ["wrong-return-type"])}),
     ("nothing under all names", of(returned=lambda *_: {key: [] for key in KEYS}), {**_NOT_REACHED, NAMED: (0.0, []), COUNT: (0.0, [])}),
+    ("two axes of both", telling(lambda t, a, g, _m: (t, a[:, :2], g[:, :2])), {**_NOT_REACHED, NAMED: (0.0, ["wrong-return-type"]), TIME: None}),
     ("without time", WITHOUT_TIME, {NAMED: _KEYS}),
     ("raises with another time step", of(begin=_raises_with_another_time_step), dict.fromkeys((COUNT, TIME, RESET), "raised")),
     # how many rows there are
     ("one more", counting(lambda duration, dt: duration / dt + 1), {}),
     ("two more", counting(lambda duration, dt: duration / dt + 2), {COUNT: (0.0, [])}),
     ("twenty too few", counting(lambda duration, dt: duration / dt - 20), {COUNT: (0.0, [])}),
+    ("at a fixed rate", counting(lambda duration, _dt: duration / 0.002), {COUNT: (0.0, ["hard-coded-timestep"])}),
     ("fifty a second", FiftyHertz, {COUNT: (0.0, ["fixed-rate"])}),
     ("two steps a row, for twice the time", of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2)), {TRUTH: (0.0, ["samples-skipped"])}),
     # the stamps
     ("before each step", Before, {TRUTH: (0.5, ["read-before-step"])}),
     ("stamps half a step too late", stamped(lambda t, dt: t + dt / 2), {TIME: (0.5, ["time-axis-wrong"])}),
+    ("one stamp that is none", stamped(lambda t, _dt: np.where(np.arange(len(t)) == 7, np.nan, t)), {TIME: (0.0, ["not-finite"])}),
     ("a usual time step, two rows", both(COUNTED, of(steps=lambda *_: 2)), {TIME: _USUAL, TRUTH: (0.0, [])}),
     # the rows
     ("exchanged", telling(lambda t, a, g, _m: (t, g, a)), {TRUTH: (0.0, ["channels-swapped"])}),
+    ("all like the last", telling(lambda t, a, g, _m: (t, a[-1] + 0 * a, g[-1] + 0 * g)), {TRUTH: (0.0, ["aliased-rows"])}),
     ("of the last sensor", of(row=lambda s, m, d, *_: Recorder.row(s, m, d, -1, -1)), {TRUTH: (0.0, ["sensor-not-found"])}),
     ("room for more", telling(_room), {TRUTH: (0.5, ["rows-left-zero"])}),
     ("a first row that is empty", telling(_first_row_empty), {TRUTH: (0.5, ["first-row-empty"])}),
@@ -275,13 +279,12 @@ def function(recorder: Recorder) -> Callable[..., Any]:
     return simulate_and_collect
 
 
-CHECKS = (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
 ROWS = [
-    *(
-        Row(name, lambda kind=kind: FakeStudent(simulate_and_collect=function(kind())), marks)
-        for name, kind, marks in KINDS
-    ),  # type: ignore[misc]
-    Row("in another order", lambda: FakeStudent(simulate_and_collect=_turned), {NAMED: (0.0, ["other-parameters"])}),
+    Row(name, lambda kind=kind: FakeStudent(simulate_and_collect=function(kind())), marks)
+    for name, kind, marks in KINDS
+]  # type: ignore[misc]
+ROWS += [
+    Row("in another order", lambda: FakeStudent(simulate_and_collect=_turned), {NAMED: (0.0, ["other-parameters"])})
 ]
 CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 

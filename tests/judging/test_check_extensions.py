@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,6 @@ from grader.labs.imu.bonuses import checks, multiple_imus
 from grader.labs.imu.bonuses.live_plot import LiveRun
 from grader.labs.imu.bonuses.multiple_imus import PLACES
 from grader.labs.imu.student import Student
-from grader.sandbox.wire import Frame
 from tests.judging.fake_students import Case, FakeStudent, Marked, is_as_marked, truth
 
 Row = tuple[Any, str, Any, Marked]
@@ -77,6 +76,7 @@ TILT: list[Row] = [
     (checks.check_settles_at_tilt, "no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     (checks.check_beats_gyroscope_alone, "little else", _tilted(alpha=0.999), (0.5, [])),
     (checks.check_beats_accelerometer_alone, "more of it than is good", _tilted(alpha=0.7), (0.5, [])),
+    (checks.check_holds_when_steep, "half the turn", _tilted(gain=0.5), (0.5, [])),
     (checks.check_holds_when_steep, "the gyroscope in degrees", _tilted(gain=math.degrees(1)), (0.0, [])),
 ]  # fmt: skip
 
@@ -131,8 +131,11 @@ ALLAN: list[Row] = [
     (checks.check_returns_times_and_deviations, "raises", _raises, "raised"),
     (checks.check_averaging_times, "nothing", lambda *_: None, "skipped"),
     (checks.check_averaging_times, "beyond the record", _changed(lambda t, a: (t * 1.5, a)), (0.5, [])),
+    (checks.check_averaging_times, "raises", _raises, "raised"),
+    (checks.check_averaging_times, "four of them, each twice", lambda s, r: tuple(np.repeat(x[::9], 2) for x in deviation(s, r)), (0.5, [])),
     (checks.check_averaging_times, "four of them", lambda s, r: tuple(x[::9] for x in deviation(s, r)), (0.5, [])),
     (checks.check_matches_definition, "another curve", _changed(lambda t, a: (t, a * 1.3)), (0.0, [])),
+    (checks.check_matches_definition, "wrong for long times", _changed(lambda t, a: (t, np.where(t > t[len(t) // 2], 3 * a, a))), (0.0, [])),
     (checks.check_matches_definition, "some that are no numbers", _changed(_some_unknown), None),
     (checks.check_shows_kinds_of_noise, "the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
     *((checks.check_shows_kinds_of_noise, f"steeper for {kind} alone", _steeper(kind), (0.0, [])) for kind in ("walk", "quantised", "drift")),
@@ -178,6 +181,7 @@ def _at_second() -> Callable[[Any, Any], Any]:
 IMUS: list[Row] = [
     (checks.check_finds_every_place, "a list", lambda m, d: list(every(m, d).values()), (0.0, ["wrong-return-type"])),
     (checks.check_finds_every_place, "all but one of another model", lambda m, d: {p: r for p, r in every(m, d).items() if p != "keel"}, (0.5, ["imu-missing"])),
+    (checks.check_finds_every_place, "raises in another model", _elsewhere(_raises), "raised"),
     (checks.check_finds_every_place, "none at first", _at_second(), (0.0, ["imu-missing"])),
     (checks.check_matches_truth, "one of the lab", _changing(lambda p, r: r[::-1] if p == "head" else r), (0.0, [])),
     (checks.check_matches_truth, "the accelerometer alone", _changing(lambda _p, r: r[:1]), (0.0, [])),
@@ -196,14 +200,8 @@ class Watched(FakeStudent):
         super().__init__(live_plot=None)
         self.run = run
 
-    def ask(self, *_: Any) -> Frame:
-        arrays = {
-            f"{axis}{n}": its for n, curve in enumerate(self.run.curves) for axis, its in zip("xy", curve, strict=True)
-        }
-        curves = [{"moment": 1.0, "label": "x", "x": f"x{n}", "y": f"y{n}"} for n in range(len(self.run.curves))]
-        error = asdict(self.run.fault) if self.run.fault else None
-        fields = {"curves": curves, "simulated": self.run.simulated, "returned": True, "error": error}
-        return Frame(fields, arrays | {"events": self.run.events})
+    def answer(self, *_: Any) -> Any:
+        return self.run
 
 
 def _seen(
@@ -216,12 +214,15 @@ def _seen(
     return LiveRun(events, tuple((np.array(x), np.array(y)) for x, y in shown), simulated, fault)
 
 
-_STEPS = np.arange(100.0)
+_STEPS = 0.004 * np.arange(1, 101)
 LIVE: list[Row] = [
+    (checks.check_returns, "less", _seen(simulated=0.89), (0.5, [])),
     (checks.check_returns, "raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
+    (checks.check_grows_while_stepping, "three times", _seen((0.1, 0.4, 0.7)), (0.5, [])),
+    (checks.check_grows_while_stepping, "once", _seen((0.5, 0.5)), (0.0, ["plot-not-live"])),
     (checks.check_grows_while_stepping, "at the end", _seen((0.5, 1.0, 1.0, 1.0, 1.0)), (0.0, [])),
     (checks.check_shows_true_data, "nothing", _seen(()), "skipped"),
-    (checks.check_shows_true_data, "wrong ones", _seen(curves=[(_STEPS, np.cos(_STEPS))]), (0.0, [])),
+    (checks.check_shows_true_data, "one that is right", _seen(curves=[(_STEPS, truth()["watched"]["pushed"][:100, 0]), *[(_STEPS, np.cos(_STEPS))] * 2]), (0.5, [])),
 ]  # fmt: skip
 
 

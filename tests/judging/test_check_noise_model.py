@@ -13,7 +13,7 @@ from grader.labs.imu.noise_model import checks, measure
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked, truth
 from tests.test_useless_code import kept
 
-SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
+CHECKS = SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,
     checks.check_given_bias,
     checks.check_default_bias,
@@ -140,7 +140,6 @@ def _one_for_all_axes(self: Any, which: int) -> Any:
     return np.full(3, self.rng.normal(0, self.stds[which]))
 
 
-CHECKS = (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)
 SILENT = of(noise=lambda _s, _i: np.zeros(3))
 
 _NO_NOISE = {SIZE: (0.0, ["no-noise"]), **dict.fromkeys((WHITE, APART), "skipped")}
@@ -151,6 +150,8 @@ _SAME_AXES = {APART: (0.0, ["same-noise-on-axes"])}
 KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("sound", Sound, {}),
     ("of no seed", unseeded(), {}),
+    ("a number", of(read=lambda s: float(Sound.read(s)[0][0])), dict.fromkeys(CHECKS, (0.0, ["wrong-return-type"]))),
+    ("no numbers", of(noise=lambda s, i: Sound.noise(s, i) * np.nan), dict.fromkeys(CHECKS, (0.0, ["not-finite"]))),
     ("six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), {SIZE: (0.5, ["wrong-return-type"])}),
     ("raises", of(read=_raises), dict.fromkeys(CHECKS, "raised")),
     ("raises with a bias", of(bias=lambda s, i, z, g: Sound.bias(s, i, z, g) if g is None else _raises()), {GIVEN: "raised"}),
@@ -159,6 +160,7 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("twice as much on one axis", _on_one_axis(2.0), {SIZE: (0.0, [])}),
     ("none", SILENT, _NO_NOISE),
     ("none of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i) * (1 - i)), {SIZE: (0.5, ["gyro-not-noisy"])}),
+    ("a constant beside the clean reading", of(one=lambda s, i: s.clean(i) + 0.1), _NO_NOISE | {GIVEN: (0.0, ["bias-argument-ignored"]), DEFAULT: (0.5, ["bias-not-random"])}),
     ("on no reading of a sensor, of no seed", unseeded(of(clean=lambda *_: np.zeros(3))), _NO_READING),
     # the bias that is given, and the one that is drawn
     ("not of the gyroscope", of(bias=lambda s, i, z, g: Sound.bias(s, i, z, g) * (g is None or i == 0)), {GIVEN: (0.5, [])}),
@@ -171,6 +173,10 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     # its law
     ("a Laplace law of a fixed size", of(noise=lambda s, i: s.rng.laplace(0, (0.1, 0.01)[i], 3)), {WHITE: (0.0, ["not-gaussian"]), SIZE: (0.0, ["std-ignored"])}),
     ("a mean below zero", of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]), {WHITE: (0.0, ["noise-not-zero-mean"])}),
+    ("whole numbers", of(one=lambda s, i: np.trunc(Sound.one(s, i))), {SIZE: (0.5, ["precision-lost"])}),
+    ("a mean above zero, of no seed", unseeded(of(noise=lambda s, i: Sound.noise(s, i) + 0.8 * s.stds[i])), {GIVEN: (0.0, ["noise-not-zero-mean"])}),
+    ("rounded", of(one=lambda s, i: Sound.one(s, i).round(3)), {WHITE: (0.0, ["precision-lost"])}),
+    ("on readings of the gyroscope that are enlarged", of(clean=lambda s, i: Sound.clean(s, i) * (1 + 0.05 * i)), {WHITE: (0.0, [])}),
     ("one of the gyroscope that adds up", GyroWalking, {WHITE: (0.0, ["noise-accumulates"])}),
     ("on a reading of long ago", Stale, {SIZE: (0.0, ["stale-clean-reading"])}),
     # its axes and sensors

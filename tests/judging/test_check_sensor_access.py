@@ -14,7 +14,7 @@ from grader.labs.imu.sensor_access.measure import Facts, Scene, Visit
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked
 
 Reader = Callable[..., Any]
-RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (
+CHECKS = RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (
     checks.check_returns_two_vectors,
     checks.check_matches_truth,
     checks.check_follows_address,
@@ -50,8 +50,11 @@ def elsewhere(other: Reader) -> Reader:
     return read
 
 
-def _unknown(*_: Any) -> Any:
-    raise KeyError("torso_accelerometer")
+def _raises(kind: type[Exception]) -> Reader:
+    def read(*_: Any) -> Any:
+        raise kind("torso_accelerometer")
+
+    return read
 
 
 def _stepping(by: float) -> Reader:
@@ -87,16 +90,19 @@ def _of_the_programs_own(_m: Any, d: Any, accel_sensor_id: int, gyro_sensor_id: 
     return np.full(3, _OWN.time), np.zeros(3)
 
 
-CHECKS = (RETURNS, MATCHES, FOLLOWS, COPY, ALONE)
 _UNKNOWN = dict.fromkeys((FOLLOWS, COPY, ALONE), "skipped")
 """Where readings follow nothing, their place cannot be judged."""
 _STRANGE, _MOVED = {MATCHES: (0.0, [])}, {ALONE: (0.0, ["disturbs-simulation"])}
 _FIXED = {FOLLOWS: (0.0, ["hard-coded-address"])}
 READERS: list[tuple[str, Any, dict[Any, Marked]]] = [
     ("sound", sound, {}),
-    ("raises", _unknown, dict.fromkeys(CHECKS, "raised")),
+    ("raises", _raises(ValueError), dict.fromkeys(CHECKS, "raised")),
+    ("nothing", lambda *_: None, dict.fromkeys(CHECKS, (0.0, ["wrong-return-type"]))),
+    ("in another order", lambda accel_sensor_id, gyro_sensor_id, data, model: sound(model, data, accel_sensor_id, gyro_sensor_id), {RETURNS: (0.0, ["other-parameters"])}),
+    ("one of them short", altered(gyro=lambda x: x[:2]), {MATCHES: (0.0, ["wrong-length"])}),
     ("the accelerometer alone", lambda *s: sound(*s)[0], {MATCHES: (0.0, ["wrong-return-type"])}),
     # what is read
+    ("no numbers", altered(lambda x: x * np.nan, lambda x: x * np.nan), {MATCHES: (0.0, ["not-finite"])} | _UNKNOWN),
     ("what was read before", _Late(), _STRANGE),
     ("one axis of another IMU", elsewhere(altered(lambda x: x * [0.9, 1.0, 1.0])), _STRANGE),
     ("reset before", _resetting, _STRANGE | _MOVED),
@@ -105,7 +111,9 @@ READERS: list[tuple[str, Any, dict[Any, Marked]]] = [
     # where it is read
     ("swapped elsewhere", elsewhere(lambda m, d, a, g: sound(m, d, g, a)), {FOLLOWS: (0.0, [])}),
     ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), _FIXED),
-    ("by names", elsewhere(_unknown), _FIXED),
+    ("by names", elsewhere(_raises(KeyError)), _FIXED),
+    ("beyond the end", elsewhere(_raises(IndexError)), _FIXED),
+    ("of another type", elsewhere(_raises(TypeError)), {FOLLOWS: (0.0, [])}),
     # whose array it is, and the simulation
     ("a change beyond what rounds", _stepping(by=1.5e-12), _MOVED),
     ("a change within what rounds", _stepping(by=5e-13), {}),

@@ -246,6 +246,7 @@ def of_push(*changes: Change) -> dict[str, Drawing]:
 KINDS: list[Kind] = [
     drawn("sound", {}),
     # the file
+    drawn("too narrow", {SAVES: (0.5, ["low-resolution"])}, says(size_px=(399, 800))),
     drawn("a PDF", {SAVES: (0.8, [])}, says(format="pdf")),
     drawn("never saved, a picture handed in", {SAVES: (0.0, ["plot-not-saved"])}, says(event="shown"), pictures={"imu_data.png": _PICTURE}),
     figures("nothing drawn, a picture handed in", {SAVES: (0.5, []), PANELS: (0.0, []), CURVES: (0.0, []), LABELS: (0.0, []), LEGEND: (0.0, []), TITLES: (0.0, [])}, pictures={"imu_data.png": _PICTURE}),
@@ -253,13 +254,21 @@ KINDS: list[Kind] = [
     figures("nothing drawn", {**_NOT_READ, SAVES: (0.0, ["plot-not-saved"]), CURVES: "skipped"}),
     ("broken off before it", lambda: Plotted(Drawing((), _BROKEN)), dict.fromkeys((SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES), "raised")),
     figures("a second picture over the first", {SAVES: (0.0, ["picture-overwritten"])}, alone(0, event="overwritten"), alone(1)),
+    figures("two figures, of which one shows two channels and one hides six", {SAVES: (0.0, ["plot-not-saved"]), CURVES: (0.3333, ["curves-missing"]), TITLES: "skipped"}, changed(each_curve(lambda _: None, (0, 0), *GYRO), says(event="shown")), changed(seen(visible(seen=slice(0))), says(event="shown"))),
     # the panels
+    drawn("names exchanged", {PANELS: (0.0, ["panels-swapped"])}, showing(GYRO, ACCEL)),
     drawn("one panel for both", {PANELS: (0.0, ["one-panel"]), LABELS: (0.3333, ["no-axis-labels", "no-units"]), LEGEND: (0.0, ["no-legend"])}, showing(ACCEL + GYRO)),
     drawn("one title of the other", {PANELS: (0.5, ["panels-swapped"])}, panel(1, title="Accelerometer")),
     drawn("no gyroscope", {PANELS: (0.0, []), CURVES: (0.5, ["curves-missing"])}, says(axes=(_UPPER,))),
     drawn("names that say nothing", {PANELS: (0.5, []), LABELS: (0.3333, ["no-units"])}, panel(0, title="Top", ylabel="a"), panel(1, title="Bottom", ylabel="b")),
+    drawn("a title of both", {}, panel(0, title="Acceleration and angular velocity")),
     drawn("no words on one", {PANELS: (0.5, []), LABELS: (0.6667, ["no-axis-labels"]), TITLES: (0.5, ["no-title"])}, panel(0, title="", ylabel="")),
     # the curves
+    drawn("one of them wrong", {CURVES: (0.2, ["wrong-data-plotted"])}, each_curve(lambda c: replace(c, y=np.cos(c.y)), (0, 0))),
+    drawn("two columns of the other sensor", {PANELS: (0.0, ["one-panel"]), CURVES: (0.2, ["wrong-data-plotted"])}, showing(ACCEL, [*ACCEL[:2], GYRO[2]])),
+    drawn("the first part of one outside", {CURVES: (0.2, ["curves-not-seen"])}, seen(visible(slice(60, 100)), (0, 1))),
+    drawn("inside by limits of its own, that leave out the lab's own recording", {CURVES: (0.0, ["curves-not-seen"])}, panel(0, own_height=True), **of_push(seen(visible(slice(0, 40))))),
+    drawn("the last rows left out", {CURVES: (0.8, [])}, each_curve(lambda c: replace(c, x=c.x[:-100], y=c.y[:-100]))),
     drawn("none to be seen", {**_NOT_READ, CURVES: (0.0, ["curves-not-seen"])}, seen(visible(seen=slice(0)))),
     drawn("half outside", {}, seen(visible(slice(0, 50)), (0, 0))),
     drawn("outside, one behind another and one missing", {CURVES: (0.2, ["curves-missing", "curves-not-seen"])}, seen(visible(slice(0, 45)), (0, 0)), seen(visible(seen=slice(0)), (0, 1)), each_curve(lambda _: None, (1, 2))),
@@ -270,6 +279,7 @@ KINDS: list[Kind] = [
     ("noise", lambda: Making(lambda t, _: (t, np.random.default_rng(3).normal(size=len(t)))), {**_NOT_READ, CURVES: (0.0, ["wrong-data-plotted"])}),
     # the axes
     drawn("against the index", {CURVES: (0.5, ["x-not-time"])}, each_curve(lambda c: replace(c, x=np.arange(len(c.x))))),
+    drawn("against milliseconds without a label", {LABELS: (0.6667, ["no-axis-labels"])}, each_curve(lambda c: replace(c, x=1000 * c.x)), panel(1, xlabel="")),
     drawn("no unit of the time", {LABELS: (0.6667, ["no-units"])}, panel(1, xlabel="Time")),
     drawn("milliseconds over seconds", {LABELS: (0.6667, ["no-units"])}, panel(1, xlabel="Time (ms)")),
     drawn("units in the titles", {}, panel(0, title="Acceleration (m/s²)", ylabel=""), panel(1, title="Angular velocity (rad/s)", ylabel="")),

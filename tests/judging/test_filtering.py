@@ -197,17 +197,24 @@ def test_every_charge_is_told_in_the_pinned_words_and_of_hidden_data_without_num
         assert not any(digit in hidden.got.partition(" by ")[0] for digit in "23456789"), hidden.got
 
 
-def test_the_worker_is_asked_every_case_once_and_sound_code_is_charged_nothing() -> None:
+def weighted(of_measurement: Callable[[float], float], of_output: Callable[[float], float]) -> type:
+    """A filter with these weights, from alpha; it starts from the first measurement, or from the initial value."""
+
     class LowPassFilter:
         def __init__(self, alpha: float = 0.1, initial_value: Any = None) -> None:
-            self.alpha, self.value = alpha, initial_value
+            self.alpha, self.value = alpha, None if initial_value is None else np.array(initial_value, float)
 
-        def update(self, measurement: Array) -> Array:
-            before = measurement if self.value is None else self.value
-            self.value = self.alpha * measurement + (1 - self.alpha) * before
+        def update(self, measurement: Any) -> Any:
+            x = np.array(measurement, float)
+            before = x if self.value is None else self.value
+            self.value = of_measurement(self.alpha) * x + of_output(self.alpha) * before
             return self.value.copy()
 
-    student = FakeStudent(LowPassFilter=LowPassFilter)
+    return LowPassFilter
+
+
+def test_the_worker_is_asked_every_case_once_and_sound_code_is_charged_nothing() -> None:
+    student = FakeStudent(LowPassFilter=weighted(lambda alpha: alpha, lambda alpha: 1 - alpha))
     assert judged(measure(student, truth())) == {}
     assert [len(run.output) for run in student.stored_answer("filter")[:4]] == [400, 400, 400, 100]
     checks.check_follows_recursion(student, truth())

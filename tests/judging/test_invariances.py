@@ -17,7 +17,6 @@ from grader.engine.charging import Part
 from grader.engine.findings import Charge
 from grader.labs.imu.compare import Array
 from grader.labs.imu.data_collection.explain import PART as RECORDING
-from grader.labs.imu.filtering import checks as _filtering  # noqa: F401 - from here on, the criterion knows its checks
 from grader.labs.imu.filtering.explain import PART as FILTERING
 from grader.labs.imu.noise_model.explain import PART as NOISE
 from grader.labs.imu.sensor_access.explain import PART as READING
@@ -25,6 +24,7 @@ from tests.judging.fake_students import FakeStudent, truth
 from tests.judging.test_check_data_collection import function, telling
 from tests.judging.test_check_noise_model import Sound, of
 from tests.judging.test_check_sensor_access import altered
+from tests.judging.test_filtering import weighted
 
 BOTH = st.sampled_from([(0,), (1,), (0, 1)])
 """Indices of the sensors that are treated."""
@@ -137,22 +137,6 @@ def test_sound_noise_keeps_all_points_whatever_is_drawn(seed: int) -> None:
 
 
 # --- filters ----------------------------------------------------------------------------------------------------------
-
-
-def weighted(of_measurement: Callable[[float], float], of_output: Callable[[float], float]) -> type:
-    """A filter with these weights, from alpha; it starts from the first measurement, or from the initial value."""
-
-    class LowPassFilter:
-        def __init__(self, alpha: float = 0.1, initial_value: Any = None) -> None:
-            self.alpha, self.value = alpha, None if initial_value is None else np.array(initial_value, float)
-
-        def update(self, measurement: Any) -> Any:
-            x = np.array(measurement, float)
-            before = x if self.value is None else self.value
-            self.value = of_measurement(self.alpha) * x + of_output(self.alpha) * before
-            return self.value.copy()
-
-    return LowPassFilter
 
 
 @given(power=st.floats(0.2, 0.9) | st.floats(1.1, 5.0))

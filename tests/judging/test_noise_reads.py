@@ -63,28 +63,83 @@ def test_the_grain_is_that_of_the_last_digit_of_noisy_reads(readings: Array, gra
     assert _reading(readings).grain == pytest.approx(grain)
 
 
+def _remembering(share: float, lag: int = 1) -> Array:
+    series = _RAW.copy()
+    for n in range(lag, _READS):
+        series[:, n] += share * series[:, n - lag]
+    return series
+
+
+def _drawn_anew_beyond(cut: float) -> Array:
+    low = special.ndtr(-cut)
+    values = special.ndtri(low + (1 - 2 * low) * (np.arange(_READS) + 0.5) / _READS)
+    return np.stack([_RNG.permutation(values) for _ in range(6)], axis=1).reshape(_READS, 2, 3).swapaxes(0, 1)
+
+
+def _powered(power: float) -> Array:
+    return np.asarray(np.sign(_NORMAL) * np.abs(_NORMAL) ** power)
+
+
 def _bounds(values: int, means: int) -> tuple[float, float]:
     low, high = st.spread_bounds(values, means)
     return low - facts_of.SIZE_TOLERANCE, high + facts_of.SIZE_TOLERANCE
 
 
-_POOLED, _EACH = _bounds(6 * _READS, 6), _bounds(2 * _READS, 2)
+(_LEAST, _MOST), (_LEAST_OF_AXIS, _MOST_OF_AXIS) = _bounds(6 * _READS, 6), _bounds(2 * _READS, 2)
+_SIZES = np.abs(_TRUTH)[:, None, :]
+NOISES: dict[str, tuple[Array, str]] = {
+    "white": (_WHITE, "size bias normal"),
+    "none": (_STILL, "bias normal"),
+    # its size, as far as chance and a tolerance go
+    "just large enough": ((_LEAST + 1e-6) * _WHITE, "size bias normal"),
+    "too small": ((_LEAST - 1e-6) * _WHITE, "bias normal"),
+    "just small enough": ((_MOST - 1e-6) * _WHITE, "size bias normal"),
+    "too large": ((_MOST + 1e-6) * _WHITE, "bias normal"),
+    "just large enough on one axis": (_WHITE * [_LEAST_OF_AXIS + 1e-6, 1, 1], "size bias normal"),
+    "too small on one axis": (_WHITE * [_LEAST_OF_AXIS - 1e-6, 1, 1], "bias normal"),
+    "too large on one axis": (_WHITE * [1, 1, _MOST_OF_AXIS + 1e-6], "bias normal"),
+    "as large as the reading": (_SIZES * _WHITE, "bias normal proportional"),
+    "larger with the reading": ((_SIZES + 3) * _WHITE, "bias normal"),
+    "as large as the reading, by another factor on each axis": (_SIZES * _WHITE * [1, 1.2, 0.8], "bias normal"),
+    # of one sign it begins at the truth
+    "negative": (-_POSITIVE, "normal one_signed"),
+    "positive, but for what rounds": (_POSITIVE - 0.9 * _ATOL / _STD, "normal one_signed"),
+    "not quite positive": (_POSITIVE - 1.1 * _ATOL / _STD, "normal"),
+    "positive, from near the truth on": (_POSITIVE + 0.04 * 0.6, "normal one_signed"),
+    "negative, on one axis further from the truth": (-_POSITIVE - 0.06 * 0.6 * _AXES[0], "normal"),
+    # its law
+    "normal": (_NORMAL, "size bias normal"),
+    "normal on two axes": (_NORMAL * [1, 0, 2], "bias normal"),
+    "normal, of another size in each state": (_NORMAL * [[[1, 1, 1]], [[5, 5, 5]]], "bias normal"),
+    "of thin tails": (_powered(0.8), "bias"),
+    "of heavy tails": (_powered(1.2), "bias"),
+    "of heavy tails on one axis": (_powered(1.3) * [0, 0, 1], "bias"),
+    "cut off at two": (_NORMAL.clip(-2, 2), "size bias normal clipped"),
+    "cut off at nearly three": (_NORMAL.clip(-2.95, 2.95), "size bias normal clipped"),
+    "cut off at two, and enlarged": (1.06 * _NORMAL.clip(-2, 2), "size bias normal"),
+    "drawn anew beyond 1.2": (_drawn_anew_beyond(1.2), "bias clipped"),
+    "drawn anew beyond 0.8": (_drawn_anew_beyond(0.8), "bias"),
+    "drawn anew beyond 3.2": (_drawn_anew_beyond(3.2), "size bias normal"),
+    # what a read keeps of those before it
+    "added up": (_WALK, "size bias accumulates drifts"),
+    "added up on one axis": (_WALK * _AXES[0] + _WHITE * _AXES[1], "bias normal drifts"),
+    "added up in one state": (np.stack([_WALK[0], _WHITE[1]]), "size bias"),
+    "added up, at first": (-_WALK[:, :100] + 100, "normal accumulates drifts"),
+    "of a long memory": (_remembering(0.8), "bias normal drifts"),
+    "of a short memory": (_remembering(0.3), "size bias normal"),
+}
+"""Noise in units of the size asked for, with what it is."""
 
 
-@pytest.mark.parametrize(
-    ("size", "right"),
-    [
-        (_POOLED[0] + 1e-6, True),
-        (_POOLED[0] - 1e-6, False),
-        (_POOLED[1] - 1e-6, True),
-        (_POOLED[1] + 1e-6, False),
-        ([_EACH[0] + 1e-6, 1, 1], True),
-        ([_EACH[0] - 1e-6, 1, 1], False),
-        ([1, 1, _EACH[1] + 1e-6], False),
-    ],
-)
-def test_the_size_of_noise_is_right_as_far_as_chance_and_a_tolerance_go(size: Array, right: bool) -> None:
-    assert _of(np.array(size) * _WHITE).size_is_right == right
+@pytest.mark.parametrize(("noise", "told"), NOISES.values(), ids=NOISES)
+def test_noise_is_told_by_its_size_its_law_and_its_memory(noise: Array, told: str) -> None:
+    reads = _of(noise)
+    found = {
+        "size": reads.size_is_right, "bias": reads.bias_is_right, "normal": reads.is_normal, "proportional": reads.proportional,
+        "one_signed": reads.one_signed, "clipped": reads.clipped, "accumulates": reads.accumulates, "drifts": reads.drifts,
+    }  # fmt: skip
+    assert {name for name, is_so in found.items() if is_so} == set(told.split())
+    assert not replace(reads, truth=np.ones((2, 3))).proportional
 
 
 @pytest.mark.parametrize(("size", "right"), [(1.13, True), (0.87, True), (1.2, False), (0.8, False)])
@@ -123,88 +178,12 @@ def test_an_offset_follows_the_truth_that_is_the_same_in_all_states() -> None:
     assert not _off(1.1 * _BOUND * _AXES[0]).offset_is(_BIAS)
 
 
-_SIZES = np.abs(_TRUTH)[:, None, :]
-
-
-@pytest.mark.parametrize(
-    ("noise", "goes_with"),
-    [(_SIZES * _WHITE, True), (_WHITE, False), (_STILL, False), ((_SIZES + 3) * _WHITE, False), (_SIZES * _WHITE * [1, 1.2, 0.8], False)],
-)  # fmt: skip
-def test_noise_goes_with_the_reading(noise: Array, goes_with: bool) -> None:
-    assert _of(noise).proportional == goes_with
-    assert not replace(_of(noise), truth=np.ones((2, 3))).proportional
-
-
-@pytest.mark.parametrize(
-    ("noise", "one"),
-    [
-        (-_POSITIVE, True),
-        (_POSITIVE - 0.9 * _ATOL / _STD, True),
-        (_POSITIVE - 1.1 * _ATOL / _STD, False),
-        (_POSITIVE + 0.04 * 0.6, True),
-        (-_POSITIVE - 0.06 * 0.6 * _AXES[0], False),
-        (_WHITE, False),
-    ],
-)
-def test_noise_of_one_sign_begins_at_the_truth(noise: Array, one: bool) -> None:
-    assert _of(noise).one_signed == one
-
-
-def _drawn_anew_beyond(cut: float) -> Array:
-    low = special.ndtr(-cut)
-    values = special.ndtri(low + (1 - 2 * low) * (np.arange(_READS) + 0.5) / _READS)
-    return np.stack([_RNG.permutation(values) for _ in range(6)], axis=1).reshape(_READS, 2, 3).swapaxes(0, 1)
-
-
-@pytest.mark.parametrize(
-    ("noise", "clipped"),
-    [
-        (_NORMAL.clip(-2, 2), True),
-        (_NORMAL.clip(-2.95, 2.95), True),
-        (_drawn_anew_beyond(1.2), True),
-        (_drawn_anew_beyond(0.8), False),
-        (_drawn_anew_beyond(3.2), False),
-        (_NORMAL, False),
-        (1.06 * _NORMAL.clip(-2, 2), False),
-        (_STILL, False),
-    ],
-)
-def test_noise_is_cut_off_that_is_what_a_normal_law_leaves_within_a_bound(noise: Array, clipped: bool) -> None:
-    assert _of(noise).clipped == clipped
-
-
 @pytest.mark.parametrize(("count", "again"), [(3, False), (4, True)])
 def test_four_of_the_extremes_come_again_where_a_bound_cuts_them_off(count: int, again: bool) -> None:
     series = _WHITE.copy()
     for state, axis in [(state, axis) for state in (0, 1) for axis in range(3)][:count]:
         series[state, :2, axis] = 9.0
     assert _of(series)._repeats_extremes() == again
-
-
-def _powered(power: float) -> Array:
-    return np.asarray(np.sign(_NORMAL) * np.abs(_NORMAL) ** power)
-
-
-@pytest.mark.parametrize(
-    ("noise", "normal"),
-    [
-        (_NORMAL * [1, 0, 2], True),
-        (_NORMAL * [[[1, 1, 1]], [[5, 5, 5]]], True),
-        (_STILL, True),
-        (_powered(0.8), False),
-        (_powered(1.2), False),
-        (_powered(1.3) * [0, 0, 1], False),
-    ],
-)
-def test_noise_is_normal_by_its_deviations_on_the_axes_that_have_any(noise: Array, normal: bool) -> None:
-    assert _of(noise).is_normal == normal
-
-
-def _remembering(share: float, lag: int = 1) -> Array:
-    series = _RAW.copy()
-    for n in range(lag, _READS):
-        series[:, n] += share * series[:, n - lag]
-    return series
 
 
 @pytest.mark.parametrize(
@@ -218,23 +197,6 @@ def _remembering(share: float, lag: int = 1) -> Array:
 )
 def test_the_memory_is_the_largest_correlation_with_one_of_three_reads_before(noise: Array, memory: float) -> None:
     assert _of(noise).memory == pytest.approx(memory, abs=0.06)
-
-
-@pytest.mark.parametrize(
-    ("noise", "adds_up"),
-    [(_WALK, True), (_WHITE, False), (_STILL, False), (_WALK * _AXES[0] + _WHITE * _AXES[1], False),
-     (np.stack([_WALK[0], _WHITE[1]]), False)],
-)  # fmt: skip
-def test_reads_that_hardly_differ_from_the_one_before_add_up(noise: Array, adds_up: bool) -> None:
-    assert _of(noise).accumulates == adds_up
-
-
-@pytest.mark.parametrize(
-    ("noise", "drifts"),
-    [(_WALK, True), (-_WALK[:, :100] + 100, True), (_remembering(0.8), True), (_remembering(0.3), False), (_STILL, False)],
-)  # fmt: skip
-def test_reads_that_move_by_little_against_what_they_move_by_in_the_end_drift(noise: Array, drifts: bool) -> None:
-    assert _of(noise).drifts is drifts
 
 
 def test_pairs_share_no_read_and_leave_the_odd_one_out() -> None:
@@ -265,39 +227,28 @@ def _responding(response: Array) -> Twins:
 
 
 @pytest.mark.parametrize(
-    ("response", "grain", "adds"),
+    ("response", "grain", "told"),
     [
-        (_CHANGE + 0.9 * _ATOL, 0.0, True),
-        (_CHANGE + 1.1 * _ATOL, 0.0, False),
-        (_CHANGE + 0.9 * _ATOL, 0.01, True),
-        (_CHANGE - 0.01, 0.01, True),
-        (_CHANGE - 0.011, 0.01, False),
-        (0 * _CHANGE, 0.0, False),
+        (_CHANGE + 0.9 * _ATOL, 0.0, "adds begins"),
+        (_CHANGE + 1.1 * _ATOL, 0.0, "begins"),
+        (_CHANGE + 0.9 * _ATOL, 0.01, "adds begins"),
+        (_CHANGE - 0.01, 0.01, "adds begins"),
+        (_CHANGE - 0.011, 0.01, "begins"),
+        (_CHANGE + 0.019, 0.0, "begins"),
+        (_CHANGE - 0.021, 0.0, ""),
+        (_CHANGE * _FIRST, 0.0, "begins"),
+        (_CHANGE * (1 - _FIRST), 0.0, ""),
+        (0 * _CHANGE, 0.0, "ignores"),
+        (_ATOL * _FIRST, 0.0, "ignores"),
+        (-_ATOL * _FIRST, 0.0, "ignores"),
+        (1.1 * _ATOL * _FIRST, 0.0, ""),
+        (-1.1 * _ATOL * _FIRST, 0.0, ""),
     ],
 )
-def test_a_bias_is_added_where_every_read_is_larger_by_it(response: Array, grain: float, adds: bool) -> None:
-    assert _responding(response).adds_bias(grain) == adds
-
-
-@pytest.mark.parametrize(
-    ("response", "begins"),
-    [
-        (_CHANGE * _FIRST, True),
-        (_CHANGE + 0.019, True),
-        (_CHANGE - 0.021, False),
-        (_CHANGE * (1 - _FIRST), False),
-    ],
-)
-def test_a_bias_that_does_not_stay_is_in_the_first_read_to_a_twentieth(response: Array, begins: bool) -> None:
-    assert _responding(response).begins_with_bias() == begins
-
-
-@pytest.mark.parametrize(
-    ("response", "ignores"),
-    [(0.0, True), (_ATOL, True), (-_ATOL, True), (1.1 * _ATOL, False), (-1.1 * _ATOL, False)],
-)
-def test_a_bias_that_does_nothing_is_ignored(response: float, ignores: bool) -> None:
-    assert _responding(np.full(3, response) * _FIRST).ignores_bias() == ignores
+def test_a_bias_is_added_to_every_read_or_to_the_first_one_or_ignored(response: Array, grain: float, told: str) -> None:
+    twins = _responding(response)
+    found = {"adds": twins.adds_bias(grain), "begins": twins.begins_with_bias(), "ignores": twins.ignores_bias()}
+    assert {name for name, is_so in found.items() if is_so} == set(told.split())
 
 
 def test_the_noise_is_told_beside_a_drift_by_what_more_of_it_adds() -> None:
@@ -320,11 +271,5 @@ def test_series_that_no_seed_determines_tell_nothing() -> None:
     assert not replace(_OTHER_SEED, other=_BASE).ignores_bias()
     assert not replace(_OTHER_SEED, scaled=3 * _BASE).scales()
     assert _OTHER_SEED.noise_size() == 0
-    assert not any(
-        (
-            facts_of.UNSEEDED.seeded,
-            facts_of.UNSEEDED.scales(),
-            facts_of.UNSEEDED.adds_bias(),
-            facts_of.UNSEEDED.ignores_bias(),
-        )
-    )
+    unknown = facts_of.UNSEEDED
+    assert not any((unknown.seeded, unknown.scales(), unknown.adds_bias(), unknown.ignores_bias()))
