@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import mujoco
@@ -79,7 +79,7 @@ def counting(n: Callable[[float, float], float]) -> Callable[[], Recorder]:
     return of(steps=lambda _s, m, duration: round(n(duration, m.opt.timestep)))
 
 
-def telling(change: Callable[[Any, Any, Any, Any], tuple[Any, Any, Any]]) -> Callable[[], Recorder]:
+def telling(change: Callable[[Any, Any, Any, Any], Sequence[Any]]) -> Callable[[], Recorder]:
     """One that changes what it has recorded."""
     return of(returned=lambda s, t, a, g, m: Recorder.returned(s, *change(t, a, g, m), m))
 
@@ -159,23 +159,10 @@ def _keeps_pose(self: Any, model: Any, data: Any) -> None:
     data.qvel[:], data.time = 0.0, 0.0
 
 
-def _half_pushed(_self: Any, data: Any) -> None:
-    data.qvel[0] = 0.25
-
-
-def _constant(self: Any, model: Any, data: Any, n: int) -> None:
-    data.time += model.opt.timestep
-
-
 def _raises_with_another_time_step(self: Any, model: Any, data: Any) -> None:
     if model.opt.timestep != 0.002:
         raise RuntimeError("broken")
     mujoco.mj_resetData(model, data)
-
-
-def _recorded(*_: Any) -> tuple[Any, Any, Any]:
-    push = truth()["push"]
-    return push["time"][:600], push["acceleration"][:600] * 1.01, push["angular_velocity"][:600] * 1.01
 
 
 def _noisy(t: Any, a: Any, g: Any, _m: Any) -> Any:
@@ -192,17 +179,6 @@ def _smoothed(t: Any, a: Any, g: Any, _m: Any) -> Any:
     return t, mean(a), mean(g)
 
 
-def _first_row_empty(t: Any, a: Any, g: Any, _m: Any) -> Any:
-    return tuple(np.concatenate([column[:1] * 0, column]) for column in (t, a, g))
-
-
-def _room(t: Any, a: Any, g: Any, _m: Any) -> Any:
-    """Sixty rows more than there are steps, never filled."""
-    return tuple(np.concatenate([column, np.zeros((60, *column.shape[1:]))]) for column in (t, a, g))
-
-
-NO_PUSH = of(push=lambda *_: None)
-COUNTED = telling(lambda t, a, g, _m: (np.arange(len(t)) * 0.002, a, g))
 WITHOUT_TIME = of(returned=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
 
 _NOT_REACHED = dict.fromkeys((TIME, TRUTH, RESET, PUSH), "skipped")
@@ -232,19 +208,19 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("before each step", Before, {TRUTH: (0.5, ["read-before-step"])}),
     ("stamps half a step too late", stamped(lambda t, dt: t + dt / 2), {TIME: (0.5, ["time-axis-wrong"])}),
     ("one stamp that is none", stamped(lambda t, _dt: np.where(np.arange(len(t)) == 7, np.nan, t)), {TIME: (0.0, ["not-finite"])}),
-    ("a usual time step, two rows", both(COUNTED, of(steps=lambda *_: 2)), {TIME: _USUAL, TRUTH: (0.0, [])}),
+    ("a usual time step, two rows", both(stamped(lambda t, _dt: np.arange(len(t)) * 0.002), steps=lambda *_: 2), {TIME: _USUAL, TRUTH: (0.0, [])}),
     # the rows
     ("exchanged", telling(lambda t, a, g, _m: (t, g, a)), {TRUTH: (0.0, ["channels-swapped"])}),
     ("all like the last", telling(lambda t, a, g, _m: (t, a[-1] + 0 * a, g[-1] + 0 * g)), {TRUTH: (0.0, ["aliased-rows"])}),
     ("of the last sensor", of(row=lambda s, m, d, *_: Recorder.row(s, m, d, -1, -1)), {TRUTH: (0.0, ["sensor-not-found"])}),
-    ("room for more", telling(_room), {TRUTH: (0.5, ["rows-left-zero"])}),
-    ("a first row that is empty", telling(_first_row_empty), {TRUTH: (0.5, ["first-row-empty"])}),
+    ("room for more", telling(lambda t, a, g, _m: [np.concatenate([x, np.zeros((60, *x.shape[1:]))]) for x in (t, a, g)]), {TRUTH: (0.5, ["rows-left-zero"])}),
+    ("a first row that is empty", telling(lambda t, a, g, _m: [np.concatenate([x[:1] * 0, x]) for x in (t, a, g)]), {TRUTH: (0.5, ["first-row-empty"])}),
     ("without the first ones", telling(lambda t, a, g, _m: (t[30:], a[30:], g[30:])), {TRUTH: (0.5, [])}),
     ("with digits cut off", telling(lambda t, a, g, _m: (t, a.round(2), g)), {TRUTH: (0.5, ["rows-altered"])}),
     ("zeros in one", telling(lambda t, a, g, _m: (t, a * 0, g)), {TRUTH: (0.0, [])}),
     ("no numbers", telling(lambda t, a, g, _m: (t, a * np.nan, g * np.nan)), {**_UNKNOWN, TRUTH: (0.0, ["not-finite"])}),
-    ("no simulation", of(step=_constant), {**_UNKNOWN, TRUTH: (0.0, ["nothing-simulated"])}),
-    ("a recording, altered", telling(_recorded), {COUNT: (0.0, ["ignores-duration"]), TIME: _USUAL, TRUTH: (0.0, ["rows-altered"]), RESET: "skipped"}),
+    ("no simulation", of(step=lambda _s, m, data, _n: setattr(data, "time", data.time + m.opt.timestep)), {**_UNKNOWN, TRUTH: (0.0, ["nothing-simulated"])}),
+    ("a recording, altered", telling(lambda *_: [(1.01 if key != "time" else 1) * truth()["push"][key][:600] for key in KEYS]), {COUNT: (0.0, ["ignores-duration"]), TIME: _USUAL, TRUTH: (0.0, ["rows-altered"]), RESET: "skipped"}),
     # the reset
     ("no reset", of(begin=lambda *_: None), {RESET: _KEPT}),
     ("until the time, without a reset", UntilTime, {RESET: _KEPT}),
@@ -252,8 +228,8 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("another gravity and time step", of(begin=_in_another_world), {RESET: (0.0, ["modifies-model"])}),
     # the push
     ("a rollout", Rollout, {}),
-    ("a rollout with half of it", both(Rollout, of(push=_half_pushed)), {PUSH: (0.0, ["wrong-perturbation"])}),
-    ("no push, of altered rows", both(telling(lambda t, a, g, _m: (t, a * 1.01, g)), NO_PUSH), {TRUTH: (0.0, []), PUSH: (0.0, ["no-perturbation"])}),
+    ("a rollout with half of it", both(Rollout, of(push=lambda _s, data: np.put(data.qvel, 0, 0.25))), {PUSH: (0.0, ["wrong-perturbation"])}),
+    ("no push, of altered rows", both(telling(lambda t, a, g, _m: (t, a * 1.01, g)), push=lambda *_: None), {TRUTH: (0.0, []), PUSH: (0.0, ["no-perturbation"])}),
     ("in every step", ResetInTheLoop, {TRUTH: (0.0, ["starts-over"])}),
     ("another push each time", Random, {PUSH: (0.0, ["random-push"])}),
 ]  # fmt: skip

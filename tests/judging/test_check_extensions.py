@@ -121,10 +121,6 @@ def _some_unknown(taus: Any, adev: Any) -> Any:
     return np.where(odd == 5, np.inf, taus), np.where((odd == 3) | (odd == 8), np.nan, adev)
 
 
-def _raises_for_axes(samples: Any, rate: float) -> Any:
-    return deviation(samples, rate) if samples.ndim == 1 else _raises()
-
-
 ALLAN: list[Row] = [
     (checks.check_returns_times_and_deviations, "the deviations alone", lambda s, r: deviation(s, r)[1], (0.0, ["wrong-return-type"])),
     (checks.check_returns_times_and_deviations, "no numbers", _changed(lambda t, a: (t, a * np.nan)), (0.5, ["not-finite"])),
@@ -141,7 +137,7 @@ ALLAN: list[Row] = [
     *((checks.check_shows_kinds_of_noise, f"steeper for {kind} alone", _steeper(kind), (0.0, [])) for kind in ("walk", "quantised", "drift")),
     (checks.check_shows_kinds_of_noise, "short times alone", lambda s, r: tuple(x[:4] for x in deviation(s, r)), None),
     (checks.check_takes_three_axes, "the first for all", _same_for_all, (0.0, [])),
-    (checks.check_takes_three_axes, "raises for more than one axis", _raises_for_axes, "raised"),
+    (checks.check_takes_three_axes, "raises for more than one axis", lambda s, r: deviation(s, r) if s.ndim == 1 else _raises(), "raised"),
 ]  # fmt: skip
 
 # --- many IMUs ------------------------------------------------------------------------------------------------------

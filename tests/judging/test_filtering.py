@@ -80,30 +80,20 @@ def _short(charge: Charge | Exception) -> tuple[float, str]:
     return charge.keeps, seen if charge.see else " ".join(id_.removeprefix("filtering.") for id_, _ in charge.found)
 
 
-def facts_of(answer: Filter) -> Facts:
-    """What is known of a filter."""
-    runs = [FilterRun(answer(case.alpha or 0.1, case.signal, case.initial), None, None) for case in CASES.values()]
-    return facts(CASES, runs)
+def runs_of(answer: Filter) -> dict[str, FilterRun]:
+    """What a filter answers in each case."""
+    return {
+        name: FilterRun(answer(case.alpha or 0.1, case.signal, case.initial), None, None)
+        for name, case in CASES.items()
+    }
 
 
-def facts_with(change: Callable[[Array], Array], *names: str) -> Facts:
-    """Facts of the sheet's filter, with something done to what comes out in the named cases."""
-    runs = {name: sheet(case.alpha or 0.1, case.signal, case.initial) for name, case in CASES.items()}
-    changed = {name: change(y) if name in names else y for name, y in runs.items()}
-    return facts(CASES, [FilterRun(y, None, None) for y in changed.values()])
+def facts_of(runs: Mapping[str, FilterRun], stumbles: Fault | None = None) -> Facts:
+    """What is known of a filter that answers so, and as the sheet's in all other cases."""
+    return facts(CASES, list({**RAN, **runs}.values()), stumbles=stumbles)
 
 
-def test_an_output_that_grows_beyond_all_numbers_is_measured_as_one() -> None:
-    grown = facts_with(lambda y: np.where(np.arange(len(y))[:, None] > 300, np.inf, y), "slow")
-    assert SIGNAL not in grown.stopped
-    assert NOISE in facts_with(lambda y: np.full_like(y, np.inf), "noise").stopped
-
-
-def test_outputs_that_are_no_numbers_do_not_show_that_a_filter_has_no_memory() -> None:
-    assert facts_with(lambda y: np.full_like(y, np.nan), "another_past").own.remembers
-    assert not facts_of(memoryless(lambda x: x)).own.remembers
-
-
+RAN = runs_of(sheet)
 NO_FILTER = dict.fromkeys((START, CONSTANT, NOISE, SIGNAL), (0.0, "not reached"))
 FILTERS: list[tuple[str, Filter, Mapping[str, tuple[float, str]]]] = [
     ("sound", sheet, {}),
@@ -128,11 +118,10 @@ FILTERS: list[tuple[str, Filter, Mapping[str, tuple[float, str]]]] = [
 
 @pytest.mark.parametrize(("answer", "marked"), [row[1:] for row in FILTERS], ids=[row[0] for row in FILTERS])
 def test_what_a_filter_is_charged(answer: Filter, marked: Mapping[str, tuple[float, str]]) -> None:
-    assert judged(facts_of(answer)) == marked
+    assert judged(facts_of(runs_of(answer))) == marked
 
 
 FAULT = Fault("ValueError", "no", "filters.py", 7, None)
-RAN = {name: FilterRun(sheet(case.alpha or 0.1, case.signal, case.initial), None, None) for name, case in CASES.items()}
 ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]]]] = [
     ("needs alpha", {"no alpha": FilterRun(None, None, FAULT)}, {OF: (0.5, "needs-alpha")}),
     ("raises", {SECOND: FilterRun(None, None, FAULT)}, dict.fromkeys((OF, START, CONSTANT, NOISE, SIGNAL), (0.0, "Raised"))),
@@ -140,6 +129,9 @@ ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]
     ("a global", {FIRST: replace(RAN[FIRST], departs=("global alpha",))}, {OF: (0.5, "global-for-parameter")}),
     ("pairs", {name: replace(run, odd="a tuple of 2") for name, run in RAN.items()}, {OF: (0.5, "wrong-return-type")}),
     ("numbers", {name: FilterRun(run.output * np.nan, "a number", None) for name, run in RAN.items()}, dict.fromkeys((OF, START, CONSTANT, NOISE, SIGNAL, OWN), (0.0, "Unusable"))),
+    ("beyond all numbers in the end", {"slow": replace(RAN["slow"], output=np.where(np.arange(len(RAN["slow"].output))[:, None] > 300, np.inf, RAN["slow"].output))}, {SIGNAL: (0.0, SIGNAL)}),
+    ("beyond all numbers", {"noise": replace(RAN["noise"], output=RAN["noise"].output * np.inf)}, {NOISE: (0.0, "Unusable")}),
+    ("no numbers after another past", {"another_past": replace(RAN["another_past"], output=RAN["another_past"].output * np.nan)}, {OWN: (0.0, "Unusable")}),
     ("None at first", {name: FilterRun(np.vstack([[[np.nan] * 3], run.output[1:]]), "None", None) for name, run in RAN.items()}, {START: (0.0, "wrong-return-type")}),
     ("shared, and handed out", {name: replace(RAN[name], output=RAN[name].output + 1) for name in ("beside", "spoilt_output")}, {OWN: (0.0, "shared-state aliased-output")}),
     ("spoilt output", {"spoilt_output": replace(RAN["beside"], output=RAN["beside"].output + 1)}, {OWN: (0.5, "aliased-output")}),
@@ -151,7 +143,7 @@ ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]
 
 @pytest.mark.parametrize(("changed", "marked"), [row[1:] for row in ANSWERS], ids=[row[0] for row in ANSWERS])
 def test_what_an_answer_is_charged(changed: Mapping[str, FilterRun], marked: Mapping[str, tuple[float, str]]) -> None:
-    assert judged(facts(CASES, list({**RAN, **changed}.values()))) == marked
+    assert judged(facts_of(changed)) == marked
 
 
 class Stumbling:
@@ -170,15 +162,14 @@ def test_filters_that_stumble_are_asked_again_each_in_its_own_process() -> None:
 
 def test_numbers_of_chance_are_no_memory() -> None:
     rng = np.random.default_rng(1)
-    found = judged(facts_of(memoryless(lambda x: x + rng.normal(0, 0.01, x.shape))))
+    found = judged(facts_of(runs_of(memoryless(lambda x: x + rng.normal(0, 0.01, x.shape)))))
     assert found == {OF: (0.0, "does-not-filter"), **NO_FILTER, OWN: (1.0, "not charged")}
 
 
 def _charged() -> dict[str, Charged]:
     """Every charge of these filters and answers, by check and name."""
-    known = {name: facts_of(answer) for name, answer, _ in FILTERS}
-    known |= {name: facts(CASES, list({**RAN, **changed}.values())) for name, changed, _ in ANSWERS}
-    known["stumbles"] = facts(CASES, list(RAN.values()), stumbles=FAULT)
+    known = {name: facts_of(runs_of(answer)) for name, answer, _ in FILTERS}
+    known |= {name: facts_of(changed) for name, changed, _ in ANSWERS} | {"stumbles": facts_of({}, stumbles=FAULT)}
     judged = ((check, name, charge) for name, each in known.items() for check, charge in PART.judge(each, ROWS).items())
     return {f"{check}: {name}": Charged(c) for check, name, c in judged if isinstance(c, Charge) and not c.see}
 

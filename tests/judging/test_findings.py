@@ -7,6 +7,8 @@ import pytest
 
 from grader.engine.findings import CheckFailed, Fault, Raised, Size, Where, raised
 from grader.labs.imu.compare import distinct_texts
+from tests.judging import test_filtering
+from tests.judging.fake_students import all_cases, pinned
 
 pytestmark = pytest.mark.quick
 _FAULT = Fault("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
@@ -77,3 +79,9 @@ def test_an_exception_stops_a_check_and_says_what_was_done() -> None:
 def test_two_vectors_are_never_shown_with_the_same_digits_where_they_differ() -> None:
     assert distinct_texts(np.array([1.0, 2.0]), np.array([1.00004, 2.0])) == ("[1.00000 2.00000]", "[1.00004 2.00000]")
     assert distinct_texts(np.array([1.0]), np.array([2.0])) == ("[1.000]", "[2.000]")
+
+
+def test_the_words_are_those_of_cases_that_each_have_a_name_of_their_own() -> None:
+    names = [case.id for case in all_cases()]
+    assert len(set(names)) == len(names)
+    assert set(pinned()) <= {*names, *test_filtering.all_words()}

@@ -114,6 +114,7 @@ NOISES: dict[str, tuple[Array, str]] = {
     "of thin tails": (_powered(0.8), "bias"),
     "of heavy tails": (_powered(1.2), "bias"),
     "of heavy tails on one axis": (_powered(1.3) * [0, 0, 1], "bias"),
+    "cut off at one": (_NORMAL.clip(-1, 1), "bias clipped"),
     "cut off at two": (_NORMAL.clip(-2, 2), "size bias normal clipped"),
     "cut off at nearly three": (_NORMAL.clip(-2.95, 2.95), "size bias normal clipped"),
     "cut off at two, and enlarged": (1.06 * _NORMAL.clip(-2, 2), "size bias normal"),

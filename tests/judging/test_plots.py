@@ -171,16 +171,12 @@ def sample(text: str, curve: Curve, **other: str) -> Entry:
 
 
 SAMPLES: dict[str, tuple[list[Entry], list[Placed], str | None]] = {
-    "its own": ([sample("y", Y), sample("x", X)], [], "x"),
-    "of another colour": ([sample("y", Y)], [], None),
     "the first of two alike": ([sample("x", X), sample("again", X)], [], "x"),
     "by its style": ([sample("dashed", X, style="--"), sample("x", X)], [], "x"),
     "by its marker": ([sample("dots", X, marker="o"), sample("x", X)], [], "x"),
     "the likest, though it is not alike": ([sample("dashed", X, style="--", stroke="3")], [], "dashed"),
     "one without words": ([sample(" ", X), sample("_line0", X), sample("x", X)], [], "x"),
     "a text of its colour": ([], [Placed(" ", (0, 0), X.colour), Placed("red", (0, 0), X.colour)], "red"),
-    "a text of another colour": ([], [Placed("green", (0, 0), Y.colour)], None),
-    "a sample before a text": ([sample("x", X)], [Placed("red", (0, 0), X.colour)], "x"),
 }
 
 

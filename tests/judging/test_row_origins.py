@@ -44,16 +44,8 @@ def _taken(rows: object, world: str = TRUE_WORLD, time: Array | None = None) -> 
     world=st.sampled_from(list(_WORLDS)),
     exchanged=st.booleans(),
     how=st.sampled_from(
-        [
-            RowOrigin(),
-            RowOrigin(lag=1),
-            RowOrigin(lag=-1),
-            RowOrigin(lag=-7),
-            RowOrigin(skip=2),
-            RowOrigin(skip=5, first=4),
-            RowOrigin(aliased=True),
-        ]
-    ),
+        [{}, {"lag": 1}, {"lag": -1}, {"lag": -7}, {"skip": 2}, {"skip": 5, "first": 4}, {"aliased": True}]
+    ).map(lambda words: RowOrigin(**words)),  # type: ignore[arg-type]
 )
 def test_rows_are_told_by_the_story_that_they_were_made_by(world: str, exchanged: bool, how: RowOrigin) -> None:
     assume(not exchanged or how.lag > -7)  # where the first sample is looked for, sensors are not exchanged
