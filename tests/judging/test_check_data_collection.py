@@ -277,9 +277,8 @@ def test_a_made_up_recorder_is_marked_fairly(row: Row) -> None:
 def test_a_fault_costs_the_same_whatever_is_done_to_the_rows(treatment: str, fault: str) -> None:
     (treated, costs), (faulty, marks) = TREATMENTS[treatment], FAULTS[fault]
     student = FakeStudent(simulate_and_collect=function(both(treated, faulty)()))
-    assert {check: marked(finding(Case("", check, lambda: student))) for check in CHECKS} == dict.fromkeys(
-        CHECKS
-    ) | costs | marks
+    found = {check: marked(finding(Case("", check, lambda: student))) for check in CHECKS}
+    assert found == dict.fromkeys(CHECKS) | costs | marks
 
 
 _SHAPE = (0.0, ["wrong-return-type"])

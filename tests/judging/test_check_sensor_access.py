@@ -85,6 +85,13 @@ class _Late:
 _RNG = np.random.default_rng(7)
 
 
+_OWN = mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
+
+
+def _of_the_programs_own(_m: Any, d: Any, accel_sensor_id: int, gyro_sensor_id: int) -> Any:
+    return np.full(3, _OWN.time), np.zeros(3)
+
+
 _UNKNOWN = dict.fromkeys((FOLLOWS, COPY, ALONE), "skipped")
 """Where readings follow nothing, their place cannot be judged."""
 _STRANGE, _MOVED = {MATCHES: (0.0, [])}, {ALONE: (0.0, ["disturbs-simulation"])}
@@ -102,7 +109,7 @@ READERS: list[tuple[str, Any, dict[Any, Marked]]] = [
     ("one axis of another IMU", elsewhere(altered(lambda x: x * [0.9, 1.0, 1.0])), _STRANGE),
     ("reset before", _resetting, _STRANGE | _MOVED),
     ("chance", lambda *_: (_RNG.normal(size=3), _RNG.normal(size=3)), _STRANGE | _UNKNOWN),
-    ("zeros, by other parameters", lambda _m, _d, accel_sensor_id, gyro_sensor_id: (np.zeros(3), np.zeros(3)), _STRANGE | _UNKNOWN),
+    ("of the program's own data", _of_the_programs_own, _STRANGE | _UNKNOWN),
     # where it is read
     ("swapped elsewhere", elsewhere(lambda m, d, a, g: sound(m, d, g, a)), {FOLLOWS: (0.0, [])}),
     ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), _FIXED),

@@ -131,7 +131,6 @@ ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]
     ("numbers", {name: FilterRun(run.output * np.nan, "a number", None) for name, run in RAN.items()}, dict.fromkeys((OF, START, CONSTANT, NOISE, SIGNAL, OWN), (0.0, "Unusable"))),
     ("beyond all numbers in the end", {"slow": replace(RAN["slow"], output=np.where(np.arange(len(RAN["slow"].output))[:, None] > 300, np.inf, RAN["slow"].output))}, {SIGNAL: (0.0, SIGNAL)}),
     ("beyond all numbers", {"noise": replace(RAN["noise"], output=RAN["noise"].output * np.inf)}, {NOISE: (0.0, "Unusable")}),
-    ("no numbers after another past", {"another_past": replace(RAN["another_past"], output=RAN["another_past"].output * np.nan)}, {OWN: (0.0, "Unusable")}),
     ("None at first", {name: FilterRun(np.vstack([[[np.nan] * 3], run.output[1:]]), "None", None) for name, run in RAN.items()}, {START: (0.0, "wrong-return-type")}),
     ("shared, and handed out", {name: replace(RAN[name], output=RAN[name].output + 1) for name in ("beside", "spoilt_output")}, {OWN: (0.0, "shared-state aliased-output")}),
     ("spoilt output", {"spoilt_output": replace(RAN["beside"], output=RAN["beside"].output + 1)}, {OWN: (0.5, "aliased-output")}),
@@ -144,6 +143,12 @@ ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]
 @pytest.mark.parametrize(("changed", "marked"), [row[1:] for row in ANSWERS], ids=[row[0] for row in ANSWERS])
 def test_what_an_answer_is_charged(changed: Mapping[str, FilterRun], marked: Mapping[str, tuple[float, str]]) -> None:
     assert judged(facts_of(changed)) == marked
+
+
+def test_outputs_that_are_no_numbers_do_not_show_that_a_filter_has_no_memory() -> None:
+    past = RAN["another_past"]
+    assert facts_of({"another_past": replace(past, output=past.output * np.nan)}).own.remembers
+    assert not facts_of(runs_of(memoryless(lambda x: x))).own.remembers
 
 
 class Stumbling:
