@@ -1,19 +1,28 @@
-"""The same bytes get the same grade and the same words, whatever code asks the system for and whatever else the machine does."""
+"""The same bytes get the same grade and the same words, whatever code asks the system for, whatever else the machine does, and without every optimization."""
 
 from __future__ import annotations
 
+import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
+from unittest import mock
 
 import pytest
 
+from grader.engine import check_runner, grader, lab_sandbox, rubric
 from grader.engine.grader import Marker
+from grader.engine.lab_sandbox import WORKER_CODE
 from grader.engine.results import Result
-from grader.intake import Submission
+from grader.intake import Submission, read_submission
+from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy, verbatim
+from tests.examples import FOLDER
 from tests.single_faults import changed, submission_of
 
 NOISY = """
@@ -107,3 +116,40 @@ def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker
     first, second = (settled(marker.mark(submission, only="visualization")) for _ in range(2))
     assert first == second
     assert first.evidence == second.evidence
+
+
+# --- optimizations ---
+
+CHOSEN = ("s01-sheet-verbatim", "s07-no-units", "s11-kills-its-interpreter")
+
+PICTURES_IN_FULL = (
+    "\n\ndef reads_pictures_back(sources):\n    return True\n\n\ndef _undrawn_artists(axes):\n    return ()\n"
+)
+"""Further code of drawing.py: every picture is drawn as the student's code asks, and looked at."""
+
+
+@contextmanager
+def without_savings(folder: Path) -> Iterator[Marker]:
+    """A marker that does nothing beforehand and draws in full."""
+    worker_code = shutil.copytree(WORKER_CODE, folder / "worker", ignore=shutil.ignore_patterns("__pycache__"))
+    drawing = worker_code / "drawing.py"
+    own = drawing.read_text(encoding="utf-8")
+    replaced = re.findall(r"^def (\w+)\(", PICTURES_IN_FULL, re.MULTILINE)
+    assert all(f"\ndef {each}(" in own for each in replaced), "there is no such saving"
+    drawing.write_text(own + PICTURES_IN_FULL, encoding="utf-8")
+    with mock.patch.object(lab_sandbox, "WORKER_CODE", worker_code):
+        sandbox = lab_sandbox.open_sandbox(LAB, thorough=False)
+    with (
+        mock.patch.object(grader, "libraries_of", return_value=()),
+        Marker(rubric.load(LAB), bundles.shipped(), sandbox=sandbox) as slow,
+    ):
+        yield slow
+
+
+def test_no_saving_changes_a_mark(marker: Marker, tmp_path: Path) -> None:
+    chosen = [read_submission(FOLDER / name, LAB.files) for name in CHOSEN]
+    cheap = [settled(marker.mark(submission)) for submission in chosen]
+    with without_savings(tmp_path) as slow:
+        for submission, expected in zip(chosen, cheap, strict=True):
+            check_runner.session.cache_clear()  # the checks are collected anew for each submission
+            assert settled(slow.mark(submission)) == expected, submission.id
