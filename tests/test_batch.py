@@ -117,8 +117,7 @@ def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_l
     order = GradeRequest((tmp_path,), tmp_path / "out", rubric.load(LAB), bundles.shipped())
     stopped = unmarked.stopped(submission("alice"), order, "no end within 600 s")
     assert (stopped.status, stopped.score, stopped.max_score) == ("graded", 0.0, 100.0)
-    rows = [check for criterion in stopped.criteria for check in criterion.checks]
-    assert {(row.outcome, row.points) for row in rows} == {("timeout", 0.0)}
+    assert {(row.outcome, row.points) for part in stopped.criteria for row in part.checks} == {("timeout", 0.0)}
     assert [sum(row.max_points for row in criterion.checks) for criterion in stopped.criteria] == [20.0] * 5
     assert "ended twice (no end within 600 s)" in stopped.notes[0]
     bob = result(check("timeout", 0.0), check())

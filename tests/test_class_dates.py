@@ -44,18 +44,11 @@ def test_a_cut_off_is_by_the_clock_as_well(run: Run) -> None:
     assert column(Path("out/gradebook.csv"), "late") == {"ann": "1", "bob": "refused", "cy": "1"}
 
 
-@pytest.mark.parametrize(
-    ("late", "told"),
-    [
-        (f"due: {LOCAL}, tz: Europe/Berlon", "there is no time zone 'Europe/Berlon'; name one like Europe/Berlin"),
-        (f"due: {LOCAL}", "due must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00"),
-    ],
-)
-def test_a_time_zone_that_is_none_or_not_named_is_told(run: Run, late: str, told: str) -> None:
-    rubric_with(Path("rub.yaml"), late_policy(late))
+def test_a_time_zone_that_is_none_is_told(run: Run) -> None:
+    rubric_with(Path("rub.yaml"), late_policy(f"due: {LOCAL}, tz: Europe/Berlon"))
     code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub.yaml")
     assert code == 2
-    assert told in err
+    assert "there is no time zone 'Europe/Berlon'; name one like Europe/Berlin" in err
 
 
 def test_grace_days_of_a_student_are_taken_off_the_days_that_count(run: Run) -> None:

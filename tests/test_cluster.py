@@ -46,15 +46,11 @@ class Site:
         self.address = json.loads(self._file.read_text(encoding="utf-8"))["address"]
 
     def _start(self, *arguments: str) -> subprocess.Popen[bytes]:
-        environment = {
-            **os.environ,
-            "PYTHONPATH": str(ROOT),
-            "DASK_TEMPORARY_DIRECTORY": str(self._folder),
-            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
-        }
+        environment = {"PYTHONPATH": str(ROOT), "DASK_TEMPORARY_DIRECTORY": str(self._folder)}
+        environment |= {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
         with open(self._folder / "log", "ab") as log:
             command = [sys.executable, "-m", "dask", *arguments, "--host", "127.0.0.1", "--no-dashboard"]
-            return subprocess.Popen(command, cwd=self._folder, env=environment, stdout=log, stderr=log)
+            return subprocess.Popen(command, cwd=self._folder, env=os.environ | environment, stdout=log, stderr=log)
 
     def staff(self, count: int) -> list[int]:
         """Have this many workers; their process ids."""
@@ -242,14 +238,15 @@ def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> Non
 # --- a cluster that goes away -----------------------------------------------------------------------------------------
 
 
-def test_a_scheduler_that_goes_away_ends_the_run(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The last test here: it takes the scheduler with it."""
+def test_a_scheduler_that_goes_away_ends_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 2.0)
-    site.staff(1)
-    killer = threading.Thread(target=lambda: (until((tmp_path / "marked").exists), site.scheduler.kill()))
-    killer.start()
-    with pytest.raises(GraderError) as told:
-        grade(site, tmp_path, "wait")
+    with closing(Site(tmp_path)) as site:
+        site.staff(1)
+        killer = threading.Thread(target=lambda: (until((tmp_path / "marked").exists), site.scheduler.kill()))
+        killer.start()
+        with pytest.raises(GraderError) as told:
+            grade(site, tmp_path, "wait")
+        killer.join()
     assert str(told.value) == (
         f"the cluster at {site.address} was lost; give the same command again, and it continues where it stopped"
     )
