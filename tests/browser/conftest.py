@@ -25,6 +25,8 @@ BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-c
 CHROMIUM = next(filter(None, map(shutil.which, BROWSERS)), None)
 """The shell first: a page in it takes a third of the work, as no window is made around it."""
 STUDENTS = 36
+PHONE = {"width": 320, "height": 640}
+"""The narrowest that WCAG 2.2 asks for (1.4.10, reflow)."""
 
 
 def made_up(number: int) -> Result:
@@ -79,6 +81,13 @@ def complaints(page: Page) -> list[tuple[str, list[str]]]:
     return [(each["id"], [node["html"][:160] for node in each["nodes"][:3]]) for each in found]
 
 
+def width_on_a_phone(page: Page) -> int:
+    """The width of what a page shows on a phone."""
+    page.set_viewport_size(PHONE)
+    width: int = page.evaluate("document.documentElement.scrollWidth")
+    return width
+
+
 class Watched:
     """Pages of a browser; what goes wrong in them is written down, and so is each address that does not begin as it may.
 
@@ -95,15 +104,13 @@ class Watched:
         page.on("console", lambda message: self.troubles.append(message.text))
         page.on("pageerror", lambda error: self.troubles.append(str(error)))
         page.on("dialog", lambda dialog: self.troubles.append(dialog.message))
-        page.on("request", lambda request: self._note(request.url))
+        page.on(
+            "request", lambda request: self.troubles.extend([request.url] * (not request.url.startswith(self._may)))
+        )
         if self._first:
             page.goto(self._first)
         page.goto(self._home + path)
         return page
-
-    def _note(self, url: str) -> None:
-        if not url.startswith(self._may):
-            self.troubles.append(url)
 
     def close(self) -> None:
         for context in self._browser.contexts:

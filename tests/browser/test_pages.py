@@ -8,14 +8,12 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import CHROMIUM, STUDENTS, Watched, complaints
+from tests.browser.conftest import CHROMIUM, PHONE, STUDENTS, Watched, complaints, width_on_a_phone
 
 if CHROMIUM is None:
     pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
 
 INDEX, REPORT, BY_HAND = "index.html", "submissions/real/report.html", "submissions/s09/report.html"
-PHONE = {"width": 320, "height": 640}
-"""The narrowest that WCAG 2.2 asks for (1.4.10, reflow)."""
 
 
 def column(page: Page, heading: str) -> list[str]:
@@ -33,27 +31,20 @@ def column(page: Page, heading: str) -> list[str]:
 # --- the class ------------------------------------------------------------------------------------------------------
 
 
-def test_a_click_on_a_heading_sorts_by_it_and_a_second_one_the_other_way(watched: Watched) -> None:
+def test_a_click_on_a_heading_sorts_and_a_second_one_the_other_way_and_a_word_filters(watched: Watched) -> None:
     page = watched.open(INDEX)
     before = [float(cell) for cell in column(page, "Score")]
     assert before != sorted(before)
-    page.locator("#submissions").get_by_role("button", name="Score").click()
-    assert [float(cell) for cell in column(page, "Score")] == sorted(before, reverse=True)
-    expect(page.locator("#submissions th[aria-sort]")).to_have_attribute("aria-sort", "descending")
-    page.locator("#submissions").get_by_role("button", name="Score").click()
-    assert [float(cell) for cell in column(page, "Score")] == sorted(before)
-    expect(page.locator("#submissions th[aria-sort]")).to_have_attribute("aria-sort", "ascending")
-
-
-def test_a_word_filters_the_class_and_the_count_is_told(watched: Watched) -> None:
-    page = watched.open(INDEX)
+    for order, scores in (("descending", sorted(before, reverse=True)), ("ascending", sorted(before))):
+        page.locator("#submissions").get_by_role("button", name="Score").click()
+        assert [float(cell) for cell in column(page, "Score")] == scores
+        expect(page.locator("#submissions th[aria-sort]")).to_have_attribute("aria-sort", order)
+    page.locator("#submissions").get_by_role("button", name="Name").click()
     expect(page.locator("#shown")).to_have_text("")
-    page.get_by_label("Find").fill("thu 1")
-    assert column(page, "Name") == [f"Student {number}" for number in (10, 12, 14, 16, 18)]
-    expect(page.locator("#shown")).to_have_text(f"5 of {STUDENTS + 1}")
-    page.get_by_label("Find").fill("no such name")
-    assert column(page, "Name") == []
-    expect(page.locator("#shown")).to_have_text(f"0 of {STUDENTS + 1}")
+    for text, numbers in (("thu 1", (10, 12, 14, 16, 18)), ("no such name", ())):
+        page.get_by_label("Find").fill(text)
+        assert column(page, "Name") == [f"Student {number}" for number in numbers]
+        expect(page.locator("#shown")).to_have_text(f"{len(numbers)} of {STUDENTS + 1}")
 
 
 def test_a_mistake_leads_to_those_who_made_it_and_a_name_to_the_report(watched: Watched) -> None:
@@ -103,13 +94,6 @@ def test_a_bar_leads_to_those_who_stand_in_it_and_goes_together_with_the_other_f
     expect(bar).to_have_attribute("aria-pressed", "false")
 
 
-def test_without_scripts_the_class_page_is_whole(watched: Watched) -> None:
-    page = watched.open(INDEX, java_script_enabled=False)
-    expect(page.locator("#submissions tbody tr")).to_have_count(STUDENTS + 1)
-    expect(page.get_by_label("Find")).to_be_hidden()
-    watched.troubles.clear()  # Chromium says that the script was blocked, which is what was asked for
-
-
 # --- a report -------------------------------------------------------------------------------------------------------
 
 
@@ -133,27 +117,26 @@ def test_every_chart_is_drawn_inside_its_frame(watched: Watched) -> None:
         assert box["widest"] > 0.7 * box["wide"]
 
 
-def test_on_paper_nothing_is_cut_off_and_no_control_is_printed(watched: Watched) -> None:
+def test_without_scripts_the_class_page_is_whole_and_on_paper_no_control_is_printed(watched: Watched) -> None:
+    page = watched.open(INDEX, java_script_enabled=False)
+    expect(page.locator("#submissions tbody tr")).to_have_count(STUDENTS + 1)
+    expect(page.get_by_label("Find")).to_be_hidden()
+    watched.troubles.clear()  # Chromium says that the script was blocked, which is what was asked for
     page = watched.open(INDEX)
     page.emulate_media(media="print")
     expect(page.locator("nav")).to_be_hidden()
     expect(page.get_by_label("Find")).to_be_hidden()
-    report = watched.open(REPORT)
-    assert report.pdf(format="A4")[:5] == b"%PDF-"
+    assert watched.open(REPORT).pdf(format="A4")[:5] == b"%PDF-"
 
 
 # --- everyone -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("path", [INDEX, REPORT, BY_HAND])
-def test_axe_finds_nothing_to_complain_of(watched: Watched, path: str) -> None:
-    assert complaints(watched.open(path, bypass_csp=True)) == []
-
-
-@pytest.mark.parametrize("path", [INDEX, REPORT, BY_HAND])
-def test_a_phone_needs_no_sideways_scrolling(watched: Watched, path: str) -> None:
-    page = watched.open(path, viewport=PHONE, has_touch=True)
-    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+def test_axe_finds_nothing_to_complain_of_and_a_phone_needs_no_sideways_scrolling(watched: Watched, path: str) -> None:
+    page = watched.open(path, bypass_csp=True)
+    assert complaints(page) == []
+    assert width_on_a_phone(page) <= PHONE["width"]
     smallest = page.evaluate(
         """() => Math.min(...Array.from(document.querySelectorAll("main p, main td, main dd, main li, main h3"))
             .filter(each => each.offsetParent !== null).map(each => parseFloat(getComputedStyle(each).fontSize)))"""

@@ -42,11 +42,7 @@ class Reasons:
 
     def of(self, mutant: Mutant) -> set[str]:
         """The patterns that explain a survivor."""
-        return {pattern for pattern in self.why if _fits(pattern, mutant.key)}
-
-
-def _fits(pattern: str, key: str) -> bool:
-    return _compiled(pattern).fullmatch(key) is not None
+        return {pattern for pattern in self.why if _compiled(pattern).fullmatch(mutant.key)}
 
 
 @cache  # thousands of mutants are held against a thousand patterns

@@ -9,24 +9,19 @@ from __future__ import annotations
 
 import ast
 import gc
-import importlib.abc
-import importlib.machinery
-import importlib.util
-import json
 import os
 import re
 import resource
-import signal
 import sys
-import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence, Set
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
+from importlib.machinery import SourceFileLoader
 from itertools import accumulate
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
+from types import CodeType, FunctionType
 from typing import Any
 
 import matplotlib as mpl
@@ -39,9 +34,9 @@ import grader
 from tests.mutants import grading
 from tests.mutants.grading import Reasons
 from tests.mutants.operators import Mutant, mutants
-from tests.mutants.reach import Collected, Reach, collecting, measured, remembering
-from tests.recordings.marker import recorded_corpus
-from tests.scoreboard import Case, Verdict
+from tests.mutants.reach import Collected, Reach, collecting, in_a_fork, measured, remembering
+from tests.recordings.marker import recorded_corpus, verdict
+from tests.scoreboard import Case
 
 ROOT = Path(grader.__file__).parents[1]
 _PLACES = (
@@ -87,24 +82,17 @@ def judging_mutants(chosen: Sequence[str]) -> list[Mutant]:
         for file in chosen
         for mutant in mutants(file, (ROOT / file).read_text("utf-8"), frozenset(unjudged.get(file, ())))
     ]
-    return [mutant for mutant in made if not (_drops_a_proof(mutant) or _says_no_less(mutant) or _drops_a_type(mutant))]
+    return [mutant for mutant in made if not _judges_the_same(mutant)]
 
 
-def _drops_a_proof(mutant: Mutant) -> bool:
-    """Whether it takes `strict=True` from a `zip`: what that proves is so, and nothing is judged by it."""
-    return "strict=(False)" in mutant.source or (
-        mutant.operator == "keyword" and ", strict=True) → zip(" in mutant.change
+def _judges_the_same(mutant: Mutant) -> bool:
+    """Whether it takes `strict=True` from a `zip`, leaves None unsaid, or leaves NumPy's own value where mypy wants the type named."""
+    return (
+        "strict=(False)" in mutant.source
+        or (mutant.operator == "keyword" and ", strict=True) → zip(" in mutant.change)
+        or mutant.change.startswith("return None → return")
+        or (mutant.operator == "copy" and _TYPE.fullmatch(mutant.change) is not None)
     )
-
-
-def _says_no_less(mutant: Mutant) -> bool:
-    """Whether it returns None as before, unsaid."""
-    return mutant.change.startswith("return None → return")
-
-
-def _drops_a_type(mutant: Mutant) -> bool:
-    """Whether it leaves NumPy's own truth value, number or array where mypy wants the type named: nothing is judged by it."""
-    return mutant.operator == "copy" and _TYPE.fullmatch(mutant.change) is not None
 
 
 _TYPE = re.compile(r"(?:bool|float|np\.asarray)\((.*)\) → \1(?: \(\d+\))?")
@@ -137,7 +125,7 @@ def ends(chosen: Sequence[Mutant], jobs: int, tell: Callable[[Iterator[tuple[Mut
     """Tell each mutant with what killed it."""
 
     def judge(collected: Collected) -> None:
-        judged = _Judged(collected, measured(collected, files(), _verdict, jobs))
+        judged = _Judged(collected, measured(collected, files(), verdict, jobs))
         with ThreadPoolExecutor(jobs) as pool:  # each waits for its process
             tell(zip(chosen, pool.map(judged.end_of, chosen), strict=True))
 
@@ -154,22 +142,13 @@ class _Judged:
         gc.freeze()  # what is here now is nothing that a mutant leaves behind
 
     def end_of(self, mutant: Mutant) -> End:
-        """What killed it; for one that could not be judged the problem is printed, and it counts as a survivor."""
-        with tempfile.TemporaryFile("w+") as told:
-            child = os.fork()
-            if not child:
-                try:
-                    json.dump(asdict(self._killed_by(mutant)), told)
-                    told.flush()
-                    os._exit(0)
-                except BaseException as problem:
-                    print(f"{mutant.key}: {type(problem).__name__}: {problem}", file=sys.__stderr__, flush=True)
-                    os._exit(1)
-            _, status = os.waitpid(child, 0)
-            if os.WIFSIGNALED(status):
-                return End(problem=f"signal {signal.Signals(os.WTERMSIG(status)).name}")
-            told.seek(0)
-            return End() if status else End(**json.load(told))
+        """What killed it; one that could not be judged is named, and counts as a survivor."""
+        try:
+            end: End = in_a_fork(lambda: self._killed_by(mutant))
+        except ChildProcessError as ended:
+            print(f"{mutant.key}: not judged: {ended}", file=sys.__stderr__, flush=True)
+            return End(problem=str(ended) if str(ended).startswith("signal") else "")
+        return end
 
     def _killed_by(self, mutant: Mutant) -> End:
         resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
@@ -184,7 +163,7 @@ class _Judged:
         in_place = bool(by_line) and put_in_place(mutant)
         if not in_place:  # what runs when a module is loaded
             _change(mutant)
-        if _in_a_child(lambda: _fails_on_a_case(_sample(reached, cases))):
+        if _fails_on_a_case(_sample(reached, cases)):
             return End(case=True)
         return End(tests=tuple(self._collected.failing(tests) if in_place else _failing(tests)))
 
@@ -317,51 +296,20 @@ def _inside(code: CodeType) -> Iterator[CodeType]:
 # ---------------------------------------------------------------- the changed module
 
 
-class _Changed(importlib.machinery.SourceFileLoader):
-    """Loads the mutant where its module is asked for."""
-
-    def __init__(self, name: str, path: str, source: str) -> None:
-        super().__init__(name, path)
-        self._source = source
-
-    def get_code(self, fullname: str) -> CodeType:
-        return compile(self._source, self.path, "exec")
-
-
-class _Finder(importlib.abc.MetaPathFinder):
-    def __init__(self, mutant: Mutant) -> None:
-        self._name = mutant.file.removesuffix(".py").replace("/", ".")
-        self._path, self._source = str(ROOT / mutant.file), mutant.source
-
-    def find_spec(
-        self, fullname: str, path: object, target: ModuleType | None = None
-    ) -> importlib.machinery.ModuleSpec | None:
-        if fullname != self._name:
-            return None
-        loader = _Changed(fullname, self._path, self._source)
-        return importlib.util.spec_from_file_location(fullname, self._path, loader=loader)
-
-
 def _change(mutant: Mutant) -> None:
     """From now on the module is the mutant: whatever could have imported it is imported anew."""
     for name in list(sys.modules):
         if name.split(".")[0] in ("grader", "tests") and not name.startswith(_KEPT) and name not in ("grader", "tests"):
             del sys.modules[name]
-    sys.meta_path.insert(0, _Finder(mutant))
+    path, get_code = str(ROOT / mutant.file), SourceFileLoader.get_code
+
+    def changed(loader: SourceFileLoader, fullname: str) -> CodeType | None:
+        return compile(mutant.source, path, "exec") if loader.path == path else get_code(loader, fullname)
+
+    SourceFileLoader.get_code = changed  # type: ignore[method-assign] # this process ends with the mutant
 
 
 # ---------------------------------------------------------------- tests and cases anew
-
-
-def _in_a_child(fails: Callable[[], bool]) -> bool:
-    """Whether it fails, in a process of its own, which leaves nothing behind."""
-    child = os.fork()
-    if not child:
-        try:
-            os._exit(fails())
-        finally:
-            os._exit(1)
-    return os.waitpid(child, 0)[1] != 0
 
 
 class _Failed:
@@ -370,13 +318,11 @@ class _Failed:
     def __init__(self) -> None:
         self.names: set[str] = set()
 
-    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+    def pytest_runtest_logreport(self, report: pytest.TestReport | pytest.CollectReport) -> None:
         if report.failed:
             self.names.add(report.nodeid)
 
-    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        if report.failed:
-            self.names.add(report.nodeid)
+    pytest_collectreport = pytest_runtest_logreport
 
 
 def _failing(tests: Sequence[str]) -> list[str]:
@@ -389,20 +335,20 @@ def _failing(tests: Sequence[str]) -> list[str]:
 
 
 def _fails_on_a_case(cases: Sequence[Case]) -> bool:
-    from tests.generated import differences
-    from tests.recordings.losses import disagreements
-    from tests.recordings.marker import verdict
+    """Whether a case is judged otherwise, or cannot be judged; in a process of its own, which leaves nothing behind."""
+
+    def fails() -> bool:
+        from tests.generated import differences
+        from tests.recordings.losses import disagreements
+        from tests.recordings.marker import verdict as judged
+
+        return any(disagreements(judged(case, records=False)) or differences for case in cases)
 
     try:
-        return any(disagreements(verdict(case, records=False)) or differences for case in cases)
-    except Exception:  # the checks cannot be loaded, or judging stops at a loss
+        failed: bool = in_a_fork(fails)
+    except ChildProcessError:  # the checks cannot be loaded, or judging stops at a loss
         return True
-
-
-def _verdict(case: Case) -> Verdict:
-    from tests.recordings.marker import verdict
-
-    return verdict(case)
+    return failed
 
 
 def _sample(reached: Set[str], most: int) -> list[Case]:

@@ -9,6 +9,8 @@ import functools
 import gc
 import os
 import pickle
+import signal
+import sys
 import tempfile
 import time
 from collections import defaultdict
@@ -102,7 +104,7 @@ def measured(collected: Collected, files: Sequence[str], judge: Callable[[Case],
     tests, cases = list(collected.items), list(recorded_corpus())
     shares = [(tests[i::jobs], cases[i::jobs]) for i in range(jobs)]
     with ThreadPoolExecutor(jobs) as pool:
-        made = list(pool.map(lambda share: _in_a_fork(lambda: _measure(collected, files, judge, *share)), shares))
+        made = list(pool.map(lambda share: in_a_fork(lambda: _measure(collected, files, judge, *share)), shares))
     lines: defaultdict[str, defaultdict[int, frozenset[str]]] = defaultdict(lambda: defaultdict(frozenset))
     for reach in made:
         for file, by_line in reach.lines.items():
@@ -111,21 +113,26 @@ def measured(collected: Collected, files: Sequence[str], judge: Callable[[Case],
     return Reach(lines, {name: took for reach in made for name, took in reach.seconds.items()})
 
 
-def _in_a_fork(measure: Callable[[], Reach]) -> Reach:
-    with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder) / "reach"
+def in_a_fork(work: Callable[[], Any]) -> Any:
+    """Return what this returns in a process of its own; raise ChildProcessError with how that ended if it ends otherwise."""
+    with tempfile.TemporaryFile() as told:
         child = os.fork()
         if not child:
             try:
-                os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-                place.write_bytes(pickle.dumps(measure()))
+                pickle.dump(work(), told)
+                told.flush()
                 os._exit(0)
+            except BaseException as problem:
+                print(f"{type(problem).__name__}: {problem}", file=sys.__stderr__, flush=True)
             finally:
                 os._exit(1)
         _, status = os.waitpid(child, 0)
-        assert status == 0, "the tests could not be run to measure what they reach"
-        read: Reach = pickle.loads(place.read_bytes())
-        return read
+        if os.WIFSIGNALED(status):
+            raise ChildProcessError(f"signal {signal.Signals(os.WTERMSIG(status)).name}")
+        if status:
+            raise ChildProcessError("its process failed")
+        told.seek(0)
+        return pickle.load(told)
 
 
 def _measure(
@@ -135,6 +142,7 @@ def _measure(
     tests: Sequence[str],
     cases: Sequence[Case],
 ) -> Reach:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     root = Path(__file__).parents[2]
     tool = coverage.Coverage(data_file=None, include=[str(root / file) for file in files], messages=False)
     seconds: dict[str, float] = {}

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
-
 from grader.labs.imu.data_collection import measure
 from tests.mutants import judging
 from tests.mutants.operators import Mutant
+from tests.mutants.reach import in_a_fork
 from tests.recordings.marker import recorded_corpus, verdict
 
 FILE = "grader/labs/imu/data_collection/measure.py"
@@ -23,19 +22,20 @@ def test_a_function_becomes_the_mutant_where_it_stands_for_whoever_has_it() -> N
     line = "return series.acceleration is not None"
     mutant = Mutant(FILE, "", "", _at(line).line, "", SOURCE.replace(line, "return series.acceleration is None"))
     function = measure.complete
-    child = os.fork()
-    if not child:
+
+    def replaced() -> bool:
         before = function.__code__
-        there = judging.put_in_place(mutant)
-        os._exit(0 if there and function.__code__ != before and measure.complete is function else 1)
-    assert os.waitpid(child, 0)[1] == 0
+        return judging.put_in_place(mutant) and function.__code__ != before and measure.complete is function
+
+    assert in_a_fork(replaced)
 
 
 def test_what_is_imported_anew_judges_a_case_as_before() -> None:
-    cases = [case for case in recorded_corpus() if case.id == "faulty/weights-exchanged"]
-    verdict(cases[0])  # recorded
-    child = os.fork()
-    if not child:
+    (case,) = (case for case in recorded_corpus() if case.id == "faulty/weights-exchanged")
+    verdict(case)  # recorded
+
+    def fails() -> bool:
         judging._change(_at("_LEAN ="))
-        os._exit(len(cases) != 1 or judging._fails_on_a_case(cases))
-    assert os.waitpid(child, 0)[1] == 0
+        return judging._fails_on_a_case([case])
+
+    assert not in_a_fork(fails)
