@@ -8,7 +8,8 @@ import zlib
 from functools import cache
 
 from tests.corpus.pieces import lab
-from tests.corpus.writing import Files, Late, notebook, zipped
+from tests.corpus.writing import Late, notebook, zipped
+from tests.hostile.forging import BLANK
 from tests.hostile.picture import END, head, png
 from tests.hostile.program import FILTER, READER, Program, but, first, in_function, in_method, last, sound
 
@@ -157,7 +158,6 @@ def source(name: str, text: str | bytes) -> Program:
     return Program(name, "denial", {**sound(), FILTER: text}, only="filtering")
 
 
-NO_PLOT: Files = lab(plot="def plot_imu_data(imu_data):\n    pass\n")
 SOURCES = [
     source("source-nested-too-deep", "x = " + "(" * 50_000 + ")" * 50_000),
     source("source-with-a-huge-number", "x = " + "9" * 5_000_000),
@@ -169,7 +169,7 @@ SOURCES = [
     Program("notebook-with-100000-cells", "denial", Late({"lab.ipynb": lambda: notebook(*["x = 1"] * 20_000)}), only="filtering"),
     Program("zip-that-unpacks-to-600-megabytes", "denial", Late({"hand-in.zip": bomb}), as_="file"),
     Program("zip-with-30000-entries", "denial", Late({"hand-in.zip": lambda: zipped({f"d{n}/x.py": "" for n in range(30_000)})}), as_="file", only="filtering"),
-    Program("picture-of-a-gigapixel", "denial", Late({**NO_PLOT, "imu_data.png": picture_bomb}), only="visualization"),
+    Program("picture-of-a-gigapixel", "denial", Late({**BLANK, "imu_data.png": picture_bomb}), only="visualization"),
 ]
 
 DENIALS = [*LOOPS, *FLOODS, *VALUES, *PLOTS, *SOURCES]

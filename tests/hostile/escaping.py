@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import io
-import tarfile
-
-from tests.corpus.writing import Link, tarred, zipped
+from tests.corpus.writing import Link, zipped
 from tests.hostile.program import FILTER, Program, in_method, indented, last, sound
 
 
@@ -81,35 +78,13 @@ LEFT = [
 # ---------------------------------------------------------------- what is handed in
 
 
-def tar_with(*entries: tarfile.TarInfo) -> bytes:
-    buffer = io.BytesIO(tarred(sound(), "tar"))
-    with tarfile.open(fileobj=buffer, mode="a") as archive:
-        for entry in entries:
-            archive.addfile(entry, io.BytesIO(b"owned") if entry.isreg() else None)
-    return buffer.getvalue()
-
-
-def entry(name: str, kind: bytes = tarfile.REGTYPE, target: str = "") -> tarfile.TarInfo:
-    made = tarfile.TarInfo(name)
-    made.type, made.linkname, made.size = kind, target, 5 if kind == tarfile.REGTYPE else 0
-    return made
-
-
-def zip_with(*names: str) -> bytes:
-    return zipped({**sound(), **dict.fromkeys(names, "owned")})
-
-
+SLIPS = ("../owned", "../../owned.py", "/@TARGET@", "a/../../owned", "C:\\owned", "\\\\host\\owned")
 HANDED_IN = [
     Program("link-to-a-file-outside", "escape", {**sound(), "data.txt": Link("@SECRET@"), "more.py": Link("@SECRET@")}, only="filtering", keeps=("filtering",)),
     Program("required-file-is-a-link", "escape", {**sound(), FILTER: Link("@NEIGHBOUR@/filters.py")}, only="filtering"),
     Program("folder-is-a-link", "escape", {**sound(), "neighbour": Link("@NEIGHBOUR@"), "all": Link("/")}, only="filtering", keeps=("filtering",)),
     Program("link-to-itself", "escape", {**sound(), "loop": Link("loop"), "up": Link("..")}, only="filtering", keeps=("filtering",)),
-    Program("link-in-a-zip", "escape", {**sound(), "data.txt": Link("@SECRET@")}, only="filtering", keeps=("filtering",), as_="zip"),
-    Program("zip-that-slips-out", "escape", {"hand-in.zip": zip_with("../owned", "../../owned.py", "/@TARGET@", "a/../../owned", "C:\\owned", "\\\\host\\owned")}, only="filtering", keeps=("filtering",), as_="file"),
-    Program("tar-that-slips-out", "escape", {"hand-in.tar": tar_with(entry("../owned"), entry("/owned"), entry("a/../../owned"))}, only="filtering", keeps=("filtering",), as_="file"),
-    Program("tar-with-links", "escape", {"hand-in.tar": tar_with(entry("x", tarfile.SYMTYPE, "/"), entry("x/owned"), entry("h", tarfile.LNKTYPE, "../target.txt"))}, only="filtering", keeps=("filtering",), as_="file"),
-    Program("tar-with-devices", "escape", {"hand-in.tar": tar_with(entry("d", tarfile.BLKTYPE), entry("c", tarfile.CHRTYPE), entry("p", tarfile.FIFOTYPE))}, only="filtering", keeps=("filtering",), as_="file"),
-    Program("two-files-of-one-name", "escape", {"hand-in.zip": zip_with("FILTERS.PY", "filters.py/x", "CON", "aux.py", "a" * 300)}, only="filtering", as_="file"),
+    Program("zip-that-slips-out", "escape", {"hand-in.zip": zipped({**sound(), **dict.fromkeys(SLIPS, "owned")})}, only="filtering", keeps=("filtering",), as_="file"),
 ]
 
 ESCAPES = [*NETWORK, *PROCESSES, *FILES, *LEFT, *HANDED_IN]

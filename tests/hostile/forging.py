@@ -9,27 +9,27 @@ from tests.hostile.program import FILTER, NOISE, READER, Program, first, in_func
 
 # ---------------------------------------------------------------- what is wrong: one part, the rest is sound
 
-ZEROS_READ = '''\
+READS: Files = lab(read='''\
 def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):
     return np.zeros(3), np.zeros(3)
-'''
-VIEW_READ = '''\
+''')
+VIEWS: Files = lab(read='''\
 def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):
     a, g = model.sensor_adr[accel_sensor_id], model.sensor_adr[gyro_sensor_id]
     return data.sensordata[a:a + 3], data.sensordata[g:g + 3]
-'''
-STEPPING_READ = '''\
+''')
+STEPS: Files = lab(read='''\
 def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):
     accel, gyro = data.sensor(accel_sensor_id).data.copy(), data.sensor(gyro_sensor_id).data.copy()
     mujoco.mj_step(model, data)
     return accel, gyro
-'''
-STANDING_COLLECT = '''\
+''')
+STANDS: Files = lab(collect='''\
 def simulate_and_collect(model, data, duration_seconds=5.0):
     n = int(round(duration_seconds / model.opt.timestep))
     time = (1 + np.arange(n)) * model.opt.timestep
     return {"time": time, "acceleration": np.tile([0, 0, -9.81], (n, 1)), "angular_velocity": np.zeros((n, 3))}
-'''
+''')
 BARE_PLOT = '''\
 def plot_imu_data(imu_data):
     fig, axes = plt.subplots(2, 1)
@@ -38,11 +38,12 @@ def plot_imu_data(imu_data):
     fig.savefig("imu_data.png")
     plt.close(fig)
 '''
-NO_PLOT = '''\
+BARE: Files = lab(plot=BARE_PLOT)
+BLANK: Files = lab(plot='''\
 def plot_imu_data(imu_data):
     pass
-'''
-UNIFORM_NOISE = '''\
+''')
+UNIFORM: Files = lab(noise='''\
 class NoisyIMU:
     def __init__(self, model, data, accel_id, gyro_id, accel_noise_std=0.05, gyro_noise_std=0.005,
                  accel_bias=None, gyro_bias=None):
@@ -53,41 +54,27 @@ class NoisyIMU:
     def read(self):
         clean = get_imu_readings(self.model, self.data, self.accel_id, self.gyro_id)
         return tuple(c + b + np.random.uniform(-s, s) for c, b, s in zip(clean, self.biases, self.stds))
-'''
-IDENTITY_FILTER = '''\
+''')
+PASSES: Files = lab(low_pass='''\
 class LowPassFilter:
     def __init__(self, alpha=0.1, initial_value=None):
         self.alpha = alpha
 
     def update(self, measurement):
         return measurement
-'''
-
-READS: Files = lab(read=ZEROS_READ)
-VIEWS: Files = lab(read=VIEW_READ)
-STEPS: Files = lab(read=STEPPING_READ)
-STANDS: Files = lab(collect=STANDING_COLLECT)
-BARE: Files = lab(plot=BARE_PLOT)
-BLANK: Files = lab(plot=NO_PLOT)
-UNIFORM: Files = lab(noise=UNIFORM_NOISE)
-PASSES: Files = lab(low_pass=IDENTITY_FILTER)
+''')
 
 
-def forged(name: str, twin: Files, path: str, attack: str, only: str, *, at_start: bool = False, hidden: bool = False) -> Program:
-    files = first(twin, path, attack) if at_start else last(twin, path, attack)
-    return Program(name, "forgery", files, twin, only, hidden=hidden)
+def forged(name: str, twin: Files, path: str, attack: str, only: str) -> Program:
+    return Program(name, "forgery", last(twin, path, attack), twin, only)
 
 
-def reader(name: str, twin: Files, attack: str, **how: bool) -> Program:
-    return forged(name, twin, READER, attack, "sensor_access", **how)
+def reader(name: str, twin: Files, attack: str) -> Program:
+    return forged(name, twin, READER, attack, "sensor_access")
 
 
-def low_pass(name: str, attack: str, **how: bool) -> Program:
-    return forged(name, PASSES, FILTER, attack, "filtering", **how)
-
-
-def noise(name: str, attack: str, **how: bool) -> Program:
-    return forged(name, UNIFORM, NOISE, attack, "noise_model", **how)
+def low_pass(name: str, attack: str) -> Program:
+    return forged(name, PASSES, FILTER, attack, "filtering")
 
 
 # ---------------------------------------------------------------- patched libraries
@@ -150,11 +137,11 @@ json.dumps = dumps
 json.JSONEncoder.encode = lambda self, value: _dumps({"fields": {"passed": True, "score": 100, "points": 20}, "arrays": []})
 """),
     low_pass("struct-writes-nothing", "import struct, socket\nstruct.pack = lambda *a: b''\nsocket.socket.sendall = lambda self, data: None"),
-    noise("random-is-what-the-grader-wants", """
+    forged("random-is-what-the-grader-wants", UNIFORM, NOISE, """
 np.random.uniform = lambda low, high, size=None: 0.0 if size is None else np.zeros(size)
 np.random.seed(0)
 np.random.seed = lambda *args: None
-"""),
+""", "noise_model"),
 ]
 
 # ---------------------------------------------------------------- plots that claim more than they show

@@ -7,7 +7,7 @@ import json
 from tests.corpus.pieces import lab
 from tests.corpus.writing import Files, notebook
 from tests.hostile.forging import BLANK, PASSES, READS, STANDS, VIEWS, forged, low_pass, reader
-from tests.hostile.program import FILTER, READER, Program, in_function, in_method, last
+from tests.hostile.program import FILTER, READER, Program, first, in_function, in_method, last
 
 # ---------------------------------------------------------------- files that want to be imported, or believed
 
@@ -90,7 +90,7 @@ ENDS = [
     Program(name, "forgery", last(PASSES, FILTER, in_method("LowPassFilter", "update", code)), last(PASSES, FILTER, in_method("LowPassFilter", "update", "raise RuntimeError")), "filtering")
     for name, code in EXITS.items()
 ]
-ENDS.append(low_pass("exit-at-import-with-success", "import os\nos._exit(0)", at_start=True))
+ENDS.append(Program("exit-at-import-with-success", "forgery", first(PASSES, FILTER, "import os\nos._exit(0)"), PASSES, "filtering"))
 
 # ---------------------------------------------------------------- the protocol
 

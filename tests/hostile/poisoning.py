@@ -6,7 +6,7 @@ from tests.corpus.pieces import lab
 from tests.corpus.writing import notebook
 from tests.hostile.program import FILTER, NOISE, READER, Program, first, in_function, in_method, last, sound
 
-TEXTS = {
+TEXTS = {  # each is put into a source by `ascii`, as a literal that any encoding of the file can hold
     "html": "<script>alert(1)</script><img src=x onerror=alert(1)></pre></td><b>bold</b>",
     "attribute": "\" onmouseover=\"alert(1)\" x=\"' onfocus='alert(1)",
     "template": "{{ 7 * 7 }}{% include 'x' %}${7*7}#{7*7}",
@@ -26,17 +26,12 @@ TEXTS = {
 }
 
 
-def written(text: str) -> str:
-    """The text as a Python literal that any encoding of the file can hold."""
-    return ascii(text)
-
-
 def raises(name: str, text: str) -> Program:
-    return Program(f"error-says-{name}", "poison", last(sound(), FILTER, in_method("LowPassFilter", "update", f"raise ValueError({written(text)})")), only="filtering")
+    return Program(f"error-says-{name}", "poison", last(sound(), FILTER, in_method("LowPassFilter", "update", f"raise ValueError({text!a})")), only="filtering")
 
 
 def names_keys(name: str, text: str) -> Program:
-    code = f"return {{{written(text)}: np.zeros(3), {written(text)} + 'x': 1}}"
+    code = f"return {{{text!a}: np.zeros(3), {text!a} + 'x': 1}}"
     return Program(f"keys-say-{name}", "poison", last(sound(), READER, in_function("simulate_and_collect", code)), only="data_collection")
 
 
@@ -57,7 +52,7 @@ def plot_imu_data(imu_data):
 
 
 def labels(name: str, text: str) -> Program:
-    return Program(f"labels-say-{name}", "poison", last(sound(), READER, PLOT.replace("@TEXT@", written(text.replace("$", "")))), only="visualization")
+    return Program(f"labels-say-{name}", "poison", last(sound(), READER, PLOT.replace("@TEXT@", ascii(text.replace("$", "")))), only="visualization")
 
 
 SAID = [make(name, text) for make in (raises, names_keys) for name, text in TEXTS.items()]
@@ -69,22 +64,18 @@ HTML = TEXTS["html"]
 EVERYWHERE = HTML + TEXTS["ansi"] + TEXTS["right-to-left"] + TEXTS["workflow-command"] + TEXTS["formula"]
 
 
-def only(name: str, path: str, code: str, criterion: str) -> Program:
-    return Program(name, "poison", last(sound(), path, code), only=criterion)
-
-
 PLACES = [
-    only("prints", FILTER, f"import sys\nprint({written(EVERYWHERE)}, file=sys.stderr)\nprint({written(EVERYWHERE)})\nraise SystemExit({written(EVERYWHERE)})", "filtering"),
-    only("error-of-a-poisoned-type", FILTER, in_method("LowPassFilter", "update", f"raise type({written(EVERYWHERE[:200].replace(chr(0), ''))}, (Exception,), {{}})({written(EVERYWHERE)})"), "filtering"),
-    only("error-with-poisoned-notes", FILTER, in_method("LowPassFilter", "update", f"e = KeyError({written(EVERYWHERE)})\ne.name = e.filename = {written(EVERYWHERE)}\nraise e"), "filtering"),
-    only("error-in-a-poisoned-line", FILTER, in_method("LowPassFilter", "update", "raise ValueError  # <script>alert(1)</script> \u202e \x1b[31m ::error::x"), "filtering"),
-    only("error-of-syntax", FILTER, "x = = <script>alert(1)</script>", "filtering"),
-    only("error-of-import", FILTER, f"__import__({written(HTML)})", "filtering"),
-    only("error-in-a-poisoned-file", FILTER, f"import linecache\nexec(compile('raise ValueError', '<submission>/' + {written(EVERYWHERE)}, 'exec'))", "filtering"),
-    only("docstrings", FILTER, f"LowPassFilter.__doc__ = LowPassFilter.__name__ = LowPassFilter.__module__ = LowPassFilter.update.__doc__ = {written(EVERYWHERE)}", "filtering"),
-    only("returns-a-poisoned-type", READER, in_function("get_imu_readings", f"return type({written(EVERYWHERE[:90].replace(chr(0), ''))}, (), {{}})()"), "sensor_access"),
-    only("returns-poisoned-text", READER, in_function("get_imu_readings", f"return {written(EVERYWHERE)}, {written(HTML)}"), "sensor_access"),
-    only("noise-of-poisoned-values", NOISE, in_method("NoisyIMU", "read", f"return {{{written(EVERYWHERE)}: {written(EVERYWHERE)}}}"), "noise_model"),
+    Program("prints", "poison", last(sound(), FILTER, f"import sys\nprint({EVERYWHERE!a}, file=sys.stderr)\nprint({EVERYWHERE!a})\nraise SystemExit({EVERYWHERE!a})"), only="filtering"),
+    Program("error-of-a-poisoned-type", "poison", last(sound(), FILTER, in_method("LowPassFilter", "update", f"raise type({EVERYWHERE[:200].replace(chr(0), '')!a}, (Exception,), {{}})({EVERYWHERE!a})")), only="filtering"),
+    Program("error-with-poisoned-notes", "poison", last(sound(), FILTER, in_method("LowPassFilter", "update", f"e = KeyError({EVERYWHERE!a})\ne.name = e.filename = {EVERYWHERE!a}\nraise e")), only="filtering"),
+    Program("error-in-a-poisoned-line", "poison", last(sound(), FILTER, in_method("LowPassFilter", "update", "raise ValueError  # <script>alert(1)</script> \u202e \x1b[31m ::error::x")), only="filtering"),
+    Program("error-of-syntax", "poison", last(sound(), FILTER, "x = = <script>alert(1)</script>"), only="filtering"),
+    Program("error-of-import", "poison", last(sound(), FILTER, f"__import__({HTML!a})"), only="filtering"),
+    Program("error-in-a-poisoned-file", "poison", last(sound(), FILTER, f"import linecache\nexec(compile('raise ValueError', '<submission>/' + {EVERYWHERE!a}, 'exec'))"), only="filtering"),
+    Program("docstrings", "poison", last(sound(), FILTER, f"LowPassFilter.__doc__ = LowPassFilter.__name__ = LowPassFilter.__module__ = LowPassFilter.update.__doc__ = {EVERYWHERE!a}"), only="filtering"),
+    Program("returns-a-poisoned-type", "poison", last(sound(), READER, in_function("get_imu_readings", f"return type({EVERYWHERE[:90].replace(chr(0), '')!a}, (), {{}})()")), only="sensor_access"),
+    Program("returns-poisoned-text", "poison", last(sound(), READER, in_function("get_imu_readings", f"return {EVERYWHERE!a}, {HTML!a}")), only="sensor_access"),
+    Program("noise-of-poisoned-values", "poison", last(sound(), NOISE, in_method("NoisyIMU", "read", f"return {{{EVERYWHERE!a}: {EVERYWHERE!a}}}")), only="noise_model"),
     Program("files-with-poisoned-names", "poison", {**sound(), "<script>alert(1)<.py": "LowPassFilter = 1\n", "\x1b[31mred.py": "x = 1\n", "\u202ecod.py": "x = 1\n", "=cmd.csv": "a", "a\nb.py": "x = 1\n", "::error::x.py": "x = 1\n"}, only="filtering"),
     Program("definitions-in-a-poisoned-file", "poison", {READER: sound()[READER], NOISE: sound()[NOISE], "<b>\u202e\x1b[31m::error::x.py": sound()[FILTER]}, only="filtering"),
     Program("folder-with-a-poisoned-name", "poison", sound(), only="filtering", keeps=("filtering",), folder="<script>alert(1)<\u202e\x1b[31m\n::error::x"),

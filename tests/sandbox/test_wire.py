@@ -43,14 +43,6 @@ def frame_of(text: bytes, body: bytes = b"") -> bytes:
     return wire.HEADER.pack(len(text), len(body), NONCE) + text + body
 
 
-def with_fields(text: str) -> bytes:
-    return frame_of(b'{"fields": {"x": ' + text.encode() + b'}, "arrays": []}')
-
-
-def with_arrays(layout: Any, body: bytes = b"") -> bytes:
-    return frame_of(json.dumps({"fields": {}, "arrays": layout}).encode(), body)
-
-
 @given(st.dictionaries(texts, values, max_size=4), st.dictionaries(texts, some_arrays, max_size=3), st.integers(1, 40))
 def test_a_frame_comes_back_as_it_was_sent_in_whatever_pieces(
     fields: dict[str, Any], arrays: dict[str, np.ndarray], piece: int
@@ -73,7 +65,7 @@ def test_a_frame_comes_back_as_it_was_sent_in_whatever_pieces(
 )  # fmt: skip
 def test_json_that_would_hurt_later_is_refused(text: str) -> None:
     with pytest.raises(WireError):
-        sent(with_fields(text))
+        sent(frame_of(b'{"fields": {"x": ' + text.encode() + b'}, "arrays": []}'))
 
 
 @pytest.mark.parametrize("text", [b"\xff\xfe", b"[]", b"{}", b'{"fields": [], "arrays": []}', b'{"fields": {}}', b""])
@@ -107,7 +99,7 @@ def test_text_that_is_no_frame_is_refused(text: bytes) -> None:
 )
 def test_arrays_that_are_not_what_they_say_are_refused(layout: Any, body: bytes) -> None:
     with pytest.raises(WireError):
-        sent(with_arrays(layout, body))
+        sent(frame_of(json.dumps({"fields": {}, "arrays": layout}).encode(), body))
 
 
 @pytest.mark.parametrize("sizes", [(0xFFFFFFFF, 0), (0, 0xFFFFFFFF), ((1 << 20) + 1, 0), (0, (32 << 20) + 1)])
