@@ -101,15 +101,6 @@ VALUES = [
 
 # ---------------------------------------------------------------- plots
 
-MANY_CURVES = """
-def plot_imu_data(imu_data):
-    for _ in range(12):
-        fig, axes = plt.subplots(4, 4)
-        for ax in axes.flat:
-            for k in range(48):
-                ax.plot(np.random.rand(6000))
-        fig.savefig("imu_data.png")
-"""
 COMPARES_WITHOUT_END = '''\
 def compare():
     rng = np.random.default_rng(0)
@@ -125,7 +116,6 @@ if __name__ == "__main__":
     compare()
 '''
 PLOTS = [
-    attack("draws-thousands-of-curves", READER, MANY_CURVES, only="visualization"),
     Program("draws-thousands-of-comparisons", "denial", lab(compare=COMPARES_WITHOUT_END), only="visualization"),
     attack("saves-a-picture-of-a-gigapixel", READER, in_function("plot_imu_data", "plt.figure(figsize=(1000, 1000)).savefig('x.png', dpi=1000)"), only="visualization"),
     attack("opens-thousands-of-figures", READER, "def plot_imu_data(d):\n    import warnings\n    warnings.simplefilter('ignore')\n    for _ in range(3000): plt.figure()", only="visualization"),

@@ -12,7 +12,6 @@ import argparse
 import difflib
 import random
 import sys
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -78,21 +77,21 @@ def _report(ended: Iterable[tuple[Mutant, str]], known: Reasons, every: Sequence
 
     A reason is stale if all the mutants that it speaks of, out of `every` one that there is, were tried and none survived.
     """
-    counts: dict[str, Counter[str]] = {"killed": Counter(), "equivalent": Counter(), "survived": Counter()}
+    counts = dict.fromkeys(("killed", "equivalent", "survived"), 0)
     used: set[str] = set()
     untried = {mutant.key: mutant for mutant in every}
     for mutant, killed_by in ended:
         untried.pop(mutant.key)
         fitting = known.of(mutant) if not killed_by else set()
         end = "killed" if killed_by else "equivalent" if fitting else "survived"
-        counts[end][mutant.operator] += 1
+        counts[end] += 1
         used |= fitting
         if said and end == "killed":
             print(f"killed by {killed_by}: {mutant.file}:{mutant.line}: {mutant.change}", flush=True)
         if end == "survived":
             print(f"survived: {mutant.file}:{mutant.line}: {mutant.operator}: {mutant.key}", flush=True)
             print("".join(_difference(mutant)), end="", flush=True)
-    print(_table(counts))
+    print(", ".join(f"{count} {end}" for end, count in counts.items()))
     stale = sorted(known.patterns - used - {pattern for mutant in untried.values() for pattern in known.of(mutant)})
     for pattern in stale:
         print(f"explains no survivor: {pattern}")
@@ -105,15 +104,6 @@ def _difference(mutant: Mutant) -> Iterator[str]:
     before = path.read_text(encoding="utf-8").splitlines(keepends=True)
     lines = difflib.unified_diff(before, mutant.source.splitlines(keepends=True), n=0)
     return (f"    {line}" for line in lines if not line.startswith(("---", "+++", "@@")))
-
-
-def _table(counts: dict[str, Counter[str]]) -> str:
-    """One line an operator: how many mutants it made and how they ended."""
-    operators = sorted({operator for ends in counts.values() for operator in ends})
-    rows = [(operator, *(counts[end][operator] for end in counts)) for operator in operators]
-    rows.append(("all", *(sum(row[i] for row in rows) for i in (1, 2, 3))))
-    head = f"{'operator':<12}{'mutants':>9}{'killed':>9}{'equivalent':>12}{'survived':>10}"
-    return "\n".join([head, *(f"{name:<12}{k + e + s:>9}{k:>9}{e:>12}{s:>10}" for name, k, e, s in rows)])
 
 
 if __name__ == "__main__":
