@@ -29,7 +29,7 @@ REDUCED = (
     "axes-lie-about-their-labels", "curves-in-white-on-white", "canned-picture-copied-at-run-time",
     "array-that-equals-everything", "writes-its-own-result", "exits-hard-with-success",
     "an-answer-with-a-guessed-nonce", "an-answer-ahead-of-its-question", "a-thief-reads-the-next-question",
-    "changes-the-worker-code-in-memory", "recorded-traces-of-another-scenario", "ships-a-conftest",
+    "changes-the-worker-code-in-memory", "recorded-traces-of-another-scenario", "ships-what-python-and-pytest-run-by-themselves",
 
     "loops-in-c-code", "forks-twenty-times", "returns-a-cycle", "returns-a-huge-view", "source-nested-too-deep",
     "zip-that-unpacks-to-600-megabytes",
