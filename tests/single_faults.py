@@ -7,11 +7,9 @@ from grader.intake import Submission
 from tests.corpus.writing import Files, as_bytes
 from tests.recordings import Marking
 
-Changes = dict[str, str]
-"""What stands in the place of what, in one file."""
 
-
-def changed(files: Files, path: str, changes: Changes) -> Files:
+def changed(files: Files, path: str, changes: dict[str, str]) -> Files:
+    """Replace each key of `changes` by its value in one file, wherever it stands."""
     text = files[path]
     for old, new in changes.items():
         assert old in text, f"{path} holds no {old!r}"
