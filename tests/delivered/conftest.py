@@ -73,7 +73,10 @@ def delivered() -> Iterator[Delivered]:
 def _delivered(place: Path) -> Delivered:
     user = somebody(place / "home")
     python, environ = python_for(user, place / "python")
-    sdist, wheel = _built(place / "dist")
+    subprocess.run(
+        [sys.executable, "-m", "build", "--outdir", place / "dist", ROOT], check=True, stdout=subprocess.DEVNULL
+    )
+    (sdist,), (wheel,) = place.glob("dist/*.tar.gz"), place.glob("dist/*.whl")  # the wheel is built from the sdist
     with tarfile.open(sdist) as archive:
         archive.extractall(place)
     (place / sdist.name.removesuffix(".tar.gz")).rename(place / "fresh")
@@ -92,13 +95,6 @@ def _delivered(place: Path) -> Delivered:
         "LANG": "C.UTF-8",
     }
     return Delivered(place, sdist, wheel, python, environ, user, place / "out")
-
-
-def _built(out: Path) -> tuple[Path, Path]:
-    """The sdist, and the wheel that is built from it."""
-    command = [sys.executable, "-m", "build", "--outdir", str(out), str(ROOT)]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return next(out.glob("*.tar.gz")), next(out.glob("*.whl"))
 
 
 def _as_the_readme_says(folder: Path, python: Path, environ: dict[str, str]) -> None:
