@@ -20,21 +20,10 @@ from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import probe
 from tests.hostile.corpus import PROGRAMS
 from tests.hostile.judging import AttackJudge, Verdict
-from tests.hostile.program import FAMILIES, Program
+from tests.hostile.program import FAMILIES
 
 RECORD = Path(__file__).resolve().parents[2] / "docs" / "isolation.json"
 """The last results, one entry per isolation level, user and family."""
-
-
-def run(isolation_level: str, programs: Sequence[Program]) -> list[Verdict]:
-    verdicts = []
-    with AttackJudge(isolation_level) as attack_judge:
-        for program in programs:
-            verdict = attack_judge.try_(program)
-            verdicts.append(verdict)
-            for trouble in verdict.troubles:
-                print(f"{isolation_level:<10} {program.family}/{program.name}: FELL: {trouble}", flush=True)
-    return verdicts
 
 
 def entries_of(isolation_level: str, verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
@@ -85,7 +74,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not tried.usable:
             print(f"{isolation_level}: not here: {tried.reason}")
             continue
-        entries = entries_of(isolation_level, run(isolation_level, programs))
+        verdicts = []
+        with AttackJudge(isolation_level) as attack_judge:
+            for program in programs:
+                verdicts.append(attack_judge.try_(program))
+                for trouble in verdicts[-1].troubles:
+                    print(f"{isolation_level:<10} {program.family}/{program.name}: FELL: {trouble}", flush=True)
+        entries = entries_of(isolation_level, verdicts)
         if options.write:
             write_down(entries)
         for entry in entries:

@@ -40,12 +40,6 @@ raise RuntimeError(open("@SECRET@").read())
 """
 
 
-def in_filter(code: str) -> Program:
-    return Program(
-        "made-up", "escape", last(sound(), FILTER, in_method("LowPassFilter", "update", code)), only="filtering"
-    )
-
-
 @pytest.fixture
 def no_descendants() -> Iterator[None]:
     """Whatever a test lets out is ended with it: the other courts would see it, too."""
@@ -59,8 +53,9 @@ def no_descendants() -> Iterator[None]:
 
 @pytest.mark.usefixtures("no_descendants")
 def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> None:
+    files = last(sound(), FILTER, in_method("LowPassFilter", "update", ESCAPES))
     with AttackJudge(NO_ISOLATION.name) as unwalled:
-        troubles = unwalled.try_(in_filter(ESCAPES)).troubles
+        troubles = unwalled.try_(Program("made-up", "escape", files, only="filtering")).troubles
     assert "report.html: it holds what the decoys hold" in troubles
     assert "result.json: it holds what the decoys hold" in troubles
     assert [trouble for trouble in troubles if "it holds" not in trouble] == [

@@ -33,16 +33,12 @@ FILES = (*SHEET, *EXTENSIONS)
 class Reasons:
     """Why mutants survive: patterns of keys, `*` standing for anything, and the functions that no check asks about."""
 
-    why: dict[str, str]
+    patterns: frozenset[str]
     unjudged: dict[str, dict[str, str]]
-
-    @property
-    def patterns(self) -> set[str]:
-        return set(self.why)
 
     def of(self, mutant: Mutant) -> set[str]:
         """The patterns that explain a survivor."""
-        return {pattern for pattern in self.why if _compiled(pattern).fullmatch(mutant.key)}
+        return {pattern for pattern in self.patterns if _compiled(pattern).fullmatch(mutant.key)}
 
 
 @cache  # thousands of mutants are held against a thousand patterns
@@ -54,8 +50,7 @@ def _compiled(pattern: str) -> re.Pattern[str]:
 def reasons(file: str = "equivalent.yaml") -> Reasons:
     """What a file of reasons says."""
     said = yaml.safe_load(Path(__file__).with_name(file).read_text(encoding="utf-8"))
-    why = {key: group["because"] for group in said["equivalent"] for key in group["mutants"]}
-    return Reasons(why, said["unjudged"])
+    return Reasons(frozenset(key for group in said["equivalent"] for key in group["mutants"]), said["unjudged"])
 
 
 def all_mutants(files: Sequence[str] = SHEET) -> list[Mutant]:
