@@ -9,9 +9,11 @@ from unittest import mock
 import numpy as np
 import pytest
 
+from grader.engine import rubric
+from grader.engine.findings import Charged, Missing, Raised, Skipped
+from grader.labs.imu.lab import LAB
 from grader.labs.imu.noise_model import checks, measure
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked, truth
-from tests.test_useless_code import kept
 
 CHECKS = SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,
@@ -194,6 +196,45 @@ CASES = [case for row in ROWS for case in row.cases(CHECKS)]
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_a_made_up_noisy_imu_is_marked_fairly(row: Row) -> None:
     is_as_marked(*row.cases(CHECKS))
+
+
+def kept(kind: type) -> dict[str, float]:
+    """Points that each check leaves to a noisy IMU."""
+    worth = {check.id: check.max_points for check in rubric.load(LAB).checks}
+    student, points = FakeStudent(NoisyIMU=kind), {}
+    check: Any
+    for check in CHECKS:
+        try:
+            check(student, truth())
+            keeps = 1.0
+        except Charged as charged:
+            keeps = charged.charge.keeps
+        except (Skipped, Raised, Missing):
+            keeps = 0.0
+        points[check.check.id] = keeps * worth[check.check.id]
+    return points
+
+
+NO_SENSOR = {
+    "a constant": of(one=lambda s, i: s.biases[i] + s.stds[i]),
+    "one number for all axes": of(one=lambda s, i: s.biases[i] + _one_for_all_axes(s, i)),
+    "a walk": both(Remembering, keeps=1.0, clean=lambda _s, _i: np.zeros(3)),
+}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("kind", NO_SENSOR.values(), ids=NO_SENSOR)
+def test_a_noise_model_without_a_sensor_earns_its_form_at_most(kind: type) -> None:
+    points = kept(kind)
+    assert points["noise_model.leaves_simulation_alone"] == 2.0, "it did not run"
+    assert sum(points.values()) <= 4.0, points
+
+
+@pytest.mark.quick
+def test_what_a_standing_robot_reads_with_sound_noise_and_biases_loses_the_law_of_the_noise() -> None:
+    """As a `read` that forgot to call the reader, and uses what an earlier line of the file has read."""
+    points = kept(of(clean=lambda _s, i: np.array([0.0, 0.0, -9.81 * (1 - i)])))
+    assert (points["noise_model.white_and_gaussian"], sum(points.values())) == (0.0, 17.0)
 
 
 @pytest.mark.quick
