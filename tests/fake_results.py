@@ -96,6 +96,10 @@ class FakeMarker:
             threading.Event().wait(60)
         if submission.id.startswith("first wait"):
             threading.Event().wait(60) if self._first(submission.id) else os.kill(self.pid, signal.SIGKILL)
+        if submission.id.startswith("interrupt"):
+            threading.Event().wait(0.5)  # what came before it is recorded by then
+            os.kill(os.getppid(), signal.SIGINT)
+            threading.Event().wait(60)
         if submission.id.startswith("burn"):
             re.match(r"(a|a)*$", "a" * 64 + "b")  # never gives way to another thread
         if submission.id.startswith("fat"):

@@ -18,6 +18,7 @@ import signal
 import subprocess
 import sys
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -201,36 +202,10 @@ def test_the_commands_of_a_document_do_what_they_are_documented_for(
                 raise AssertionError(f"{document}: {command}") from problem
 
 
-TEXT = """# `imugrade grade PATH`
-
-As `imugrade grade` says, not as `imugrade` or `a | b` do; see `python
--m grader`.
-
-```sh
-cd . && SEED=a imugrade one "two words"   # why
-```
-
-    script:
-      - pip install x
-        imugrade three     what it does
-"""
-
-
-def test_every_way_of_naming_a_command_is_found() -> None:
-    found = [(command.place, str(command)) for command in commands({"text": TEXT})]
-    assert found == [
-        ("heading", "imugrade grade PATH"),
-        ("prose", "imugrade grade"),
-        ("prose", "python -m grader"),
-        ("block", "SEED=a imugrade one 'two words'"),
-        ("block", "pip install x"),
-        ("block", "imugrade three"),
-    ]
-
-
 def test_there_are_commands_of_every_kind_to_be_found() -> None:
     found = [str(command) for command in COMMANDS]
-    assert len(found) > 120
+    places = Counter(command.place for command in COMMANDS)
+    assert (places["block"] > 120, places["prose"] > 50, places["heading"] >= 15) == (True, True, True)
     assert {command.words[1] for command in COMMANDS if command.words[0] == "imugrade"} >= {
         key.split()[0] for key in SAYS
     }

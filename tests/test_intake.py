@@ -19,7 +19,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from grader.base.errors import RequestError
 from grader.intake import Submission, archives, file_budget, folders, names, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms.classes import read_class
@@ -333,14 +332,6 @@ def test_a_file_that_may_not_be_read_is_named(tmp_path: Path, monkeypatch: pytes
     assert read_submission(folder, LAB.files).notes == (
         "Not read, because the system refused it (Permission denied): locked.csv.",
     )
-
-
-@pytest.mark.parametrize("name", ["none", "a\0b", "no/such/place.zip"])
-def test_a_path_to_nothing_is_a_wrong_request(tmp_path: Path, name: str) -> None:
-    with pytest.raises(RequestError, match=r"there is no such file or folder; check the path$"):
-        read_submission(tmp_path / name, LAB.files)
-    with pytest.raises(RequestError, match=r"there is no such file or folder; check the path$"):
-        read_class([tmp_path / name], LAB.files)
 
 
 # ---- bounds ----
