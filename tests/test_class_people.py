@@ -32,8 +32,9 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
         ("lab04-rroe42", "lab04-rroe42", "graded"),
         ("", "s1003", "no submission"),
     ]
-    for word in ("s1001", "jdoe-gh", "9001", "Jane Doe"):
+    for word in ("s1001", "jdoe-gh", "9001", "Jane Doe", "Doe, Jane", "JANE DOE"):
         assert "1 on record" in run("grade", "class", "-o", "out", "--only", word)[1]
+        assert run("adjust", "out", word, "--criterion", "filtering", "--comment", word)[0] == 0
     code, _, err = run("export", "out", "-f", "gradescope", "-o", "marks.csv")
     assert (code, err) == (2, f"imugrade: graded: 2\nimugrade: blank: 1 (s1003: no submission)\n{BLANK}")
     assert not Path("marks.csv").exists()
@@ -62,6 +63,7 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
     assert (code, err) == (0, "imugrade: graded: 2\n")
     assert cells("filled.csv", "Lab (1)") == [("100",)] * 3
+    assert "1 on record" in run("grade", "canvas.zip", "-o", "out", "--only", "ANN@example.edu")[1]
     with desk_over(Path("out").absolute()) as desk:
         assert '<option value="canvas" selected>' in desk.get("/export").text
     Path("moodle.csv").write_text(

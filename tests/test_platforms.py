@@ -15,11 +15,14 @@ from docs import generated
 from grader import cli, platforms
 from grader.base.errors import GraderError
 from grader.course.record import Key, Store
+from grader.intake.downloads import Download
 from grader.labs.imu.lab import LAB
+from grader.people.final_grade import HandIn, Person
 from grader.platforms import job, registry
 from grader.platforms.classes import read_class
-from grader.platforms.platform import Platform
-from tests import classes, fake_platform
+from grader.platforms.found import Found, Shape
+from grader.platforms.platform import Help, Platform
+from tests import classes
 from tests.documents import site
 from tests.fake_results import result
 from tests.hostile import outputs
@@ -81,34 +84,54 @@ def test_a_kit_is_written_for_the_platforms_that_tell_of_one() -> None:
 # --- one that is new ----------------------------------------------------------------------------------------------------
 
 
+def _read(download: Download) -> Shape | None:
+    if "made-up.txt" not in download.top:
+        return None
+    found = Found("u", "uma", "Uma", download.path, ((download.place("work"), ""),), HandIn((Person("Uma"),)))
+    return Shape("Made-up download", (found,))
+
+
+PLATFORM = Platform(
+    name="made-up",
+    title="Made-up Campus",
+    help=Help("Told of jobs.", ("*Take all*", "`made-up.txt`", "told of downloads"), "told of grades."),
+    respond=lambda result, handed: "",
+    read=_read,
+    write=lambda final_grades, absent: f"made up: {', '.join(final_grades)}\n".encode(),
+    gradebook="campus.csv",
+)
+
+
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A line of the registry for a platform that this module describes as a new one would be."""
+    monkeypatch.setitem(registry.LISTED, "made-up", registry.Listed(__name__, ("respond", "read", "write")))
+
+
+@pytest.mark.usefixtures("made_up")
 def test_the_documentation_describes_a_new_platform() -> None:
-    with fake_platform.listed("respond", "read", "write"):
-        platforms, downloads, gradebooks = generated.ci_platforms(), generated.downloads(), generated.gradebooks()
-    assert "| `made-up` | Made-up Campus | working folder | standard output |" in platforms
-    assert "## Made-up Campus\n\nTold of jobs." in platforms
-    assert "| Made-up Campus, *Take all* | `made-up.txt` | told of downloads |" in downloads
-    assert "- **Made-up Campus**: told of grades." in gradebooks
+    assert "| `made-up` | Made-up Campus | working folder | standard output |" in generated.ci_platforms()
+    assert "## Made-up Campus\n\nTold of jobs." in generated.ci_platforms()
+    assert "| Made-up Campus, *Take all* | `made-up.txt` | told of downloads |" in generated.downloads()
+    assert "- **Made-up Campus**: told of grades." in generated.gradebooks()
 
 
+@pytest.mark.usefixtures("made_up")
 def test_a_class_is_read_from_a_new_platform_grades_go_to_it_and_a_job_knows_it(tmp_path: Path) -> None:
     (tmp_path / "in" / "work").mkdir(parents=True)
     (tmp_path / "in" / "made-up.txt").touch()
     with Store(tmp_path) as store:
         store.keep(Key("alice", "s", "r", "t", "0"), result())
-    with fake_platform.listed("respond", "read", "write"):
-        for shape in (None, "made-up"):
-            (entry,) = read_class([tmp_path / "in"], LAB.files, shape).entries
-            assert entry.name == "Uma"
-        assert cli.main(["export", str(tmp_path), "--format", "made-up"]) == 0
-        assert job.named("made-up") is fake_platform.PLATFORM
+    for shape in (None, "made-up"):
+        (entry,) = read_class([tmp_path / "in"], LAB.files, shape).entries
+        assert entry.name == "Uma"
+    assert cli.main(["export", str(tmp_path), "--format", "made-up"]) == 0
+    assert job.named("made-up") is PLATFORM
     assert (tmp_path / "campus.csv").read_text() == "made up: alice\n"
 
 
+@pytest.mark.usefixtures("made_up")
 def test_a_line_that_promises_what_the_record_does_not_do_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    silent = replace(fake_platform.PLATFORM, respond=None, write=None)
-    monkeypatch.setattr(fake_platform, "PLATFORM", silent)
-    with (
-        fake_platform.listed("respond", "read", "write"),
-        pytest.raises(GraderError, match="its line in the registry"),
-    ):
+    monkeypatch.setattr(import_module(__name__), "PLATFORM", replace(PLATFORM, respond=None, write=None))
+    with pytest.raises(GraderError, match="its line in the registry"):
         job.named("made-up")

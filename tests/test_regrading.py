@@ -13,7 +13,7 @@ import pytest
 from grader import __version__
 from grader.base.errors import RequestError
 from grader.course import regrade
-from grader.course.publishing import publish, publish_all, publish_class
+from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
 from grader.engine import rubric
 from grader.engine.marks import marked
@@ -128,13 +128,6 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
         with pytest.raises(RequestError, match=told):
             regrade.remark(tmp_path, store, changed(edit))
         assert store.final_grades() == before
-
-
-def test_what_the_disk_refuses_is_told_in_one_line(tmp_path: Path) -> None:
-    keep(tmp_path, changed())
-    (tmp_path / "submissions").write_text("a file where the folder is to be")
-    with Store(tmp_path) as store, pytest.raises(RequestError, match=r"submissions.*cannot write"):
-        publish_all(tmp_path, store.final_grades().values(), store, LAB)
 
 
 # ---- what a mistake costs ----

@@ -266,7 +266,7 @@ def test_a_submission_that_could_not_be_opened_says_why_and_has_no_rows() -> Non
 
 def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_final_ones_lead() -> None:
     given = Adjustment("sensor_access", 5.0, "Shown in the lab.", "Ada", "2026-11-21T21:00:00+00:00", {})
-    late = Lateness("2026-11-20T20:00:00+00:00", 90000, 2, 1.5)
+    late = Lateness("2026-11-20T20:00:00+00:00", 86_401, 2, 1.5)  # an hour that has begun counts
     hand_in = HandIn((Person("Bob", section="Tue"),), submitted="2026-11-21T21:00:00+00:00", late=late)
     final_grade = FinalGrade("x", result(lost()), hand_in, (given,))
     page = report_page(final_grade)

@@ -30,15 +30,6 @@ def test_a_result_comes_back_as_it_was_kept_and_the_present_one_is_that_last_kep
         assert store.present() == {"alice": first}
 
 
-def test_an_incomplete_result_is_present_but_not_recalled_so_it_is_graded_again(tmp_path: Path) -> None:
-    with Store(tmp_path) as store:
-        store.keep(KEY, result(check("not_judged", None), status="incomplete"))
-        assert store.recall(KEY) is None
-        assert store.present()["alice"].status == "incomplete"
-        store.keep(KEY, result())
-        assert store.recall(KEY) == result()
-
-
 def test_a_record_that_cannot_be_written_is_read_as_it_lies_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
