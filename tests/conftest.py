@@ -50,7 +50,7 @@ SLOW = (
     "test_docs", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
     "test_handed_in", "test_hidden_feedback", "test_kit", "test_layout_variants", "test_marking", "test_not_running", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading", "test_relative_paths",
-    "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro", "test_secret_words",
+    "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro",
     "test_shadowing_modules", "test_statements", "test_traces", "test_unforeseen",
     "test_variants", "test_visibility", "test_wall_time",
 )  # fmt: skip
