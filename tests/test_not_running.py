@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 from collections import defaultdict
 
 import pytest
 
 from grader.engine.grader import Marker
 from grader.intake import Submission
-from tests.corpus.cases import Case, of
-from tests.corpus.pieces import LAYOUTS, steps, verbatim
+from tests.corpus.cases import Case, every, of
+from tests.corpus.pieces import LAYOUTS, steps, tidy, verbatim
+from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, graded_by, look_at_edit
-from tests.single_faults import lost_by, marked, submission_of
+from tests.single_faults import changed, lost_by, marked, submission_of
 
 DEFINED_IN = {
     "imu_reader.py": {"sensor_access", "data_collection", "visualization"},
@@ -40,6 +42,42 @@ def test_it_costs_what_needs_it_alone(case: Case, player: Marking) -> None:
 @pytest.mark.parametrize("nothing", of("nothing"), ids=lambda nothing: nothing.name)
 def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Case, player: Marking) -> None:
     assert graded_by(player, nothing).troubles == []
+
+
+METHOD = "def update(self, measurement):"
+
+
+@pytest.mark.parametrize(
+    ("files", "old", "new"),
+    [
+        (tidy(), "class LowPassFilter:", "class LowPassFilter"),
+        (tidy(), METHOD, f"{METHOD}\n        x = '"),
+        (tidy(), METHOD, f"{METHOD}\n      pass\n   pass"),
+        (verbatim(), METHOD, f"{METHOD}\n        x = (1"),
+    ],
+    ids=["colon of a class", "quote", "indentation", "bracket on the sheet"],
+)
+def test_a_filter_that_does_not_parse_keeps_the_comparison_that_its_file_draws(
+    files: Files, old: str, new: str, player: Marking
+) -> None:
+    result = marked(player, changed(files, "filters.py", {old: new}))
+    assert [criterion.points for criterion in result.criteria] == [20, 20, 20, 20, 0]
+    assert not any("was stopped" in note for note in result.notes), result.notes
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "raise SyntaxError",
+        "def broken(:\n    plt.savefig('filtered_imu.png')\n",
+        "# savefig\nx = (\n",
+        "def broken(:\n    pass\n\nimport matplotlib.pyplot as plt\nplt.savefig('filtered_imu.png')\n",
+    ],
+    ids=["type name", "in what does not parse", "in a comment", "an empty figure"],
+)
+def test_a_filter_file_that_draws_no_comparison_loses_it(source: str, player: Marking) -> None:
+    result = marked(player, tidy() | {"filters.py": source})
+    assert [criterion.points for criterion in result.criteria] == [20, 20, 16, 20, 0]
 
 
 ODD = {
@@ -146,3 +184,53 @@ def test_who_waits_is_told_for_what(marker: Marker) -> None:
     said: list[str] = []
     marker.mark(in_layout(edit, "three-files"), only="sensor_access", waiting=said.append)
     assert said == ["Waiting for imu_reader.py to be imported: 10 s of CPU time at most."]
+
+
+# --- what a submission defines, below a main guard, at module level and in the cells of a notebook ---
+
+SAME_IN_EVERY_LAYOUT = (
+    "noise_in_blocks", "split_by_dimensions", "state-of-the-class", "method-under-another-name", "first-reading-kept", "bias-drawn-in-read",
+    "reset-forgotten", "ids-looked-up-again", "own-timestep", "labels-of-panels-exchanged", "plot-raises", "drawn-in-the-constructor",
+    "noise-into-the-simulator", "z-axis-only", "head-not-off-by-some", "half-of-the-steps", "zero-start-not-wrong-alpha",
+)  # fmt: skip
+
+
+def statements(code: object) -> list[ast.stmt]:
+    """The statements of a file, without imports from the others; in place of a main guard, what it does, and what the functions do that it calls."""
+    tree = ast.parse(str(code))
+    guards = [part for part in tree.body if isinstance(part, ast.If) and "__name__" in ast.unparse(part.test)]
+    called = {ast.unparse(each) for guard in guards for each in guard.body}
+    functions = {f"{part.name}()": part for part in tree.body if isinstance(part, ast.FunctionDef)}
+    bodies = {call: [*defaults(function), *function.body] for call, function in functions.items() if call in called}
+    flat: list[ast.stmt] = []
+    for part in tree.body:
+        if part in guards:
+            for each in part.body:  # type: ignore[attr-defined]
+                flat += bodies.get(ast.unparse(each), [each])
+        elif f"{getattr(part, 'name', '')}()" not in bodies:
+            flat.append(part)
+    return flat
+
+
+def defaults(function: ast.FunctionDef) -> list[ast.stmt]:
+    pairs = zip(function.args.args, function.args.defaults, strict=True)
+    return ast.parse("\n".join(f"{name.arg} = {ast.unparse(value)}" for name, value in pairs)).body
+
+
+def at_module_level(files: Files) -> Files:
+    return {name: "\n\n".join(map(ast.unparse, statements(code))) + "\n" for name, code in files.items()}
+
+
+def as_notebook(files: Files) -> Files:
+    parts = [part for name in ("imu_reader.py", "noisy_imu.py", "filters.py") for part in statements(files[name])]
+    own = ("imu_reader", "noisy_imu", "filters")
+    cells = [part for part in parts if not (isinstance(part, ast.ImportFrom) and part.module in own)]
+    return {"lab.ipynb": notebook(*map(ast.unparse, cells))}
+
+
+@pytest.mark.parametrize("layout", [at_module_level, as_notebook])
+@pytest.mark.parametrize(
+    "case", [case for case in every() if case.name in SAME_IN_EVERY_LAYOUT], ids=lambda case: case.name
+)
+def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case, layout, player: Marking) -> None:  # type: ignore[no-untyped-def]
+    assert lost_by(marked(player, layout(case.files))) == lost_by(marked(player, case.files))
