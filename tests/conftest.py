@@ -45,14 +45,14 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
 SLOW = (
     *FIRST, "browser", "fuzz", "hostile", "labs", "mutants", "sandbox",
-    "test_adjusting", "test_batch", "test_breakpoints", "test_budgets", "test_chance", "test_charts",
-    "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_clock", "test_compat", "test_desk_repairs",
+    "test_adjusting", "test_batch", "test_budgets", "test_chance", "test_charts",
+    "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_compat", "test_desk_repairs",
     "test_docs", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
-    "test_handed_in", "test_hidden_feedback", "test_kit", "test_marking", "test_not_running", "test_other_systems",
+    "test_hidden_feedback", "test_kit", "test_marking", "test_not_running", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading", "test_relative_paths",
     "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro",
     "test_shadowing_modules", "test_statements", "test_traces", "test_unforeseen",
-    "test_variants", "test_visibility", "test_wall_time",
+    "test_variants", "test_visibility",
 )  # fmt: skip
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
 LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")

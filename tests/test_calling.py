@@ -1,4 +1,4 @@
-"""How a function is called whose parameters are not the promised ones, and which names of a file are supplied or matched."""
+"""How a function is called whose parameters are not the promised ones, which names of a file are supplied or matched, and what it returned."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import re
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 from grader.worker import fuzzy_names, statements
 from grader.worker.calling import Slot, plan_call
 from grader.worker.missing_imports import MissingImports
+from grader.worker.values import Packer, numbers
 
 SLOTS = (
     Slot("model", re.compile("^m$")),
@@ -148,3 +150,21 @@ def test_one_method_a_letter_away_is_the_required_one(text: str, meant: str | No
     known = {"LowPassFilter.update": "of an earlier definition"}
     fuzzy_names.alias_misspelled_method(names.get("LowPassFilter"), "LowPassFilter", ["LowPassFilter.update"], known)
     assert known == ({} if meant is None else {"LowPassFilter.update": meant})
+
+
+# --- what it returned, as numbers: what is masked is none, whatever stands in memory in its place ---
+
+
+def test_numbers_of_a_masked_array_have_gaps() -> None:
+    masked = np.ma.masked_array([1, 2, 3], mask=[False, True, False])
+    packer = Packer()
+    node = packer.node(masked)
+    assert node["kind"] == "array"
+    for found, wanted in [
+        (packer.arrays[node["key"]], [1.0, np.nan, 3.0]),
+        (numbers(masked), [1.0, np.nan, 3.0]),
+        (numbers(np.ma.masked_all(3)), [np.nan] * 3),
+        (numbers((np.float32(1), 2)), [1.0, 2.0]),
+    ]:
+        assert type(found) is np.ndarray
+        np.testing.assert_array_equal(found, wanted)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.results import CriterionResult
 from tests.corpus.pieces import COMPARE, PLOT_LOOP, edit, lab, verbatim
 from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
@@ -30,14 +29,10 @@ PLOTS_FIRST = {
 }
 
 
-def _criterion(player: Marking, criterion: str, files: Files) -> CriterionResult:
-    return marked(player, files, criterion).criteria[0]
-
-
 def test_who_uses_what_is_not_there_is_told_what_is(player: Marking) -> None:
     files = edit(lab(), "noisy_imu.py", ("    def read(self):\n", "    def read(self):\n        tqdm()\n"))
     files["noisy_imu.py"] = "from tqdm_of_mine import tqdm\n" + files["noisy_imu.py"]
-    message = _criterion(player, "noise_model", files).checks[0].message
+    message = marked(player, files, "noise_model").criteria[0].checks[0].message
     assert "ModuleNotFoundError: No module named 'tqdm_of_mine'; there are numpy, scipy, matplotlib, mujoco," in message
 
 
@@ -50,7 +45,7 @@ def test_a_plot_that_stops_the_script_does_not_cost_what_is_drawn_later(
     assert (PLOT_LOOP.count(before), PLOTS_FIRST[where].count(PLOT_FIRST)) == (1, 1)
     files = lab(plot=PLOT_LOOP.replace(before, after), compare=PLOTS_FIRST[where])
     files["imu_reader.py"] += LOAD
-    criterion = _criterion(player, "visualization", files)
+    (criterion,) = marked(player, files, "visualization").criteria
     assert [check.id for check in criterion.checks if check.points] == ["visualization.comparison_plot"]
 
 
@@ -80,17 +75,6 @@ def test_of_a_name_that_is_defined_twice_a_note_says_which_one_was_graded(player
     ):
         said = [note for note in marked(player, given, "filtering").notes if "is defined" in note]
         assert said == ([f"LowPassFilter is defined 2 times, in {told} was graded"] if told else [])
-
-
-def test_a_negated_filter_is_charged_for_its_recursion_alone_and_the_report_says_so(player: Marking) -> None:
-    files = edit(lab(), "filters.py", ("        return self.state.copy()\n", "        return -self.state\n"))
-    criterion = _criterion(player, "filtering", files)
-    assert criterion.points == 14.0
-    constant = next(check for check in criterion.checks if check.id == "filtering.passes_constant")
-    assert (constant.outcome, constant.hint, constant.misconceptions) == ("passed", "", ())
-    assert constant.message.startswith(
-        "No further deduction: the same fault was deducted under “The filter computes y[n]"
-    )
 
 
 # --- what the grader supplies or reads as another name costs nothing, in any layout, and is noted; the corpus has the rest ---

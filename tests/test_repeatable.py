@@ -21,9 +21,9 @@ from grader.engine.results import Result
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from tests.corpus.pieces import tidy, verbatim
+from tests.corpus.pieces import COLLECT_WHILE, lab, tidy, verbatim
 from tests.examples import FOLDER
-from tests.single_faults import changed, submission_of
+from tests.single_faults import changed, lost_by, marked, submission_of
 
 NOISY = """
 import os, random, secrets, threading, time, uuid, datetime
@@ -116,6 +116,32 @@ def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker
     first, second = (settled(marker.mark(submission, only="visualization")) for _ in range(2))
     assert first == second
     assert first.evidence == second.evidence
+
+
+# --- the clock ---
+
+BY_THE_CLOCK = COLLECT_WHILE.replace(
+    "while data.time < duration_seconds:", "start = time.CLOCK()\n    while time.CLOCK() - start < SECONDS:"
+)
+
+
+@pytest.mark.parametrize(
+    ("clock", "seconds"),
+    [("time", "duration_seconds"), ("perf_counter", "duration_seconds"), ("time_ns", "1e9"), ("process_time", "0.5")],
+)
+def test_a_loop_that_goes_by_the_clock_makes_as_many_rounds_in_every_run(
+    marker: Marker, clock: str, seconds: str
+) -> None:
+    collect = "import time\n\n\n" + BY_THE_CLOCK.replace("CLOCK", clock).replace("SECONDS", seconds)
+    first, second = (settled(marked(marker, lab(collect=collect), "data_collection")) for _ in range(2))
+    assert first == second
+    assert "data_collection.sample_count" in lost_by(first), "it is not the simulation's time"
+
+
+def test_a_loop_that_keeps_pace_with_the_clock_is_sound(marker: Marker) -> None:
+    pace = "        began = time.time()\n        mujoco.mj_step(model, data)\n        time.sleep(max(0.0, model.opt.timestep - (time.time() - began)))\n"
+    collect = "import time\n\n\n" + COLLECT_WHILE.replace("        mujoco.mj_step(model, data)\n", pace)
+    assert lost_by(marked(marker, lab(collect=collect), "data_collection")) == {}
 
 
 # --- optimizations ---
