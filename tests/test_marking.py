@@ -6,7 +6,7 @@ import pytest
 
 from grader.base.errors import GraderError
 from grader.course.warnings import remarks
-from grader.engine import check_runner
+from grader.engine import check_runner, rubric
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.engine.traces import Traces
@@ -31,6 +31,11 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, mo
     )
     assert (result.status, row.outcome, row.points) == ("incomplete", "not_judged", None)
     assert row.message == "Not judged, through a fault of the grader: ZeroDivisionError: a fault of ours"
+
+
+def test_checks_and_rubric_hold_the_same_ids() -> None:
+    listed = [check.id for check in rubric.load(LAB).checks]
+    assert sorted(check_runner.known_checks(LAB)) == sorted(listed)
 
 
 def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces, opened: Opened) -> None:
