@@ -65,11 +65,14 @@ def test_the_exit_code_says_whether_the_points_suffice(run: Run) -> None:
     assert [run("ci", "--format", "json", "--min-score", limit)[0] for limit in ("0", "14", "14.01")] == [0, 0, 1]
 
 
-def test_gradescope_gets_no_file_for_what_was_not_judged(
-    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.mark.parametrize("platform", ["gradescope", "classroom50"])
+def test_no_platform_is_given_a_zero_for_what_was_not_judged(
+    platform: str, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
+    for name, value in ID.items():
+        monkeypatch.setenv(name, value)
     let_answer(monkeypatch, result(check("not_judged", None), status="incomplete"))
-    code, _, err = run("ci", "--format", "gradescope", "-o", "results.json")
+    code, _, err = run("ci", "--format", platform, "-o", "results.json")
     assert code == 3
     assert "failed on a part of the submission, so there is no score to report" in err
     assert not (tmp_path / "results.json").exists()

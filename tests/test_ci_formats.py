@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import datetime, timezone
 from typing import Any
@@ -18,7 +18,6 @@ from hypothesis import strategies as st
 from junitparser import xunit2
 from markdown_it import MarkdownIt
 
-from grader.base.errors import GraderError
 from grader.engine.findings import Where
 from grader.engine.results import Result, Status
 from grader.intake import read_submission
@@ -291,12 +290,6 @@ def test_classroom50_gets_whole_points_that_sum_to_the_total_and_the_exact_ones_
     assert told["tests"][1]["exact-score"] == 3.33
     assert [test["passed"] for test in told["tests"]] == [True, False, False, False, False]
     assert told["datetime"] == WHEN
-
-
-@pytest.mark.parametrize("answer", [gradescope, lambda graded: classroom50(graded, Identity.of(ID), WHEN)])
-def test_no_platform_is_given_a_zero_for_what_was_not_judged(answer: Callable[[Result], str]) -> None:
-    with pytest.raises(GraderError, match="the grader failed on a part of the submission"):
-        answer(result(check(), check("not_judged", None, message="Not judged"), status="incomplete"))
 
 
 hundredths = st.integers(0, 2000).map(lambda n: n / 100)

@@ -33,7 +33,7 @@ STUDENTS = (
 )  # fmt: skip
 PAGES = (
     "/", "/class", "/groups", "/groups/mistake/sensor-id-as-address", "/similar", "/similar/ada/cyd", "/regrade-requests",
-    f"/what-if?weight:{ADDRESS}=14", "/submission/bob", "/submission/ada", "/submission/void", "/submission/nobody",
+    f"/what-if?weight:{ADDRESS}=14", "/submission/bob", "/submission/ada", "/submission/void", "/submission/evil", "/submission/nobody",
 )  # fmt: skip
 
 
@@ -83,14 +83,6 @@ def test_a_doubtful_case_is_decided_without_a_mouse(visit: Watched, desk: Desk) 
     page.keyboard.press("l")
     expect(page.get_by_role("heading", level=1)).to_have_text("cyd")
     assert desk.book.on_thread(lambda: desk.book.history("bob"))[-1].points == 4.5
-
-
-def test_nothing_that_a_student_wrote_runs(visit: Watched) -> None:
-    for path in ("/class", "/submission/evil", f"/what-if?weight:{ADDRESS}=14"):
-        page = visit.open(path)
-        expect(page.locator("body")).to_contain_text("<script>alert(1)</script>")
-        made = "main script, main img[onerror], main svg[onload]"
-        assert page.evaluate(f"document.querySelectorAll('{made}').length") == 0
 
 
 def test_without_scripts_everything_can_still_be_decided(visit: Watched) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -47,13 +46,10 @@ def test_a_file_is_opened_edited_previewed_saved_and_the_repair_undone(
     expect(page.locator("main")).to_contain_text("94 points before, 95 points now")
     desk.book.settled()
     assert column(out / "gradebook.csv", "total") == {"ada": "95", "bob": "94", "cyd": "97", "dan": "94"}
-    (repair,) = json.loads((out / "submissions/ada/result.json").read_text())["repairs"]
-    assert repair["comment"] == "x was never set"
 
     page.get_by_role("button", name="Undo repair").click()
     expect(page.get_by_role("button", name="Undo repair")).to_have_count(0)
     desk.book.settled()
     assert column(out / "gradebook.csv", "total")["ada"] == "94"
-    assert "repairs" not in json.loads((out / "submissions/ada/result.json").read_text())
     visit.close()
     assert visit.troubles == []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 import zipfile
 from pathlib import Path
@@ -14,7 +13,6 @@ import pytest
 
 from grader.engine.results import from_dict
 from grader.platforms.registry import LISTED
-from tests.classes import ASSIGNMENT, canvas_gradebook, moodle_worksheet
 from tests.corpus.pieces import VERBATIM
 from tests.corpus.writing import write
 from tests.delivered.conftest import PIP, SECRET, Delivered
@@ -69,24 +67,6 @@ def test_with_a_secret_examples_get_the_same_marks_and_no_page_tells_it(delivere
         for folder in (out, delivered.graded)
     )
     assert not hidden & public
-
-
-@pytest.mark.parametrize(
-    ("format_", "given"),
-    [
-        ("csv", []),
-        ("canvas", ["--template", "canvas.csv", "--column", ASSIGNMENT]),
-        ("moodle", ["--template", "moodle.csv"]),
-        ("gradescope", []),
-    ],
-)
-def test_a_class_is_exported(delivered: Delivered, out: Path, format_: str, given: list[str]) -> None:
-    here = delivered.empty()
-    (here / "canvas.csv").write_bytes(canvas_gradebook([]))
-    (here / "moodle.csv").write_bytes(moodle_worksheet([]))
-    done = delivered.run("export", out, "--format", format_, "-o", "marks.csv", "--allow-blank", *given, cwd=here)
-    assert done.returncode == 0, done.stderr
-    assert (here / "marks.csv").stat().st_size > 100
 
 
 # --- one submission ---------------------------------------------------------------------------------------------------
@@ -154,12 +134,6 @@ def test_traces_are_listed_plotted_and_recorded_from_a_secret(delivered: Deliver
     assert delivered.run("traces", "record", "-o", "traces", cwd=here, **HIDDEN).returncode == 0
     assert len(list((here / "plots").glob("*.png"))) > 1
     assert (here / "traces" / "hidden.npz").stat().st_size > 100_000
-
-
-def test_doctor_has_recorded_from_a_secret_of_its_own(delivered: Delivered) -> None:
-    done = delivered.run("doctor", cwd=delivered.empty())
-    assert done.returncode == 0
-    assert re.search(r"✓ +reference +recorded \d+ scenarios from a throw-away secret", done.stdout)
 
 
 def test_the_reference_is_shown_live_on_a_screen(delivered: Delivered) -> None:
