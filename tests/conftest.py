@@ -51,7 +51,7 @@ SLOW = (
     "test_hidden_feedback", "test_kit", "test_marking", "test_not_running", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading", "test_relative_paths",
     "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro",
-    "test_shadowing_modules", "test_statements", "test_traces", "test_unforeseen",
+    "test_shadowing_modules", "test_statements", "test_traces",
     "test_variants", "test_visibility",
 )  # fmt: skip
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""

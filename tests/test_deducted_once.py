@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from grader.engine.results import Result
+from tests.corpus.cases import Case, of
 from tests.corpus.pieces import COMPARE, PLOT_LOOP, edit, lab, verbatim
 from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
+from tests.scoreboard import Verdict, look_at_words, lost
 from tests.single_faults import changed, lost_by, marked
 
+READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 LOAD = """
 
 def load():
@@ -79,7 +83,6 @@ def test_of_a_name_that_is_defined_twice_a_note_says_which_one_was_graded(player
 
 # --- what the grader supplies or reads as another name costs nothing, in any layout, and is noted; the corpus has the rest ---
 
-READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 MISSPELLED = (
     ("LowPassFilter", "LowpassFilter"),
     ("NoisyIMU", "NoisyImu"),
@@ -116,3 +119,101 @@ def test_a_misspelled_name_counts_in_one_file_and_in_a_notebook(name: str, own: 
     code = SHEET.replace(name, own)
     layouts: tuple[Files, ...] = ({"lab.py": code}, {"lab.ipynb": notebook(code)})
     assert [lost_by(marked(player, files)) for files in layouts] == [{}, {}]
+
+
+# --- two faults cost what each of them costs, whatever the other one spoils: the sheet's own layout with two of its lines edited ---
+
+RETURNED = "return acceleration, angular_velocity"
+EDITS: dict[str, tuple[str, str, str]] = {
+    "the other's address": (READER, "gyro_adr = model.sensor_adr[gyro_sensor_id]", "gyro_adr = model.sensor_adr[accel_sensor_id]"),
+    "in units of g": (READER, RETURNED, "return acceleration / 9.81, angular_velocity"),
+    "a reader that raises": (READER, "model.sensor_adr[accel_sensor_id]", "model.sensor_adr[accel_sensor_id, 0]"),
+    "no reset": (READER, "    mujoco.mj_resetData(model, data)\n", ""),
+    "another key": (READER, "'time': times,", "'t': times,"),
+    "no unit": (READER, "axes[0].set_ylabel('Acceleration (m/s²)')", "axes[0].set_ylabel('Acceleration')"),
+    "a plot that raises": (READER, "axes[1].set_title(", "axes[2].set_title("),
+    "no gyroscope's bias": (NOISY, " + self.gyro_bias", ""),
+    "a variance": (NOISY, "np.random.normal(0, self.accel_noise_std, 3)", "np.random.normal(0, self.accel_noise_std**2, 3)"),
+    "noise that raises": (NOISY, "+ self.accel_bias", "+ self.accel_bias[3]"),
+    "a coefficient's other half": (FILTER, "self.alpha * measurement + (1 - self.alpha)", "(1 - self.alpha) * measurement + self.alpha"),
+    "from zero": (FILTER, "self.value = measurement.copy()", "self.value = 0 * measurement"),
+}  # fmt: skip
+PAIRS = (
+    ("in units of g", "no gyroscope's bias"), ("the other's address", "no gyroscope's bias"), ("the other's address", "in units of g"),
+    ("a reader that raises", "no reset"), ("a reader that raises", "a variance"), ("a reader that raises", "no unit"),
+    ("in units of g", "another key"), ("the other's address", "a variance"), ("another key", "no unit"),
+    ("a plot that raises", "no reset"), ("a plot that raises", "from zero"), ("noise that raises", "from zero"),
+    ("noise that raises", "a coefficient's other half"), ("a variance", "a coefficient's other half"),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def alone(player: Marking) -> dict[str, dict[str, float]]:
+    """What each edit costs by itself."""
+    return {name: lost_by(marked(player, _edited(name))) for name in EDITS}
+
+
+def _edited(*names: str) -> dict[str, str]:
+    files = verbatim()
+    for path, old, new in (EDITS[name] for name in names):
+        files = edit(files, path, (old, new))
+    return files
+
+
+@pytest.mark.parametrize("pair", PAIRS, ids=" and ".join)
+def test_two_faults_cost_what_each_of_them_costs(
+    pair: tuple[str, str], alone: dict[str, dict[str, float]], player: Marking
+) -> None:
+    both = lost_by(marked(player, _edited(*pair)))
+    checks = {check for name in pair for check in alone[name]}
+    assert all(alone[name] for name in pair)
+    assert both == {check: sum(alone[name].get(check, 0.0) for name in pair) for check in checks}
+
+
+# --- work that no list foresaw loses what a careful marker said before it was judged, each fault once, with a true name or none ---
+
+_EVERY = 6
+"""Of so many plots one is drawn."""
+_EVERYWHERE = {
+    "class-with-the-id-as-address", "class-in-the-other-order", "class-that-clips", "one-key-misspelled",
+    "keys-in-the-plural", "three-long-rows", "append-without-an-axis", "a-dataclass-in-place-of-a-dictionary",
+}  # fmt: skip
+"""Faults that reach into other criteria: into the plot by the recording's form, into all by a shared class."""
+
+
+def _chosen(*parts: str) -> list[Case]:
+    every = [case for part in parts for case in of(part)]
+    plots = [case for case in every if case.criterion == "visualization"]
+    return [case for case in every if case.criterion != "visualization"] + plots[::_EVERY]
+
+
+def _judged(player: Marking, sample: Case) -> Result:
+    return marked(player, sample.files, None if sample.name in _EVERYWHERE else sample.criterion)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sample", _chosen("unforeseen sound"), ids=lambda sample: sample.name)
+def test_sound_work_in_a_style_of_its_own_loses_nothing(sample: Case, player: Marking) -> None:
+    result = _judged(player, sample)
+    assert [(check.id, check.message) for check in lost(result)] == []
+    assert result.misconceptions == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sample", _chosen("unforeseen", "habits"), ids=lambda sample: sample.name)
+def test_a_fault_loses_what_the_marker_said_and_is_told_why(sample: Case, player: Marking) -> None:
+    result = _judged(player, sample)
+    found = lost_by(result)
+    names, right = set(result.misconceptions), {*sample.names, *sample.also, sample.fault} - {""}
+    said = Verdict(sample, result=result)
+    look_at_words(said)
+    assert said.troubles == []
+    assert found
+    assert names <= right
+    assert sample.fault in ("", *names)
+    assert names or not sample.names or sample.part == "habits"  # a habit may have a name
+    if sample.takes is not None:
+        assert {id_: points for id_, points in found.items() if points > sample.takes.get(id_, 0.0) + 1e-6} == {}
+    else:
+        assert set(found) <= set(sample.loses)
+        assert sum(found.values()) <= sample.most + 1e-9
