@@ -8,15 +8,6 @@ from tests.corpus.writing import Files, as_bytes
 from tests.recordings import Marking
 
 
-def changed(files: Files, path: str, changes: dict[str, str]) -> Files:
-    """Replace each key of `changes` by its value in one file, wherever it stands."""
-    text = files[path]
-    for old, new in changes.items():
-        assert old in text, f"{path} holds no {old!r}"
-        text = text.replace(old, new)
-    return files | {path: text}
-
-
 def submission_of(files: Files) -> Submission:
     """A submission that is not written to disk and read again."""
     return Submission("s", "s", {name: as_bytes(content) for name, content in files.items()}, (), "ready", "")

@@ -10,7 +10,7 @@ from tests.corpus.pieces import COMPARE, PLOT_LOOP, edit, lab, verbatim
 from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, look_at_words, lost
-from tests.single_faults import changed, lost_by, marked
+from tests.single_faults import lost_by, marked
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 LOAD = """
@@ -100,8 +100,8 @@ SHEET = "\n\n".join(
 
 
 def test_what_was_supplied_and_what_was_misspelled_is_noted(player: Marking) -> None:
-    misspelled: Files = {path: str(text).replace("LowPassFilter", "LowpassFilter") for path, text in verbatim().items()}
-    assert marked(player, changed(misspelled, READER, {"import numpy as np\n": ""})).notes == (
+    misspelled = {path: str(text).replace("LowPassFilter", "LowpassFilter") for path, text in verbatim().items()}
+    assert marked(player, edit(misspelled, READER, ("import numpy as np\n", ""))).notes == (
         "imu_reader.py uses np without an import; the grader supplied it",
         "filters.py defines LowpassFilter; the grader used it as LowPassFilter",
     )
@@ -109,7 +109,7 @@ def test_what_was_supplied_and_what_was_misspelled_is_noted(player: Marking) -> 
 
 @pytest.mark.parametrize("line", BORROWED_ON_PURPOSE.values(), ids=BORROWED_ON_PURPOSE)
 def test_a_name_that_comes_by_another_way_is_not_forgotten(line: str, player: Marking) -> None:
-    result = marked(player, changed(verbatim(), READER, {"import numpy as np\n": line}))
+    result = marked(player, edit(verbatim(), READER, ("import numpy as np\n", line)))
     assert (result.score, result.notes) == (100.0, ())
 
 

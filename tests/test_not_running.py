@@ -10,11 +10,11 @@ import pytest
 from grader.engine.grader import Marker
 from grader.intake import Submission
 from tests.corpus.cases import Case, every, of
-from tests.corpus.pieces import LAYOUTS, steps, tidy, verbatim
+from tests.corpus.pieces import LAYOUTS, edit, steps, tidy, verbatim
 from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, graded_by, look_at_edit
-from tests.single_faults import changed, lost_by, marked, submission_of
+from tests.single_faults import lost_by, marked, submission_of
 
 DEFINED_IN = {
     "imu_reader.py": {"sensor_access", "data_collection", "visualization"},
@@ -58,9 +58,9 @@ METHOD = "def update(self, measurement):"
     ids=["colon of a class", "quote", "indentation", "bracket on the sheet"],
 )
 def test_a_filter_that_does_not_parse_keeps_the_comparison_that_its_file_draws(
-    files: Files, old: str, new: str, player: Marking
+    files: dict[str, str], old: str, new: str, player: Marking
 ) -> None:
-    result = marked(player, changed(files, "filters.py", {old: new}))
+    result = marked(player, edit(files, "filters.py", (old, new)))
     assert [criterion.points for criterion in result.criteria] == [20, 20, 20, 20, 0]
     assert not any("was stopped" in note for note in result.notes), result.notes
 
@@ -130,33 +130,33 @@ _WAITING = ("loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard"
 _ALIKE = ("sys-exit-in-", "segfault-in-", "abort-in-")
 """The first are waited for, some seconds each, the others end like `exit-in-`; `tests.scoreboard` has them all."""
 QUICK = [
-    edit for edit in of("module level") if not edit.name.startswith((*_WAITING, *_ALIKE)) or edit.name == "loop-between"
+    case for case in of("module level") if not case.name.startswith((*_WAITING, *_ALIKE)) or case.name == "loop-between"
 ]
 ELSEWHERE = (
     "exit-in-reader", "exit-between", "misspelled-call", "pandas-unused", "pylab-star", "pdb-in-the-noise", "defined-in-an-if",
 )  # fmt: skip
 
 
-def in_layout(edit: Case, layout: str) -> Submission:
-    return submission_of({name: text for name, text in LAYOUTS[layout](edit.files).items() if isinstance(text, str)})
+def in_layout(case: Case, layout: str) -> Submission:
+    return submission_of({name: text for name, text in LAYOUTS[layout](case.files).items() if isinstance(text, str)})
 
 
 @pytest.mark.parametrize(
-    ("edit", "layout"),
+    ("case", "layout"),
     [
-        *((edit, "three-files") for edit in QUICK),
+        *((case, "three-files") for case in QUICK),
         *(
-            (edit, layout)
-            for edit in of("module level")
-            if edit.name in ELSEWHERE
+            (case, layout)
+            for case in of("module level")
+            if case.name in ELSEWHERE
             for layout in ("one-file", "notebook")
         ),
     ],
     ids=lambda value: value if isinstance(value, str) else value.name,
 )
-def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Case, layout: str) -> None:
-    verdict = Verdict(edit)
-    look_at_edit(verdict, player.mark(in_layout(edit, layout)), edit)
+def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, case: Case, layout: str) -> None:
+    verdict = Verdict(case)
+    look_at_edit(verdict, player.mark(in_layout(case, layout)), case)
     assert verdict.troubles == []
 
 
@@ -180,9 +180,9 @@ def test_what_is_stepped_over_is_a_note_with_file_and_line(player: Marking, code
 
 
 def test_who_waits_is_told_for_what(marker: Marker) -> None:
-    edit = next(each for each in of("module level") if each.name == "loop-between")
+    case = next(each for each in of("module level") if each.name == "loop-between")
     said: list[str] = []
-    marker.mark(in_layout(edit, "three-files"), only="sensor_access", waiting=said.append)
+    marker.mark(in_layout(case, "three-files"), only="sensor_access", waiting=said.append)
     assert said == ["Waiting for imu_reader.py to be imported: 10 s of CPU time at most."]
 
 

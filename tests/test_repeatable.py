@@ -21,9 +21,9 @@ from grader.engine.results import Result
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from tests.corpus.pieces import COLLECT_WHILE, lab, tidy, verbatim
+from tests.corpus.pieces import COLLECT_WHILE, edit, lab, tidy, verbatim
 from tests.examples import FOLDER
-from tests.single_faults import changed, lost_by, marked, submission_of
+from tests.single_faults import lost_by, marked, submission_of
 
 NOISY = """
 import os, random, secrets, threading, time, uuid, datetime
@@ -112,7 +112,7 @@ ADDRESSES = {
 
 @pytest.mark.parametrize("part", ADDRESSES)
 def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker: Marker) -> None:
-    submission = submission_of(changed(verbatim(), "imu_reader.py", {part: ADDRESSES[part]}))
+    submission = submission_of(edit(verbatim(), "imu_reader.py", (part, ADDRESSES[part])))
     first, second = (settled(marker.mark(submission, only="visualization")) for _ in range(2))
     assert first == second
     assert first.evidence == second.evidence

@@ -15,7 +15,7 @@ from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_gra
 from tests.corpus import pieces
 from tests.corpus.cases import Case, of
 from tests.sandboxes import Opened
-from tests.single_faults import changed, lost_by, marked
+from tests.single_faults import lost_by, marked
 
 COLLECT = pieces.part("steps", "recorder")
 MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
@@ -48,7 +48,7 @@ def test_rows_that_are_altered_are_still_of_a_run_that_was_reset_and_pushed(mark
     altered = COLLECT.replace("accelerations[i] = accel", f"accelerations[i] = {treatment}").replace(
         "angular_velocities[i] = gyro", "angular_velocities[i] = np.round(gyro, 2)"
     )
-    files = changed(pieces.VERBATIM, "imu_reader.py", {COLLECT: altered})
+    files = pieces.edit(pieces.VERBATIM, "imu_reader.py", (COLLECT, altered))
     assert lost(marked(marker, files, "data_collection")) == {"matches_truth"}
 
 
@@ -89,7 +89,7 @@ IDS = 'mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, "torso_{}")'
 def test_what_was_learnt_by_heart_from_the_public_model_is_named(
     marker: Marker, mistake: str, edits: dict[str, str], check: str
 ) -> None:
-    result = marked(marker, changed(pieces.VERBATIM, "imu_reader.py", edits))
+    result = marked(marker, pieces.edit(pieces.VERBATIM, "imu_reader.py", *edits.items()))
     assert (lost(result), result.misconceptions) == ({check}, (mistake,))
 
 
