@@ -5,16 +5,15 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from grader.course import missing_packages
-from grader.course.classroom import installed_since
-from grader.course.record import Key, Store
-from grader.course.warnings import remarks
-from grader.desk.review_queue import items
-from grader.labs.imu.lab import LAB
-from grader.people.final_grade import FinalGrade
+from grader.engine.results import Result
+from grader.intake import Submission
+from tests.class_commands import commands, graded, hand_in, result_by_comment
+from tests.desk import desk_over, words
 from tests.fake_results import check, result, submission
 
 NOTE = "imu_reader.py, line 3 was skipped: ModuleNotFoundError: No module named 'pandas'; the rest of the file was used"
@@ -42,28 +41,28 @@ def test_only_known_names_are_suggested_for_installation() -> None:
     assert missing_packages.failed(FAILED) == {"pandas"}
 
 
-def test_a_class_is_told_once_which_package_for_whom_and_how_to_install_it() -> None:
+def test_a_package_is_named_once_for_a_class_and_what_lacked_it_is_graded_again_once_it_is_there(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, ran: list[str]
+) -> None:
+    def lacking(submission: Submission, *made_by: Any) -> Result:
+        return replace(result_by_comment(submission, *made_by), notes=(NOTE,) if submission.id != "bob" else ())
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(missing_packages, "available", lambda: {"numpy"})
+    run = commands(monkeypatch, capsys, ran, lacking)
     names = [f"s{i}" for i in range(7)]
-    told = list(remarks({name: FinalGrade(name, FAILED) for name in names}, (), ()))
-    assert [line for line in told if "pandas" in line] == [
-        "pandas is not installed for student code: 7 submissions import it (s0; s1; s2; s3; s4 and 2 more)",
-        f"{PIP} pandas installs it; then `imugrade grade` grades only these again",
+    hand_in(tmp_path / "class", bob=1, **dict.fromkeys(names, 1))
+    assert [line for line in graded(run).splitlines() if "pandas" in line] == [
+        "imugrade: pandas is not installed for student code: 7 submissions import it (s0; s1; s2; s3; s4 and 2 more)",
+        f"imugrade: {PIP} pandas installs it; then `imugrade grade` grades only these again",
     ]
-
-
-def test_the_review_queue_has_one_item_for_all_of_them() -> None:
-    grades = {"a": FinalGrade("a", FAILED), "b": FinalGrade("b", result(check())), "c": FinalGrade("c", FAILED)}
-    (item,) = [each for each in items(grades, (), {}, (), {}, LAB) if each.reason.kind == "missing-package"]
-    assert item.ids == ("a", "c")
-    assert item.reason.title == "Package not installed"
-    assert f"{PIP} pandas" in item.reason.sentence
-
-
-def test_what_failed_is_graded_again_once_the_package_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with Store(tmp_path) as store:
-        for name, made in (("a", FAILED), ("b", result(check()))):
-            store.keep(Key(name, "0" * 64, "0" * 64, "0" * 64, "1"), replace(made, submission=name))
-        monkeypatch.setattr(missing_packages, "available", lambda: {"numpy"})
-        assert installed_since(store) == set()
-        monkeypatch.setattr(missing_packages, "available", lambda: {"numpy", "pandas"})
-        assert installed_since(store) == {"a"}
+    with desk_over(tmp_path / "out") as desk:
+        page = words(desk.get("/").text)
+    assert "Package not installed 1" in page
+    assert page.count(f"{PIP} pandas") == 1
+    ran.clear()
+    graded(run)
+    assert ran == []
+    monkeypatch.setattr(missing_packages, "available", lambda: {"numpy", "pandas"})
+    graded(run)
+    assert ran == names

@@ -9,12 +9,9 @@ from playwright.sync_api import Browser, expect
 
 from grader.engine.findings import Where
 from grader.people.final_grade import HandIn, Lateness, Person
-from tests.browser.conftest import CHROMIUM, PHONE, Watched, at_the_desk, complaints, width_on_a_phone
+from tests.browser.conftest import PHONE, Watched, at_the_desk, complaints, width_on_a_phone
 from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class
 from tests.test_desk import ADDRESS, HOSTILE_FILES, MISTAKE, NASTY, TITLES
-
-if CHROMIUM is None:
-    pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
 
 DESKTOP = {"width": 1280, "height": 720}
 RAISED = {

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, expect
 
-from tests.browser.conftest import CHROMIUM, at_the_desk
+from tests.browser.conftest import at_the_desk
 from tests.class_commands import column
 from tests.desk import Desk
 from tests.test_desk_repairs import SENTENCE, desk, out  # noqa: F401 - fixtures
-
-if CHROMIUM is None:
-    pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
 
 
 def test_a_file_is_opened_edited_previewed_saved_and_the_repair_undone(
