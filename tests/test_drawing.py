@@ -20,6 +20,7 @@ from grader.worker import drawing
 from grader.worker.pictures import decode
 from tests.corpus.pieces import lab
 from tests.examples import FOLDER
+from tests.random_figures import made
 from tests.single_faults import marked
 
 really_print = FigureCanvasBase.print_figure
@@ -101,6 +102,13 @@ def test_curves_stand_where_matplotlib_puts_them(figure: Any, shape: tuple[float
 )
 def test_a_submission_that_reads_pictures_back_is_recognised(source: bytes, wanted: bool) -> None:
     assert drawing.reads_pictures_back([b"import numpy", source]) is wanted
+
+
+def test_no_curve_of_forty_sound_figures_is_told_to_be_hidden_and_most_that_are_only_claimed_are() -> None:
+    """5,000 by ``python -m tests.benchmarks.pictures``."""
+    assert [seed for seed in range(40) if any(parts.is_hidden for parts in made(seed).values())] == []
+    claimed = [made(seed, left_out="a")["a"].is_hidden for seed in range(0, 40, 5)]
+    assert sum(claimed) >= 6, "curves of the same colour may pass for it in two of the eight"
 
 
 # --- pictures that were handed in beside code that does not draw them ---
