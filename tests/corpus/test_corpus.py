@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from grader.labs.imu.lab import LAB
 from tests.corpus.cases import CRITERIA, ORIGINS, every, of, patched
 from tests.corpus.pieces import edit
 
@@ -20,11 +21,11 @@ def known_ids() -> dict[str, set[str]]:
     return {group: {id_ for id_, row in rows.items() if "explanation" in row} for group, rows in table.items()}
 
 
-def test_every_mistake_of_the_five_criteria_has_a_submission_that_makes_it() -> None:
-    made = {id_ for case in (*of("faulty"), *of("unforeseen")) for id_ in (case.fault, *case.also)}
+def test_every_mistake_has_a_submission_that_makes_it() -> None:
+    made = {id_ for case in (*of("faulty"), *of("unforeseen"), *of("extensions")) for id_ in (case.fault, *case.also)}
     made |= {id_ for case in of("unforeseen") if case.criterion == "visualization" for id_ in case.names}
-    wanted = {mistake for group, ids in known_ids().items() if group != "extensions" for mistake in ids}
-    assert wanted - made == set()
+    assert set().union(*known_ids().values()) - made == set()
+    assert {case.only for case in of("extensions") if case.loses} == {bonus.id for bonus in LAB.bonuses}
 
 
 def test_a_row_speaks_of_known_faults_criteria_and_origins_and_names_no_fault_that_it_excludes() -> None:

@@ -8,12 +8,10 @@ judged, and no exception raised.
 from __future__ import annotations
 
 import random
-import tempfile
 import traceback
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from pathlib import Path
 from typing import Any
 from unittest import mock
 
@@ -25,7 +23,6 @@ from grader.engine.chart_data import Evidence, packed
 from grader.engine.check_runner import CheckRun
 from grader.engine.grader import Marker
 from grader.engine.results import Result
-from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.replies import RULES
@@ -33,12 +30,13 @@ from grader.sandbox.isolation_levels import NO_ISOLATION
 from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
-from tests.corpus.writing import Files, write
+from tests.corpus.writing import Files
 from tests.examples import files
 from tests.fuzz.drawing import drawn
 from tests.fuzz.mangling import mangled_array, mangled_value
 from tests.recordings.answers import history_after
 from tests.sandboxes import opened
+from tests.single_faults import marked, submission_of
 
 Answers = dict[str, Frame]
 Leading = defaultdict[tuple[str, str | None], Frame | None]
@@ -46,11 +44,6 @@ Leading = defaultdict[tuple[str, str | None], Frame | None]
 
 def _key(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
     return f"{op} {history_after('', op, fields, arrays)}"
-
-
-def submission(files: Files) -> Submission:
-    with tempfile.TemporaryDirectory() as scratch:
-        return read_submission(write(files, Path(scratch) / "fuzzed"), LAB.files)
 
 
 def everything() -> Files:
@@ -71,7 +64,7 @@ def recorded(files: Files) -> tuple[Answers, Leading]:
         return frame
 
     with mock.patch.object(Worker, "ask", recording), opened(bundles.shipped()) as marker:
-        marker.mark(submission(files))
+        marked(marker, files)
     return answers, leading
 
 
@@ -120,7 +113,7 @@ class Bench:
 
     def __init__(self, files: Files) -> None:
         self._answers, self._leading = recorded(files)
-        self._submission = submission(files)
+        self._submission = submission_of(files)
         self.troubles: list[str] = []
 
     @contextmanager
