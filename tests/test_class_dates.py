@@ -44,13 +44,6 @@ def test_a_cut_off_is_by_the_clock_as_well(run: Run) -> None:
     assert column(Path("out/gradebook.csv"), "late") == {"ann": "1", "bob": "refused", "cy": "1"}
 
 
-def test_a_time_zone_that_is_none_is_told(run: Run) -> None:
-    rubric_with(Path("rub.yaml"), late_policy(f"due: {LOCAL}, tz: Europe/Berlon"))
-    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub.yaml")
-    assert code == 2
-    assert "there is no time zone 'Europe/Berlon'; name one like Europe/Berlin" in err
-
-
 def test_grace_days_of_a_student_are_taken_off_the_days_that_count(run: Run) -> None:
     head, *rows = CAME.splitlines()
     roster = "\n".join([f"{head},grace_days", f"{rows[0]},2", f"{rows[1]},1", f"{rows[2]},"])

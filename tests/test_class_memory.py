@@ -245,11 +245,14 @@ def test_a_download_of_resubmissions_reports_nobody_as_missing(run: Run, tmp_pat
 
 
 def test_an_older_download_that_brings_earlier_files_back_is_told(run: Run, tmp_path: Path) -> None:
+    hand_in(tmp_path / "class", dora=1.0)
     graded(run)
-    hand_in(tmp_path / "again", bob=1, carol=0)
-    assert "count now: bob (97 → 100)\n" in graded(run, folder="again")
+    hand_in(tmp_path / "again", bob=1, carol=0)  # half of the class
+    err = graded(run, folder="again")
+    assert "count now: bob (97 → 100)\n" in err
+    assert "on record and in the gradebook, but not in this download: alice; dora\n" in err
     told = "other files than on record would count: bob\n"
-    assert run("grade", "class", "-o", "out", "--dry-run")[1] == f"0 would be graded · 3 on record\n{told}"
+    assert run("grade", "class", "-o", "out", "--dry-run")[1] == f"0 would be graded · 4 on record\n{told}"
     assert graded(run) == "imugrade: other files than on record count now: bob (100 → 97)\n"
     assert "other files" not in graded(run)
 

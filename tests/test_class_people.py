@@ -26,7 +26,9 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
         hand_in(Path("class"), **{name: 1})
         Path("class", name, ".git").mkdir()
         Path("class", name, ".git", "HEAD").write_text("ref: refs/heads/main\n")
-    assert "in the roster, no submission: s1003\n" in graded(run, roster=GITHUB_ROSTER)
+    err = graded(run, roster=GITHUB_ROSTER)
+    assert "in the roster, no submission: s1003\n" in err
+    assert "the same files were handed in by: lab04-jdoe-gh; lab04-rroe42\n" in err
     assert cells("out/gradebook.csv", "id", "name", "status") == [
         ("lab04-jdoe-gh", "Jane Doe", "graded"),
         ("lab04-rroe42", "lab04-rroe42", "graded"),
@@ -96,7 +98,10 @@ def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) 
 def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(run: Run) -> None:
     hand_in(Path("class"), ann1=1, ann2=None, ann3=None)
     roster = "id,name\nann1,Ann Lee\nann2,Ann Lee\nann3,Ann Lee\nann4,Ann Lee\nann5,Ann Lee\ncy,Cy Moe\n"
-    assert "in the roster, no submission: Ann Lee (ann4); Ann Lee (ann5); Cy Moe\n" in graded(run, roster=roster)
+    err = graded(run, roster=roster)
+    assert "in the roster, no submission: Ann Lee (ann4); Ann Lee (ann5); Cy Moe\n" in err
+    assert "no gradable files (review what was handed in): ann2; ann3\n" in err
+    assert "the same files" not in err
     names = [
         ("ann1", "Ann Lee", "graded"),
         ("ann2", "Ann Lee", "empty"),

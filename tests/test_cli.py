@@ -74,7 +74,7 @@ WRONG = {
     "grade x": "Missing option '--out' / '-o'…; see imugrade grade --help",
     "check HERE/nowhere": "HERE/nowhere: there is no such file or folder; check the path",
     "grade HERE/no/where.zip -o HERE/out": "HERE/no/where.zip: there is no such file or folder; check the path",
-    "grade HERE/class -o HERE/out --rubric HERE/no.yaml": "HERE/no.yaml: there is no such file; give the path of a rubric.yaml",
+    "grade HERE/class -o HERE/out --rubric HERE/none": "HERE/none: there is no such file; give the path of a rubric.yaml",
     "grade HERE/class -o HERE/out --rubric HERE/bad.yaml": "HERE/bad.yaml:1: …",
     "grade HERE/class -o HERE/bad.yaml": "HERE/bad.yaml: cannot write there: File exists; choose another folder with -o",
     "grade HERE/none -o HERE/out": "HERE/none: no submission found there; give a folder of submissions or an archive…",

@@ -11,7 +11,7 @@ import pytest
 
 from grader.base.errors import RequestError
 from grader.base.stamps import read_stamp, stamp
-from grader.course.warnings import gone, outdated, remarks
+from grader.course.warnings import outdated
 from grader.engine.results import Status
 from grader.engine.rubric import LatePolicy
 from grader.people import final_grade as grades
@@ -254,26 +254,3 @@ def test_a_roster_that_cannot_be_used_is_one_line(tmp_path: Path) -> None:
 )
 def test_a_time_without_an_offset_is_no_time(text: str, utc: str) -> None:
     assert stamp(text) == utc
-
-
-# ---- remarks ----
-
-
-def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
-    def made(id_: str, sha: str, status: str = "graded") -> FinalGrade:
-        return FinalGrade(id_, replace(result(), status=status, provenance={"submission_sha256": sha}))  # type: ignore[arg-type]
-
-    everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
-    assert list(remarks({s.id: s for s in everyone}, (), ())) == [
-        "the same files were handed in by: a; c",
-        "no gradable files (review what was handed in): d; e",
-    ]
-
-
-def test_who_is_on_record_alone_is_told() -> None:
-    now = {id_: FinalGrade(id_, result()) for id_ in "abcdefgh"}
-    told = "on record and in the gradebook, but not in this download: "
-    assert list(gone(now, "abcdefgh")) == []
-    assert list(gone(now, "abcdefg")) == [f"{told}h"]
-    assert list(gone(now, "abcd")) == [f"{told}e; f; g; h"]
-    assert list(gone(now, "abc")) == []  # a download of resubmissions: nobody is missing from it
