@@ -49,7 +49,7 @@ SLOW = (
     "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_compat", "test_desk_repairs",
     "test_docs", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
     "test_hidden_feedback", "test_kit", "test_marking", "test_not_running", "test_other_systems",
-    "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading", "test_relative_paths",
+    "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading",
     "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro",
     "test_shadowing_modules", "test_statements", "test_traces",
     "test_variants",
