@@ -19,6 +19,8 @@ import reference
 from grader.engine.traces import Scenario
 from grader.labs.imu.bundles import shipped
 from reference.imu_reader import get_imu_readings, sensor_id, simulate_and_collect
+from reference.scenarios import roll
+from reference.scene import LAB_PAIR
 from reference.worlds import LAB_MODEL
 
 FOLDER = Path(reference.__file__).parent
@@ -67,6 +69,23 @@ def test_the_robot_is_free_and_has_more_than_twenty_joints_no_controller_and_no_
     assert kinds[1:].count(mujoco.mjtJoint.mjJNT_HINGE) >= 20
     assert model.nu == 0
     assert not re.search(r"\bfile\s*=|<include|<mesh|<texture", LAB_MODEL.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("timestep", [0.002, 0.001, 0.004])
+def test_standing_reads_gravity_from_the_first_step_on_for_five_seconds(model: mujoco.MjModel, timestep: float) -> None:
+    model.opt.timestep = timestep
+    trace = roll(model, mujoco.MjData(model), round(5.0 / timestep), LAB_PAIR)
+    assert np.abs(trace["acceleration"] - [0.0, 0.0, -9.81]).max() < 1e-3  # promised: 0.1
+    assert np.abs(trace["angular_velocity"]).max() < 1e-5
+
+
+def test_the_push_makes_it_sway_and_it_stays_up(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    push = simulate_and_collect(model, data, duration_seconds=8.0)
+    assert np.abs(push["angular_velocity"][:, 1]).max() > 0.3
+    assert np.ptp(push["acceleration"][:, 0]) > 1.0
+    assert data.qpos[2] == pytest.approx(float(model.qpos0[2]), abs=1e-3)
+    assert np.abs(data.qvel).max() < 0.01
 
 
 def test_the_torso_imu_looks_forward_right_down(model: mujoco.MjModel) -> None:
