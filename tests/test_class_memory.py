@@ -69,6 +69,17 @@ def test_rubric_roster_and_attempt_rule_of_a_class_need_not_be_given_again_and_o
     assert totals("final")["bob"] == before["bob"]
 
 
+def test_files_that_are_current_are_left_and_changed_or_missing_ones_are_written_again(run: Run) -> None:
+    graded(run)
+    files = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in Path("out").glob("submissions/*/*")}
+    assert len(files) == 2 * 3
+    Path("out/submissions/alice/report.html").write_text("another page")
+    Path("out/submissions/bob/result.json").unlink()
+    graded(run)
+    assert {path: path.read_bytes() for path in files} == {path: content for path, (content, _) in files.items()}
+    assert {path.parent.name for path, (_, at) in files.items() if path.stat().st_mtime_ns != at} == {"alice", "bob"}
+
+
 def test_another_rubric_is_told_waits_for_consent_and_is_for_all(
     run: Run, before: dict[str, float], ran: list[str]
 ) -> None:

@@ -116,6 +116,10 @@ FOUND: dict[str, tuple[str, Files, Files | str, tuple[str, ...]]] = {
         ("More than one folder holds the lab's files: step2 was graded, not step6/b.",
          "The lab's files were found in step2; looked at with them: step5/noisy_imu.py, step6/filters.py."),
     ),
+    "the shallower of two folders": (
+        "zip", {"new/filters.py": b"new", **below("old/lab")}, {"filters.py": b"new"},
+        ("More than one folder holds the lab's files: new was graded, not old/lab.",),
+    ),
     "the more complete of two folders": (
         "zip", {"a/filters.py": b"a", **dict.fromkeys(("a/1.py", "a/2.py", "a/3.py"), b""), **below("b")}, HANDED_IN,
         ("More than one folder holds the lab's files: b was graded, not a.",),
@@ -458,6 +462,7 @@ def test_the_working_folder_has_a_name(tmp_path: Path, monkeypatch: pytest.Monke
         ("../../etc/passwd", "_.._etc_passwd"),
         ("", "submission"),
         ("aux", "_aux"),
+        ("x" * 200, "x" * 80),
         ("ü\0b\x1b\u202e\udcff", "ü_b___"),
     ],
 )

@@ -240,7 +240,8 @@ def test_a_model_that_cannot_be_graded_is_refused_with_the_line(
     rover(tmp_path, **change)
     file = rubric_for(tmp_path)
     (told,) = refusal(file, cache)
-    assert told.startswith(f"rubric.yaml:{line_of(file.read_text(), 'path:')}: {said}")
+    ours = told.partition("XML parse error")[0]  # what follows is MuJoCo's
+    assert ours == f"rubric.yaml:{line_of(file.read_text(), 'path:')}: {said}"
 
 
 def test_each_sensor_that_is_missing_or_of_another_type_is_refused_with_its_line(cache: Path, tmp_path: Path) -> None:

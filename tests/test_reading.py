@@ -30,7 +30,8 @@ class Hostile(Entry):
             time.sleep(60)
         if self.id == "grows":
             return read_submission(self.path, LAB.files, id=str(bytes(2 << 30)[:1]))
-        if self.id == "ends":
+        if self.id == "ends" or (self.id == "once" and not (self.path / "tried").exists()):
+            (self.path / "tried").touch()
             os._exit(3)
         if self.id == "breaks":
             raise KeyError("nobody thought of it")
@@ -67,6 +68,10 @@ def test_what_cannot_be_read_is_unreadable_and_the_next_one_is_read(
     assert (found.id, found.status, found.notes) == (id_, "unreadable", (note,))
     sound = Entry("alice", "Alice", folder, LAB.files)
     assert reader.read(sound) == sound.read()
+
+
+def test_a_submission_whose_process_ended_once_is_read_by_the_next_one(folder: Path, reader: Reader) -> None:
+    assert reader.read(Hostile("once", "once", folder, LAB.files)).status == "ready"
 
 
 HANGS = """

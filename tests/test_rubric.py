@@ -351,6 +351,7 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
     ("old", "new", "told"),
     [
         ("", "late:\n  grace_minutes: 5", "late has no key `due`; add it"),
+        ("", f"late:\n  {DUE}\n  per_day: 7.125", "per_day must have at most two decimals, not '7.125'; round it"),
         ("", f"late:\n  {DUE}\n  extensions: [jane]", "extensions must be `who: date` lines; who is an id, a name or an e-mail"
          " address"),
         ("", "mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),

@@ -30,6 +30,13 @@ def test_a_result_comes_back_as_it_was_kept_and_the_present_one_is_that_last_kep
         assert store.present() == {"alice": first}
 
 
+def test_an_incomplete_result_is_present_but_not_recalled_so_it_is_graded_again(tmp_path: Path) -> None:
+    unjudged = result(check("not_judged", None), status="incomplete")
+    with Store(tmp_path) as store:
+        store.keep(KEY, unjudged)
+        assert (store.recall(KEY), store.present()) == (None, {"alice": unjudged})
+
+
 def test_a_record_that_cannot_be_written_is_read_as_it_lies_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -22,6 +22,7 @@ from grader.base.text import csv_cell, printable
         ("zero\u200bwidth\ufeff", "zero\\u200bwidth\\ufeff"),
         ("\udcff", "\\udcff"),
         ("\U000e0041tag", "\\U000e0041tag"),
+        ("\ufffe\uffff", "\\ufffe\\uffff"),
         ("\u2028\u2029", "\\u2028\\u2029"),
         ("👩\u200d🔬", "👩\u200d🔬"),
     ],

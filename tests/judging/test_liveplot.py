@@ -59,6 +59,7 @@ SHOWN: dict[str, tuple[Array, Array]] = {
     ),
     "five readings in degrees": (STAMPS[MIXED] - DT, np.degrees(RATE[MIXED])),
     "with gaps": (STAMPS, GAPS),
+    "with gaps in the times": (np.where(np.isnan(GAPS), np.nan, STAMPS), RATE),
     "off by less than two machines differ": (STAMPS, RATE + 0.9e-3),
     "with the sheet's noise": (STAMPS, noisy(RATE, 0.05, 0.04)),
     "nine tenths of it in the run": (np.concatenate([STAMPS[:90], 50 + STAMPS[:10]]), RATE[:100]),

@@ -190,7 +190,7 @@ def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
 
 def _slope(taus: Array, curve: Array) -> float:
     """Return the slope of a curve (k,) on double logarithmic axes; NaN with fewer than three such times."""
-    known = (taus > 0) & (curve > 0) & np.isfinite(curve)
+    known = (taus > 0) & (curve > 0)
     if len(np.unique(taus[known])) < _FEWEST:
         return np.nan
     return float(np.polyfit(np.log(taus[known]), np.log(curve[known]), 1)[0])
