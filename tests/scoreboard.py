@@ -180,9 +180,7 @@ def look_at_extension(verdict: Verdict, result: Result, case: Case) -> None:
     if not extension.attempted or gone < wanted:
         verdict.trouble("missed", f"{', '.join(sorted(wanted - gone)) or 'not attempted'} kept")
     if gone - wanted and not (wanted and case.criterion == "complementary_filter"):
-        verdict.trouble(
-            "cascade" if wanted else "false deduction", words(c for c in extension.checks if c.id in gone - wanted)
-        )
+        verdict.trouble("too much", words(c for c in extension.checks if c.id in gone - wanted))
     named = (case.fault,) if case.fault else ()
     if result.misconceptions != named:
         verdict.trouble(

@@ -13,6 +13,8 @@ from grader import cli
 from grader.base.errors import RequestError
 from grader.course.database import FILE_NAME
 from grader.course.record import Key, Store
+from grader.engine import rubric
+from grader.labs.imu.lab import LAB
 from tests.fake_results import check, lost, result
 
 KEY = Key("alice", "s" * 64, "r" * 64, "t" * 64, "0.1.0")
@@ -35,6 +37,7 @@ def test_an_incomplete_result_is_present_but_not_recalled_so_it_is_graded_again(
     with Store(tmp_path) as store:
         store.keep(KEY, unjudged)
         assert (store.recall(KEY), store.present()) == (None, {"alice": unjudged})
+        assert not store.has(KEY, rubric.load(LAB))
 
 
 def test_a_record_that_cannot_be_written_is_read_as_it_lies_there(
