@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.bonuses import allan_variance as allan
-from grader.labs.imu.compare import Array
+from grader.labs.imu.compare import Array, thinned
 from grader.labs.imu.statistics import allan_deviation
 
 pytestmark = pytest.mark.quick
@@ -99,6 +99,12 @@ def test_averaging_times_are_seconds_or_something_else_that_fits_all_records(
     if found.fault == "":
         times, curve, samples = records[1]
         assert allan.fits(found.size(times, _RATE), curve, samples)
+
+
+@pytest.mark.parametrize(("points", "left"), [(1, 1), (201, 200)])
+def test_a_curve_is_thinned_to_two_hundred_points_the_first_and_last_among_them(points: int, left: int) -> None:
+    chosen = thinned(points)
+    assert (len(chosen), chosen[0], chosen[-1]) == (left, 0, points - 1)
 
 
 def _mistaken(

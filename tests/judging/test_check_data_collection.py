@@ -154,6 +154,17 @@ def _in_another_world(self: Any, model: Any, data: Any) -> None:
     mujoco.mj_resetData(model, data)
 
 
+def _in_weaker_gravity(self: Any, model: Any, data: Any) -> None:
+    model.opt.gravity[2] = -9.0
+    mujoco.mj_resetData(model, data)
+
+
+def _as_on_earth(self: Any, t: Any, a: Any, g: Any, model: Any) -> Any:
+    """Put gravity back before the recording is returned."""
+    model.opt.gravity[2] = -9.81
+    return Recorder.returned(self, t, a, g, model)
+
+
 def _keeps_pose(self: Any, model: Any, data: Any) -> None:
     """A reset of the velocities and the time alone."""
     data.qvel[:], data.time = 0.0, 0.0
@@ -191,6 +202,7 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("sound", Recorder, {}),
     # the form
     ("all that can be odd", of(returned=lambda _s, t, a, g, _m: {"t": t[:, None], "a": a.T, "w": g.T, "dt": 0.002}), {NAMED: (0.0, ["wrong-keys", "wrong-return-type", "arrays-transposed"])}),
+    ("a list", of(returned=lambda _s, t, a, g, _m: [t, a, g]), {NAMED: (0.0, ["wrong-return-type"])}),
     ("nothing", of(returned=lambda *_: None), {**_NOT_REACHED, NAMED: (0.0, ["wrong-return-type"]), COUNT: (0.0, [])}),
     ("no stamp under its name", of(returned=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}), {NAMED: (0.0, ["wrong-return-type"])}),
     ("nothing under all names", of(returned=lambda *_: {key: [] for key in KEYS}), {**_NOT_REACHED, NAMED: (0.0, []), COUNT: (0.0, [])}),
@@ -213,6 +225,7 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("exchanged", telling(lambda t, a, g, _m: (t, g, a)), {TRUTH: (0.0, ["channels-swapped"])}),
     ("all like the last", telling(lambda t, a, g, _m: (t, a[-1] + 0 * a, g[-1] + 0 * g)), {TRUTH: (0.0, ["aliased-rows"])}),
     ("of the last sensor", of(row=lambda s, m, d, *_: Recorder.row(s, m, d, -1, -1)), {TRUTH: (0.0, ["sensor-not-found"])}),
+    ("of the head", of(row=lambda s, m, d, *_: Recorder.row(s, m, d, *(m.sensor(f"head_{kind}").id for kind in ("accelerometer", "gyroscope")))), {TRUTH: (0.0, [])}),
     ("room for more", telling(lambda t, a, g, _m: [np.concatenate([x, np.zeros((60, *x.shape[1:]))]) for x in (t, a, g)]), {TRUTH: (0.5, ["rows-left-zero"])}),
     ("a first row that is empty", telling(lambda t, a, g, _m: [np.concatenate([x[:1] * 0, x]) for x in (t, a, g)]), {TRUTH: (0.5, ["first-row-empty"])}),
     ("without the first ones", telling(lambda t, a, g, _m: (t[30:], a[30:], g[30:])), {TRUTH: (0.5, [])}),
@@ -221,6 +234,7 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("no numbers", telling(lambda t, a, g, _m: (t, a * np.nan, g * np.nan)), {**_UNKNOWN, TRUTH: (0.0, ["not-finite"])}),
     ("no simulation", of(step=lambda _s, m, data, _n: setattr(data, "time", data.time + m.opt.timestep)), {**_UNKNOWN, TRUTH: (0.0, ["nothing-simulated"])}),
     ("a recording, altered", telling(lambda *_: [(1.01 if key != "time" else 1) * truth()["push"][key][:600] for key in KEYS]), {COUNT: (0.0, ["ignores-duration"]), TIME: _USUAL, TRUTH: (0.0, ["rows-altered"]), RESET: "skipped"}),
+    ("another gravity for the run", of(begin=_in_weaker_gravity, returned=_as_on_earth), {TRUTH: (0.0, ["modifies-model"])}),
     # the reset
     ("no reset", of(begin=lambda *_: None), {RESET: _KEPT}),
     ("until the time, without a reset", UntilTime, {RESET: _KEPT}),

@@ -71,6 +71,7 @@ TILT: list[Row] = [
     (checks.check_returns_roll_and_pitch, "off by a turn", _tilted(shift=2 * math.pi), None),
     (checks.check_returns_roll_and_pitch, "a number", _tilted(update=lambda *_: 0.0), (0.0, ["wrong-return-type"])),
     (checks.check_returns_roll_and_pitch, "no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), (0.0, ["not-finite"])),
+    (checks.check_returns_roll_and_pitch, "a list without numbers", _tilted(update=lambda *_: [math.nan, 0.0]), (0.0, ["not-finite"])),
     (checks.check_settles_at_tilt, "further off with each update", Growing, (0.0, [])),
     (checks.check_settles_at_tilt, "raises", _tilted(update=lambda *_: 1 / 0), "raised"),
     (checks.check_settles_at_tilt, "no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
