@@ -11,8 +11,9 @@ import pytest
 
 from grader.base.errors import RequestError
 from grader.base.stamps import read_stamp, stamp
+from grader.course.contradictions import contradictions
 from grader.course.warnings import outdated
-from grader.engine.results import Status
+from grader.engine.results import Repair, Status
 from grader.engine.rubric import LatePolicy
 from grader.people import final_grade as grades
 from grader.people import roster
@@ -20,6 +21,7 @@ from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, 
 from grader.people.identity import Directory, Row
 from grader.people.late_policy import judged
 from grader.platforms.gradebook import gradebook
+from grader.report import adjusted
 from tests.fake_results import check, lost, result
 
 DUE = datetime(2026, 11, 20, 23, 0, tzinfo=timezone.utc)
@@ -254,3 +256,44 @@ def test_a_roster_that_cannot_be_used_is_one_line(tmp_path: Path) -> None:
 )
 def test_a_time_without_an_offset_is_no_time(text: str, utc: str) -> None:
     assert stamp(text) == utc
+
+
+# ---- how a final grade came about ----
+
+
+def test_one_line_says_how_a_final_grade_came_about_and_its_numbers_add_up() -> None:
+    granted = replace(result(), extra_credit_cap=10.0)
+    extension = replace(granted.extensions[0], max_points=5.0, checks=(check(points=4.5, max_points=5.0),))
+    repair = Repair("filters.py", "", 2.0, "Eve", "now", "a colon", 10.0)
+    repaired = replace(granted, extensions=(extension,), repairs=(repair,))
+    bonus = Adjustment("bonus", 3.0, "an error in the sheet", "Eve", "now")
+    override = Adjustment("sensor_access", 14.0, "shown", "Eve", "now")
+    late = HandIn(late=Lateness("x", 90_000, 2, 10.0))
+    composed = FinalGrade("a", repaired, late, (override, bonus))
+    assert adjusted.explained(composed) == (
+        "final 9.5 = score 14 (with overrides, repaired) + bonus 3 + extra credit 4.5 − repair 2 − late 10"
+    )
+    total = Adjustment("total", 17.0, "shown", "Eve", "now")
+    assert adjusted.explained(replace(composed, adjustments=(total, bonus))) == (
+        "final 20 = total 17 (set by Eve) + bonus 3; a total is final: lateness and repairs are not deducted, extra credit is not added"
+    )
+    assert "above the maximum of 20" in adjusted.explained(FinalGrade("a", result(), adjustments=(bonus,)))
+    assert adjusted.explained(FinalGrade("a", result(check("not_judged", None), status="incomplete"))) == ""
+
+
+def test_an_override_above_a_maximum_that_moved_is_a_contradiction_and_so_is_what_was_not_judged() -> None:
+    halved = result(
+        check(points=3.0, max_points=3.0), check(id="sensor_access.matches_truth", points=7.0, max_points=7.0)
+    )
+    override = Adjustment("sensor_access", 19.0, "shown", "Eve", "now")
+    table = {
+        "a": FinalGrade("a", halved, adjustments=(override,)),
+        "b": FinalGrade("b", result(check("not_judged", None), status="incomplete")),
+        "c": FinalGrade("c", result()),
+        "d": FinalGrade("d", result(status="empty")),
+    }
+    assert [(each.id, each.kind, each.stops_export) for each in contradictions(table, None)] == [
+        ("a", "above maximum", True),
+        ("b", "not judged", True),
+    ]
+    assert "with 19 is above its maximum, which is now 10" in contradictions(table, None)[0].text

@@ -10,6 +10,7 @@ from pathlib import Path
 from grader import __version__
 from grader.base.files import write_whole
 from grader.course import class_settings
+from grader.course.contradictions import contradictions
 from grader.course.record import Store
 from grader.engine.faults import catalogue
 from grader.engine.fingerprint import of_the_sheet
@@ -32,9 +33,12 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
 
     The gradebook has a row for each person of the roster without a submission, and blank grades for empty submissions.
     """
-    absent = class_settings.absent(store.settings(), {id_: each.hand_in for id_, each in final_grades.items()})
+    settings = store.settings()
+    absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
     write_whole(out / "gradebook.csv", gradebook(final_grades, absent))
-    write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab), absent))
+    unjudged = "not judged"  # the page names these in a sentence of its own
+    found = [each.text for each in contradictions(final_grades, settings) if each.kind != unjudged]
+    write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab), absent, found))
 
 
 def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab, figures: Drawn | None = None) -> None:

@@ -137,12 +137,21 @@ class Adjustment:
 
 
 @dataclass(frozen=True)
+class Term:
+    """One summand of a final grade: "score" or "total", "bonus", "extra credit", "repair" or "late". Deductions are negative."""
+
+    name: str
+    points: float
+
+
+@dataclass(frozen=True)
 class FinalGrade:
     """Final grade of one submission: the automatic result, the hand-in and the adjustments.
 
-    `result` is never changed. `adjusted` is its total with the adjustments, and `final` is that after the late deduction. Both are
-    None while points are open because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked
-    an empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
+    `final` is the score, with overrides, plus bonus and extra credit, minus the deductions for repairs and lateness; `terms` holds
+    these numbers. An override of the total is final: only a bonus is added to it. `result` is never changed. `final` is None while
+    points are open because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked an
+    empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
     """
 
     id: str
@@ -176,31 +185,61 @@ class FinalGrade:
         return empty and not self.reviewed and all(each.alone for each in self.adjustments)
 
     @cached_property
-    def adjusted(self) -> float | None:
-        """Return the total with adjustments, repairs and extra credit; None while points are open."""
-        total, bonus = self.adjustment(TOTAL), self.adjustment(BONUS)
-        points = self._summed() if total is None else total.points
-        return None if points is None else round(points + (0.0 if bonus is None else bonus.points or 0.0), 2)
+    def terms(self) -> tuple[Term, ...]:
+        """Return the summands of the final grade without those that are 0, the score or total first; none while points are open."""
+        first = self._first_terms()
+        if not first:
+            return ()
+        bonus = self.adjustment(BONUS)
+        terms = [first[0], Term(BONUS, 0.0 if bonus is None else bonus.points or 0.0), *first[1:]]
+        terms.append(Term("late", -self._late_deduction(_sum_of(terms))))
+        return (terms[0], *(each for each in terms[1:] if each.points))
 
-    def _summed(self) -> float | None:
+    def _first_terms(self) -> list[Term]:
+        """Return the override of the total, or else score, extra credit and repair deduction; none while points are open."""
+        total = self.adjustment(TOTAL)
+        if total is not None:
+            return [Term(TOTAL, total.points or 0.0)]
         points = summed({criterion.id: self.points(criterion) for criterion in self.result.criteria})
-        return (
-            None
-            if points is None or self._credit_is_open()
-            else round(points - self.result.repair_deduction + self.result.extra_credit, 2)
-        )
+        if points is None or self._credit_is_open():
+            return []
+        repair = min(self.result.repair_deduction, points)
+        return [Term("score", points), Term("extra credit", self.result.extra_credit), Term("repair", -repair)]
+
+    def _late_deduction(self, points: float) -> float:
+        if self.late is None or self.total_is_set:
+            return 0.0
+        return points if self.late.refused else min(self.late.deduction, points)
+
+    @property
+    def adjusted(self) -> float | None:
+        """Return the final grade before the late deduction; None while points are open."""
+        return _sum_of(each for each in self.terms if each.name != "late") if self.terms else None
 
     @property
     def deduction(self) -> float:
-        """Return the late deduction, at most the adjusted points."""
-        if self.late is None or self.adjusted is None:
-            return 0.0
-        return self.adjusted if self.late.refused else min(self.late.deduction, self.adjusted)
+        """Return the late deduction, at most the adjusted points; 0 if a person set the total."""
+        return next((-each.points for each in self.terms if each.name == "late"), 0.0)
 
     @property
     def final(self) -> float | None:
-        """Return the adjusted points minus the late deduction; None while points are open."""
-        return None if self.adjusted is None else round(self.adjusted - self.deduction, 2)
+        """Return the sum of the terms; None while points are open."""
+        return _sum_of(self.terms) if self.terms else None
+
+    @property
+    def total_is_set(self) -> bool:
+        """Return whether a person set the total, which is then final: nothing automatic is added to it or deducted from it."""
+        return self.adjustment(TOTAL) is not None
+
+    @property
+    def maximum(self) -> float:
+        """Return the most points of the criteria, with the extra credit that the rubric allows."""
+        return round(self.result.max_score + (self.result.extra_credit_cap or 0.0), 2)
+
+    def above_maximum(self) -> list[Adjustment]:
+        """Return the overrides with more points than their target has now, because the rubric or a weight has changed."""
+        known = ((each, maximum_points(self.result, each.criterion)) for each in self.adjustments)
+        return [each for each, most in known if each.points is not None and most is not None and each.points > most]
 
     def adjustment(self, criterion: str) -> Adjustment | None:
         """Return the override of a criterion, a check, `TOTAL` or `BONUS`; None if there is none."""
@@ -236,6 +275,10 @@ class FinalGrade:
     def _credit_is_open(self) -> bool:
         rows = (check for extension in self.result.extensions for check in extension.checks)
         return self.result.extra_credit_cap is not None and any(check.points is None for check in rows)
+
+
+def _sum_of(terms: Iterable[Term]) -> float:
+    return round(sum(each.points for each in terms), 2)
 
 
 def graded(final_grades: Iterable[FinalGrade]) -> list[float]:

@@ -18,6 +18,7 @@ from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
 from grader.report import words
+from grader.report.adjusted import explained
 
 # --- the grading worksheet, filled in ---------------------------------------------------------------------------------
 
@@ -113,15 +114,13 @@ def _comments(form: Form) -> int | None:
 
 
 def comment(final_grade: FinalGrade) -> str:
-    """Return the comment on a grade: points of each criterion, extra credit and late deduction, escaped for HTML."""
+    """Return the comment on a grade: points of each criterion, and how the final grade came about, escaped for HTML."""
     parts = [
         f"{c.title} {words.fraction(final_grade.points(c), c.max_points)}"
         f"{' (overridden)' * (final_grade.adjustment(c.id) is not None)}"
         for c in final_grade.result.criteria
     ]
-    credit = words.extra_credit(final_grade.result)
-    parts += [f"extra credit {credit}"] if credit else []
-    parts += [f"late −{words.number(final_grade.deduction)}"] if final_grade.deduction else []
+    parts.append(explained(final_grade))
     return html.escape(_OURS + "; ".join(parts), quote=False)
 
 

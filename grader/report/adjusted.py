@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from grader.base.text import printable
 from grader.engine.results import Repair
-from grader.people.final_grade import FinalGrade
+from grader.people.final_grade import BONUS, TOTAL, FinalGrade
 from grader.report import words
 
 
@@ -43,6 +43,55 @@ def total(final_grade: FinalGrade) -> tuple[str, str]:
     if final_grade.unseen:
         return "–", most
     return (words.number(final_grade.final or 0.0), most) if is_changed(final_grade) else (points, most)
+
+
+def explained(final_grade: FinalGrade) -> str:
+    """Return how the final grade came about: ``final 66 = score 78 (with overrides) + bonus 2 − repair 4 − late 10``.
+
+    The text is "" while the grade is open. Every report, comment, class page and desk page shows it.
+    """
+    if final_grade.final is None:
+        return ""
+    first, *others = final_grade.terms
+    sums = [
+        f"final {words.number(final_grade.final)} = {first.name} {words.number(first.points)}{_origin(final_grade)}"
+    ]
+    sums += [f"{'−' if each.points < 0 else '+'} {each.name} {words.number(abs(each.points))}" for each in others]
+    return "; ".join(filter(None, (" ".join(sums), _not_deducted(final_grade), _above(final_grade))))
+
+
+def is_composed(final_grade: FinalGrade) -> bool:
+    """Return whether the final grade is more than the automatic score, so that a page should explain it."""
+    return len(final_grade.terms) > 1 or any(not each.alone for each in final_grade.adjustments)
+
+
+def _origin(final_grade: FinalGrade) -> str:
+    """Return in brackets how the first number was changed: set by a person, overridden in parts, or of a repaired copy."""
+    total = final_grade.adjustment(TOTAL)
+    if total is not None:
+        return f" (set by {printable(total.author, 80)})"
+    notes = ["with overrides"] if any(not a.alone and a.criterion != BONUS for a in final_grade.adjustments) else []
+    notes += ["repaired"] if final_grade.result.repairs else []
+    return f" ({', '.join(notes)})" if notes else ""
+
+
+def _not_deducted(final_grade: FinalGrade) -> str:
+    """Return that an override of the total is final, if there is something automatic that it leaves out."""
+    late = final_grade.late
+    deducts = final_grade.result.repair_deduction or (late is not None and (late.deduction or late.refused))
+    credit = final_grade.result.extra_credit
+    if not final_grade.total_is_set or not (deducts or credit):
+        return ""
+    kinds = [
+        *(["lateness and repairs are not deducted"] if deducts else []),
+        *(["extra credit is not added"] if credit else []),
+    ]
+    return f"a total is final: {', '.join(kinds)}"
+
+
+def _above(final_grade: FinalGrade) -> str:
+    above = final_grade.final is not None and final_grade.final > final_grade.maximum
+    return f"above the maximum of {words.number(final_grade.maximum)}" if above else ""
 
 
 def late(final_grade: FinalGrade) -> tuple[str, str] | None:

@@ -15,6 +15,7 @@ from grader.base.text import printable
 from grader.engine.results import Result
 from grader.people.final_grade import FinalGrade, Person, graded
 from grader.report import words
+from grader.report.adjusted import explained, is_composed
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
 
@@ -50,6 +51,7 @@ class Entry:
     bonus: Cell
     late: Cell
     final: Cell
+    explained: str
     status: str
     tags: tuple[str, ...]
 
@@ -159,6 +161,7 @@ def _nobody(name: str, person: Person, criteria: Collection[str]) -> Entry:
         bonus=blank,
         late=Cell("", -1.0),
         final=blank,
+        explained="",
         status=words.NO_SUBMISSION,
         tags=(f"status:{words.NO_SUBMISSION}",),
     )
@@ -178,6 +181,7 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
         bonus=_cell(None if result.extra_credit_cap is None else result.extra_credit),
         late=Cell(words.late(final_grade), -1.0 if late is None else float(late.seconds or 0)),
         final=_cell(final_grade.final),
+        explained=explained(final_grade) if is_composed(final_grade) else "",
         status=", ".join(
             [
                 result.status,

@@ -126,6 +126,7 @@ def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[st
         section=printable(final_grade.section, 80),
         total=adjusted.total(final_grade),
         automatic=words.total_points(result) if adjusted.is_changed(final_grade) else "",
+        explained=adjusted.explained(final_grade) if adjusted.is_composed(final_grade) else "",
         late=adjusted.late(final_grade),
         overrides=adjusted.overrides(final_grade),
         repairs=[adjusted.repaired_file(each) for each in result.repairs],
@@ -149,6 +150,7 @@ def index_page(
     fingerprints: Mapping[str, tuple[int, ...]] | None = None,
     given: frozenset[int] = frozenset(),
     absent: Sequence[Person] = (),
+    contradictions: Sequence[str] = (),
 ) -> str:
     """Return `index.html`, the class page.
 
@@ -162,6 +164,8 @@ def index_page(
         Hashes of code that the lab hands out.
     absent
         People of the roster without a submission.
+    contradictions
+        A sentence on each grade that cannot be right as it stands.
     """
     results = [final_grade.result for final_grade in final_grades.values()]
     grades = graded(final_grades.values())
@@ -190,6 +194,7 @@ def index_page(
         alike=overview.similar_pairs(final_grades, fingerprints or {}, given),
         isolation=overview.isolation(final_grades.values()),
         mixtures=overview.mixtures(results),
+        contradictions=contradictions,
         attention=[words.distinct(each) for each in final_grades.values() if each.result.status == "incomplete"],
         outdated=[words.distinct(each) for each in final_grades.values() if each.outdated()],
     )

@@ -1,0 +1,97 @@
+"""Contradictions of a class: grades that cannot be right as they stand, each named where the class is shown or exported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from grader.base.text import printable
+from grader.course.class_settings import ClassSettings
+from grader.people.final_grade import Adjustment, FinalGrade, maximum_points
+from grader.report import words
+from grader.report.adjusted import explained
+
+Kind = Literal["above maximum", "not judged", "no row", "unknown lateness"]
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """One contradiction.
+
+    Attributes
+    ----------
+    id
+        The submission; "" for the whole class.
+    text
+        What is wrong, with the numbers, and the way out.
+    stops_export
+        Whether `export` writes nothing while it stands, unless a person allows it.
+    """
+
+    kind: Kind
+    id: str
+    text: str
+    stops_export: bool = True
+
+
+def contradictions(
+    final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None, without_row: Mapping[str, str] | None = None
+) -> list[Contradiction]:
+    """Return the contradictions of a class.
+
+    Parameters
+    ----------
+    final_grades
+        Every submission on record, by id.
+    settings
+        The settings on record.
+    without_row
+        Graded submissions without a row in the file that is exported, each with what is missing there.
+    """
+    found = [each for final_grade in final_grades.values() for each in _of_submission(final_grade)]
+    found += [Contradiction("no row", id_, text) for id_, text in (without_row or {}).items()]
+    return [*found, *_unknown_lateness(final_grades, settings)]
+
+
+def _of_submission(final_grade: FinalGrade) -> Iterator[Contradiction]:
+    name, id_ = words.distinct(final_grade), final_grade.id
+    if final_grade.final is None and not final_grade.unseen:
+        yield Contradiction("not judged", id_, f"{name}: not judged, through a fault of the grader; grade it again")
+    above = final_grade.above_maximum()
+    for each in above:
+        yield Contradiction("above maximum", id_, f"{name}: {_above_its_maximum(final_grade, each)}")
+    if not above and final_grade.final is not None and final_grade.final > final_grade.maximum:
+        yield Contradiction("above maximum", id_, f"{name}: {explained(final_grade)}")
+
+
+def _above_its_maximum(final_grade: FinalGrade, override: Adjustment) -> str:
+    most = maximum_points(final_grade.result, override.criterion) or 0.0
+    return (
+        f"the override of {printable(override.criterion, 80)} with {words.number(override.points or 0.0)} is above its maximum, "
+        f"which is now {words.number(most)}; override it again or withdraw it"
+    )
+
+
+def untimed(final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None) -> list[str]:
+    """Return the ids of the hand-ins from which the late policy deducts nothing because their time is unknown.
+
+    A person who set the total has decided about lateness, too. If the platform marks those that are late, the others are in time.
+    """
+    if settings is None or settings.late == repr(None):
+        return []
+    open_ = {id_: each for id_, each in final_grades.items() if not each.hand_in.submitted and not each.total_is_set}
+    marked = [id_ for id_, each in open_.items() if each.hand_in.marked_late]
+    return marked if any(each.hand_in.marked_late for each in final_grades.values()) else list(open_)
+
+
+def _unknown_lateness(
+    final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None
+) -> Iterator[Contradiction]:
+    ids = untimed(final_grades, settings)
+    if ids:
+        text = (
+            f"the late policy deducts nothing from {len(ids)} of {len(final_grades)} hand-ins: their time is unknown "
+            "(add a column `submitted` to the roster)"
+        )
+        yield Contradiction("unknown lateness", "", text, stops_export=False)
