@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import sys
+import re
 from importlib.metadata import version as installed
-from pathlib import Path
 
 from sphinx.application import Sphinx
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-
-from docs import generated
 
 project = "imugrade"
 author = copyright = "the authors of imugrade"
@@ -26,9 +21,12 @@ myst_enable_extensions = ["colon_fence"]
 
 
 def setup(app: Sphinx) -> None:
-    """Fill the generated parts of each page when Sphinx reads it."""
+    """Make the navigation of the site from the lists of links on the index pages, which a repository's web page shows, too."""
 
-    def read(_app: Sphinx, _page: str, text: list[str]) -> None:
-        text[0] = generated.fill(text[0])
+    def read(_app: Sphinx, page: str, text: list[str]) -> None:
+        if page.rpartition("/")[2] == "index" and (
+            listed := re.findall(r"^- \[[^]]+\]\((\S+)\.md\)", text[0], re.MULTILINE)
+        ):
+            text[0] += "\n```{toctree}\n:hidden:\n" + "\n".join(listed) + "\n```\n"
 
     app.connect("source-read", read)

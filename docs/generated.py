@@ -1,4 +1,8 @@
-"""Parts of the documentation that are generated from the code at build time. A page asks for one by `<!-- generated: NAME -->`."""
+"""Parts of the documentation that are generated from the code.
+
+They stand in the pages between two comments, so that a repository's web page shows them, too:
+`<!-- generated: NAME -->` and `<!-- end: NAME -->`. `python -m tests.regenerate docs` writes them anew.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +28,7 @@ from grader.sandbox import packages, surroundings
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 
 FOLDER = Path(__file__).resolve().parent
-_MARK = re.compile(r"<!-- generated: ([\w-]+) -->")
+_PART = re.compile(r"<!-- generated: ([\w-]+) -->(.*?)<!-- end: \1 -->", re.DOTALL)
 
 
 def _one_of(parts: Iterable[Part]) -> str:
@@ -70,14 +74,19 @@ RUBRIC_KEYS = {
 
 
 def fill(text: str) -> str:
-    """Replace each mark of a page by the part that it names."""
-    return _MARK.sub(lambda mark: PARTS[mark[1]](), text)
+    """Replace the text between each pair of marks of a page by the part that they name, as the code has it now."""
+
+    def filled(part: re.Match[str]) -> str:
+        name, around = part[1], "\n\n" if "\n" in part[2] else ""
+        return f"<!-- generated: {name} -->{around}{PARTS[name]().strip()}{around}<!-- end: {name} -->"
+
+    return _PART.sub(filled, text)
 
 
-def pages() -> dict[str, str]:
-    """Return every page by its path within the documentation, with its generated parts."""
-    found = sorted(path for path in FOLDER.rglob("*.md"))
-    return {path.relative_to(FOLDER).as_posix(): fill(path.read_text(encoding="utf-8")) for path in found}
+def pages() -> dict[Path, str]:
+    """Return the text of every page by its path within the documentation."""
+    found = sorted(FOLDER.rglob("*.md"))
+    return {path.relative_to(FOLDER): path.read_text(encoding="utf-8") for path in found}
 
 
 # --- the rubric, its checks and faults --------------------------------------------------------------------------------

@@ -37,8 +37,8 @@ class Command:
 
 @functools.cache
 def site() -> Mapping[str, str]:
-    """Return the pages of the documentation by path, with their generated parts."""
-    return generated.pages()
+    """Return the pages of the documentation by path."""
+    return {path.as_posix(): text for path, text in generated.pages().items()}
 
 
 def documents() -> dict[str, str]:

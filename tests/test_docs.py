@@ -69,10 +69,38 @@ def test_names_of_tests_and_files_exist() -> None:
     assert [path for path in paths if not (ROOT / path).exists()] == []
 
 
-@pytest.mark.parametrize("document", ["README.md", "SECURITY.md", "CHANGELOG.md"])
-def test_every_link_of_a_document_leads_to_a_file(document: str) -> None:
-    links = re.findall(r"\]\(([^)#]+)\)", (ROOT / document).read_text(encoding="utf-8"))
-    assert [link for link in links if not link.startswith("http") and not (ROOT / link).exists()] == []
+REPOSITORY_PAGES = sorted(path for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors that a repository's web page and the site give to the headings of a page."""
+    prose = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    titles = re.findall(r"^#+ (.*)$", prose, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("page", REPOSITORY_PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_every_link_of_a_page_leads_to_a_file_and_a_heading(page: Path) -> None:
+    prose = re.sub(r"^```.*?^```|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    links = [link.partition("#") for link in re.findall(r"\]\(([^)\s]+)\)", prose) if not link.startswith("http")]
+    broken = []
+    for path, _, anchor in links:
+        target = page.parent / path if path else page
+        if not target.exists() or (anchor and anchor not in anchors(target)):
+            broken.append(f"{path}#{anchor}")
+    assert broken == []
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_generated_parts_of_the_pages_are_those_of_the_code(page: str) -> None:
+    assert PAGES[page].count("<!-- generated: ") == PAGES[page].count("<!-- end: ")
+    assert generated.fill(PAGES[page]) == PAGES[page], "run python -m tests.regenerate docs"
+
+
+def test_every_page_of_a_folder_is_in_its_list() -> None:
+    for index in (ROOT / "docs").glob("*/index.md"):
+        listed = re.findall(r"^- \[[^]]+\]\(([\w-]+\.md)\): \S", index.read_text(encoding="utf-8"), re.MULTILINE)
+        assert sorted(listed) == sorted(each.name for each in index.parent.glob("*.md") if each != index)
 
 
 def keys(node: object, prefix: str = "") -> set[str]:

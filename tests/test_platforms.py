@@ -50,15 +50,6 @@ def test_what_a_platform_does_has_documentation() -> None:
         assert bool(each.help.grades) == bool(each.gradebook) == writes, name
 
 
-def test_the_readme_names_every_platform() -> None:
-    titles = [each.title for each in registry.platforms("read")]
-    takers = [f"`{name}`" for name in registry.names("fill", "write")]
-    told = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"Formats: {', '.join(f'`{name}`' for name in registry.names('respond'))} and `auto`." in told
-    assert f"`grade` reads downloads of {', '.join(titles[:-1])} and {titles[-1]}" in told
-    assert f"`export` writes {', '.join(takers[:-1])} and {takers[-1]}" in told
-
-
 def test_the_tests_have_a_look_a_template_and_a_download_for_every_platform_that_needs_one() -> None:
     assert set(outputs.WRITERS) - set(outputs.LOOKS) == set()
     assert set(outputs.TEMPLATES) == set(registry.names("fill"))
