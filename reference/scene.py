@@ -177,6 +177,7 @@ def readings(
         "qacc": np.array([data.qacc for data in moments]),
         "sensordata": np.array([data.sensordata for data in moments]),
         "site_xmat": np.array([data.site_xmat[sites].reshape(-1, 3, 3) for data in moments]),
+        "body_xmat": np.array([data.xmat[bodies].reshape(-1, 3, 3) for data in moments]),
         "cvel": np.array([data.cvel[bodies] for data in moments]),
         "cacc": np.array([data.cacc[bodies] for data in moments]),
         "pairs": ids,

@@ -270,14 +270,14 @@ def _order(
 
 
 def _guesses(order: list[ET.Element], dims: list[int], old: set[int], limit: int) -> int:
-    """Count an IMU's sensors that lie where a fault would look for them: at their id, after their partner, at the old place."""
+    """Count an IMU's sensors where a fault looks for them: at their id, three times it, after their partner, at the old place."""
     starts = np.concatenate([[0], np.cumsum(dims)]).astype(int)
     place = {
         (sensor.get("site"), sensor.tag): (i, int(starts[i])) for i, sensor in enumerate(order) if sensor.tag in _IMU
     }
     behind = {site: start + 3 for (site, tag), (_, start) in place.items() if tag == "accelerometer"}
     return sum(
-        at == i or at in old or at + 3 > limit or (tag == "gyro" and at == behind.get(site))
+        at in (i, 3 * i) or at in old or max(at, 3 * i) + 3 > limit or (tag == "gyro" and at == behind.get(site))
         for (site, tag), (i, at) in place.items()
     )
 

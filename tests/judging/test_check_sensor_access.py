@@ -140,7 +140,7 @@ _TURN = np.linalg.qr(_HAND.normal(size=(13, 3, 3)))[0]
 def _visit(*pair: int) -> Visit:
     """Two of four sensors in one array, read through a sine."""
     addresses = np.array([0, 1, 4, 7, 8, 11])
-    scene = Scene(_DATA, addresses, pair, _TURN, _STATES, _STATES + 1, _STATES[:, :6], _STATES[:, 3:])  # type: ignore[arg-type]
+    scene = Scene(_DATA, addresses, pair, _TURN, _TURN, _STATES, _STATES + 1, _STATES[:, :6], _STATES[:, 3:])  # type: ignore[arg-type]
     return Visit(scene, (np.sin(scene.true(0)), np.sin(scene.true(1))))
 
 

@@ -122,6 +122,24 @@ def _of_numbers(change: Callable[[Array], Array]) -> Change:
     return lambda _scene, x: change(x)
 
 
+def _turned(turning: str, frame: str, by_name: bool) -> Change:
+    """Rotate the values into or out of a frame: that of the sensor's site or body, or of the torso's if it is found by its name."""
+
+    def change(scene: Scene, x: Array) -> Array:
+        return np.asarray(np.einsum(turning, getattr(scene.torso if by_name else scene, frame), x))
+
+    return change
+
+
+def _of_body(name: str, first: int, up: float, by_name: bool) -> Change:
+    """Return another quantity of the simulator in place of the sensor's values: of the sensor's own body, or of the torso's."""
+
+    def change(scene: Scene, _x: Array) -> Array:
+        return np.asarray(triple(getattr(scene.torso if by_name else scene, name), first) + np.array([0, 0, up]))
+
+    return change
+
+
 def _changes() -> Iterator[tuple[str, Change]]:
     """Yield (fault, change) for all known faults of the values."""
     for signs in itertools.product((1.0, -1.0), repeat=3):
@@ -140,11 +158,12 @@ def _changes() -> Iterator[tuple[str, Change]]:
     gravity = [factor for g in (_G, 9.80665, 9.8) for factor in (1 / g, g)]
     for factor in (*gravity, 100.0, 1000.0, 1 / 0.3048, 180 / np.pi, np.pi / 180, 60 / (2 * np.pi), 1 / (2 * np.pi)):
         yield "wrong-units", _of_numbers(lambda x, k=factor: k * x)  # type: ignore[misc]
-    for turning in ("kij,kj->ki", "kji,kj->ki"):
-        yield "world-frame", lambda s, x, t=turning: np.asarray(np.einsum(t, s.world_from_site, x))  # type: ignore[misc]
-    for name, first in itertools.product(("qvel", "qacc", "cvel", "cacc"), (0, 3)):
+    frames = ("world_from_site", "world_from_body")
+    for turning, frame, by_name in itertools.product(("kij,kj->ki", "kji,kj->ki"), frames, (False, True)):
+        yield "world-frame", _turned(turning, frame, by_name)
+    for name, first, by_name in itertools.product(("qvel", "qacc", "cvel", "cacc"), (0, 3), (False, True)):
         for up in (0.0, _G, -_G) if name == "qacc" else (0.0,):
-            yield "not-the-sensor", lambda s, _, n=name, i=first, g=up: triple(getattr(s, n), i) + np.array([0, 0, g])  # type: ignore[misc]
+            yield "not-the-sensor", _of_body(name, first, up, by_name)
 
 
 @functools.cache

@@ -26,26 +26,37 @@ class Scene:
     Attributes
     ----------
     sensordata : (k, n); address : (sensors,) first index of each sensor; pair : ids of the accelerometer and gyroscope
-    world_from_site : (k, 3, 3); qvel, qacc : (k, nv)
+    world_from_site, world_from_body : (k, 3, 3) attitudes of the sensor's site and of its body; qvel, qacc : (k, nv)
     cvel, cacc : (k, 6) velocity and acceleration of the sensor's body as MuJoCo keeps them: rotation, then translation
+    first : the scene of the model's first IMU, which is the torso's: a reader may look at that body by its name; None in that scene
     """
 
     sensordata: Array
     address: np.ndarray
     pair: tuple[int, int]
     world_from_site: Array
+    world_from_body: Array
     qvel: Array
     qacc: Array
     cvel: Array
     cacc: Array
+    first: Scene | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, number: int = 0) -> Scene:
         """Return the scene of one IMU of a scenario."""
         accel, gyro = (int(sensor) for sensor in scenario["pairs"][number])
-        turn, cvel, cacc = (scenario[key][:, number] for key in ("site_xmat", "cvel", "cacc"))
+        site, body, cvel, cacc = (scenario[key][:, number] for key in ("site_xmat", "body_xmat", "cvel", "cacc"))
         of_robot = scenario["qvel"], scenario["qacc"]
-        return cls(scenario["sensordata"], scenario["sensor_adr"], (accel, gyro), turn, *of_robot, cvel, cacc)
+        first = cls.of(scenario) if number else None
+        return cls(
+            scenario["sensordata"], scenario["sensor_adr"], (accel, gyro), site, body, *of_robot, cvel, cacc, first
+        )
+
+    @property
+    def torso(self) -> Scene:
+        """Return the scene of the model's first IMU, which is the torso's."""
+        return self.first or self
 
     def at(self, first: int) -> Array:
         """Return ``sensordata[first:first+3]`` (k, 3), NaN beyond its ends: a robot may have few sensors."""
