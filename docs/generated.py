@@ -237,6 +237,16 @@ def system_files() -> str:
     return _code(surroundings.SYSTEM)
 
 
+# --- agreement with people --------------------------------------------------------------------------------------------
+
+
+def agreement() -> str:
+    """Return how far the grader is from two people's marks of twenty submissions; `python -m tests.regenerate` measures it."""
+    return (
+        (FOLDER.parent / "tests" / "corpus" / "calibration" / "agreement.txt").read_text(encoding="utf-8").rstrip("\n")
+    )
+
+
 # --- the code ---------------------------------------------------------------------------------------------------------
 
 
@@ -264,7 +274,7 @@ def _code(names: Iterable[str]) -> str:
 PARTS: Mapping[str, Callable[[], str]] = {
     function.__name__.replace("_", "-"): function
     for function in (
-        attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels, libraries, modules,
+        agreement, attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels, libraries, modules,
         platform_fields, rubric, rubric_keys, system_files,
     )
 }  # fmt: skip

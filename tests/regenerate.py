@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 
 from docs import generated
-from tests import examples
+from tests import calibrated, examples
 from tests.judging import fake_students
 from tests.recordings import losses
 
@@ -23,6 +23,7 @@ GENERATED: dict[Path, Callable[[], str]] = {
     fake_students.WORDS: fake_students.all_words,
     losses.FILE: losses.all_losses,
     examples.TABLE: examples.table,
+    calibrated.TABLE: calibrated.table,
     **{generated.FOLDER / page: partial(generated.fill, text) for page, text in generated.pages().items()},
 }
 
