@@ -287,5 +287,5 @@ def marks_from(
     if shape == "gradescope":
         points = {row["SID"]: row["Total Score"] for row in rows}
         return {s.sid: float(points[s.sid]) for s in students}
-    totals = {row["id"].rpartition("-")[2]: row["total"] for row in rows}
+    totals = {row["submission"].rpartition("-")[2]: row["total"] for row in rows}
     return {s.sid: float(totals[s.login]) for s in students}

@@ -58,7 +58,10 @@ def test_rubric_roster_and_attempt_rule_of_a_class_need_not_be_given_again_and_o
     assert before["alice"] == 80.0
     Path("late.yaml").unlink()
     Path("roster.csv").unlink()
-    assert graded(run) == "imugrade: 2 warnings, unchanged since the last run (`imugrade review` lists them)\n"
+    assert graded(run) == (
+        "imugrade: the late policy deducts nothing from 1 of 3 hand-ins: their time is unknown (add a column `submitted` to the roster)\n"
+        "imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n"
+    )
     assert totals("final") == before
     hand_in(Path("class"), dora=0.5)
     graded(run)
@@ -217,11 +220,27 @@ def test_an_override_says_that_the_weight_beneath_it_has_changed(run: Run, befor
     assert graded(run) == ""
 
 
+def test_an_override_above_its_maximum_is_told_wherever_it_comes_from_and_stops_an_export(
+    run: Run, before: dict[str, float]
+) -> None:
+    assert run("adjust", "out", "alice", "--criterion", "filtering", "--points", 19, "--comment", "seen")[0] == 0
+    rubric_with(Path("less.yaml"), ("title: Filtering\n    points: 20", "title: Filtering\n    points: 15"))
+    why = "alice: the override of filtering with 19 is above its maximum, which is now 15; override it again or withdraw it"
+    assert f"imugrade: {why}\n" in graded(run, "--rubric", "less.yaml", "--change")
+    assert why in words(Path("out/index.html").read_text(encoding="utf-8"))
+    export = ("export", "out", "-f", "csv", "-o", "marks.csv")
+    code, _, err = run(*export)
+    assert (code, why in err, Path("marks.csv").exists()) == (2, True, False)
+    assert run(*export, "--anyway")[0] == 0
+    assert run("adjust", "out", "alice", "--criterion", "filtering", "--points", 15, "--comment", "seen")[0] == 0
+    assert run(*export)[0] == 0
+
+
 def test_an_empty_submission_that_was_marked_as_reviewed_is_exported(run: Run, before: dict[str, float]) -> None:
     hand_in(Path("class"), dora=None)
     graded(run)
     assert column(Path("out/gradebook.csv"), "total")["dora"] == ""
-    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[0] == 2
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[:2] == (0, "marks.csv  3 grades, 1 blank\n")
     pages = [Path("out/index.html"), Path("out/submissions/dora/report.html")]
     assert [page.read_text(encoding="utf-8").count("– <small>/ 100") for page in pages] == [0, 1]
     assert "dora – – – – – – empty" in words(pages[0].read_text(encoding="utf-8"))

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from tests.class_commands import Run, cells, column, commands, graded, hand_in, late_policy, rubric_with
-from tests.classes import a_class, gradescope
+from tests.classes import a_class, gradescope, moodle_feedback
 from tests.corpus.writing import zipped
 from tests.desk import desk_over, words
 
 GITHUB_ROSTER = '"identifier","github_username","github_id","name"\n"s1001","jdoe-gh","9001","Jane Doe"\n"s1002","rroe42","9002",""\n"s1003","","",""\n'
 """What GitHub Classroom downloads as `classroom_roster.csv`."""
-BLANK = "imugrade: a student of the class would have no grade; add --allow-blank to write the file anyway. Nothing was written\n"
+STOPPED = "imugrade: grades contradict each other (see above); add --anyway to write the file. Nothing was written\n"
 
 
 @pytest.fixture
@@ -33,20 +33,21 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
     assert cells("out/gradebook.csv", "id", "name", "status") == [
         ("lab04-jdoe-gh", "Jane Doe", "graded"),
         ("lab04-rroe42", "lab04-rroe42", "graded"),
-        ("", "s1003", "no submission"),
+        ("s1003", "s1003", "no submission"),
     ]
     for word in ("s1001", "jdoe-gh", "9001", "Jane Doe", "Doe, Jane", "JANE DOE"):
         assert "1 on record" in run("grade", "class", "-o", "out", "--only", word)[1]
         assert run("adjust", "out", word, "--criterion", "filtering", "--comment", word)[0] == 0
-    code, _, err = run("export", "out", "-f", "gradescope", "-o", "marks.csv")
-    assert (code, err) == (2, f"imugrade: graded: 2\nimugrade: blank: 1 (s1003: no submission)\n{BLANK}")
-    assert not Path("marks.csv").exists()
-    assert run("export", "out", "-f", "gradescope", "-o", "marks.csv", "--allow-blank")[0] == 0
-    assert cells("marks.csv", "SID", "Total Score", "Status") == [
-        ("s1001", "100", "Graded"),
-        ("s1002", "100", "Graded"),
-        ("s1003", "", "Missing"),
-    ]
+    for more, out, grade in (
+        ((), "2 grades, 1 blank", ""),
+        (("--missing", "0"), "2 grades, 1 without a submission: 0", "0"),
+    ):
+        assert run("export", "out", "-f", "gradescope", "-o", "marks.csv", *more)[:2] == (0, f"marks.csv  {out}\n")
+        assert cells("marks.csv", "SID", "Total Score", "Status") == [
+            ("s1001", "100", "Graded"),
+            ("s1002", "100", "Graded"),
+            ("s1003", grade, "Missing"),
+        ]
 
 
 PAIR = "id,sis user id,login,name,email,group\n5038,S5038,ann1,Ann Lee,ann@example.edu,1\n5039,S5039,bob1,Bob Roe,bob@example.edu,1\n"
@@ -77,6 +78,28 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     assert cells("filled.csv", "Grade") == [("100",)] * 2
     assert run("export", "out", "-f", "gradescope", "-o", "filled.csv")[::2] == (0, "imugrade: graded: 2\n")
     assert cells("filled.csv", "SID", "Total Score") == [("S5038", "100"), ("S5039", "100")]
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv", "--feedback", "reports.zip")[::2] == (
+        0,
+        "imugrade: graded: 2\nimugrade: no report for the platform to place: Bob Roe\n",
+    )
+    assert cells("marks.csv", "id", "name", "submission", "final") == [
+        ("S5038", "Ann Lee", "leeann_101", "100"),
+        ("S5039", "Bob Roe", "leeann_101", "100"),
+    ]
+
+
+def test_every_person_has_one_identifier_of_the_same_kind_and_a_partner_gets_the_report(run: Run) -> None:
+    hand_in(Path("class"), s5038=1)
+    graded(run, roster="sid,id,name\ns5038,5038,Ann Lee\ns5040,5040,Cy Moe\n")
+    for form, column_ in (("csv", "id"), ("gradescope", "SID")):
+        assert run("export", "out", "-f", form, "-o", "marks.csv")[0] == 0
+        assert cells("marks.csv", column_) == [("s5038",), ("s5040",)]
+    Path("moodle.zip").write_bytes(zipped({"Ann Lee_7_assignsubmission_file/filters.py": b"# 1\n"}))
+    team = "Identifier,Full name,Group\nParticipant 7,Ann Lee,1\nParticipant 8,Bob Roe,1\n"
+    Path("team.csv").write_text(team)
+    assert run("grade", "moodle.zip", "-o", "pair", "--roster", "team.csv")[0] == 0
+    assert run("export", "pair", "-f", "csv", "--feedback", "reports.zip")[0] == 0
+    assert set(moodle_feedback(Path("reports.zip").read_bytes())) == {"7", "8"}
 
 
 def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) -> None:
@@ -90,10 +113,13 @@ def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) 
     assert (code, err) == (
         2,
         "imugrade: graded: 1\n"
-        "imugrade: blank: 1 (Bob Roe: not in the file)\n"
         "imugrade: unmatched, left as they are: 1 (Roe, Bob: not leeann_101 (Bob Roe, 5039): numbers S6000 and 5039)\n"
-        f"{BLANK}",
+        f"imugrade: Bob Roe: graded, and not in the file\n{STOPPED}",
     )
+    refill = ("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "again.csv")
+    assert not Path("again.csv").exists()
+    assert run(*refill, "--anyway", "--missing", "0")[0] == 0  # a row that may mean somebody who handed in gets no 0
+    assert cells("again.csv", "Lab (1)") == [("100",), ("100",), ("",)]
 
 
 def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(run: Run) -> None:
@@ -107,12 +133,12 @@ def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(ru
         ("ann1", "Ann Lee", "graded"),
         ("ann2", "Ann Lee", "empty"),
         ("ann3", "Ann Lee", "empty"),
-        ("", "Ann Lee (ann4)", "no submission"),
-        ("", "Ann Lee (ann5)", "no submission"),
-        ("", "Cy Moe", "no submission"),
+        ("ann4", "Ann Lee (ann4)", "no submission"),
+        ("ann5", "Ann Lee (ann5)", "no submission"),
+        ("cy", "Cy Moe", "no submission"),
     ]
     assert cells("out/gradebook.csv", "id", "name", "status") == names
-    err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")[2]
+    err = run("export", "out", "-f", "csv", "-o", "marks.csv")[2]
     assert cells("marks.csv", "id", "name", "status") == names
     why = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
     assert (
@@ -137,7 +163,7 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
         assert "Bob Roe bob A – – empty 1 Cy Moe B – – no submission" in page
         assert "no submission (1)" in page
     for more, empty in ((), ""), (("--unreadable", "0"), "0"):
-        assert run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank", *more)[0] == 0
+        assert run("export", "out", "-f", "csv", "-o", "marks.csv", *more)[0] == 0
         assert cells("marks.csv", "section", "final") == [("A", "100"), ("A", empty), ("B", "")]
 
 
@@ -224,7 +250,10 @@ def test_a_late_mark_vouches_for_those_without_one_and_a_roster_that_contradicts
     )
     rubric_with(Path("rub.yaml"), late_policy(f"{IN_BERLIN}, extensions: {{ROE: {LOCAL}, jim: {LOCAL}}}"))
     err = run("grade", "marked.zip", "-o", "marked", "--rubric", "rub.yaml")[2]
-    assert "late, but without a time (add a column `submitted` to the roster): doejane_101\n" in err
+    assert (
+        "the late policy deducts nothing from doejane_101, which the platform marks as late: their time is unknown (add"
+        in err
+    )
     assert "with an extension in the rubric, but no submission has this name: jim\n" in err
     assert "hand-ins: their time" not in err
     assert column(Path("marked/gradebook.csv"), "final")["doejane_101"] == "100"

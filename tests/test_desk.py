@@ -213,7 +213,7 @@ def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: 
     give(desk, "bob", ADDRESS, "4")
     answer = desk.post("/export", {"format": "csv", "do": "grades"})
     assert (answer.status, answer.headers["content-disposition"]) == (200, 'attachment; filename="marks.csv"')
-    assert {row["id"]: row["final"] for row in csv.DictReader(answer.text.splitlines())}["bob"] == "98"
+    assert {row["submission"]: row["final"] for row in csv.DictReader(answer.text.splitlines())}["bob"] == "98"
     answer = desk.post("/export", {"do": "feedback"})
     assert (answer.status, answer.headers["content-type"]) == (200, "application/zip")
 

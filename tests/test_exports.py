@@ -166,9 +166,9 @@ SEEN = Adjustment("sensor_access", 90.0, "seen", "me", "now", points_by_check(LA
 @pytest.mark.parametrize(
     ("final_grade", "before", "after"),
     [
-        (PLAIN, ("", ""), ("87.5", '"Marks: Sensor access 87.5 / 100"')),
+        (PLAIN, ("", ""), ("87.5", '"Marks: Sensor access 87.5 / 100; final 87.5 = score 87.5"')),
         (PLAIN, ("", '"Come to my office"'), ("87.5", '"Come to my office"')),
-        (replace(LATE, adjustments=(SEEN,)), ("87.5", '"Marks: old"'), ("70", '"Marks: Sensor access 90 / 100 (overridden); late −20"')),
+        (replace(LATE, adjustments=(SEEN,)), ("87.5", '"Marks: old"'), ("70", '"Marks: Sensor access 90 / 100 (overridden); final 70 = score 90 (with overrides) − late 20"')),
     ],
 )  # fmt: skip
 def test_a_worksheet_gets_the_grade_and_a_comment_unless_a_teachers_is_there_and_keeps_every_other_byte(
@@ -285,7 +285,7 @@ def test_a_large_class_is_graded_regraded_and_exported_by_relative_paths(tmp_pat
     scores = {id_: float(total or 0) for id_, total in column(tmp_path / "out" / "gradebook.csv", "total").items()}
     assert len(published) == MANY
     assert published == pytest.approx(scores)
-    export = ("export", "out", "--format", "csv", "--allow-blank", "-o", "marks.csv", "--feedback")
+    export = ("export", "out", "--format", "csv", "-o", "marks.csv", "--feedback")
     exported = imugrade(tmp_path, *export, "reports.zip")
     assert exported.returncode == 0, exported.stderr
     sent = classes.moodle_feedback((tmp_path / "reports.zip").read_bytes())

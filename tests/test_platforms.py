@@ -88,7 +88,7 @@ PLATFORM = Platform(
     help=Help("Told of jobs.", ("*Take all*", "`made-up.txt`", "told of downloads"), "told of grades."),
     respond=lambda result, handed: "",
     read=_read,
-    write=lambda final_grades, absent: f"made up: {', '.join(final_grades)}\n".encode(),
+    write=lambda final_grades, absent, missing: f"made up: {', '.join(final_grades)}\n".encode(),
     gradebook="campus.csv",
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -44,15 +45,19 @@ def export(
         str,
         typer.Option("--unreadable", metavar="HOW", help="Grade of an empty or unreadable submission: blank or 0."),
     ] = "blank",
-    allow_blank: Annotated[
-        bool, typer.Option("--allow-blank", help="Write the file although a student of the class has no grade in it.")
+    missing: Annotated[
+        str, typer.Option("--missing", metavar="HOW", help="Grade of a person without a submission: blank or 0.")
+    ] = "blank",
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Write the file although grades in it contradict each other.")
     ] = False,
 ) -> int:
-    """Write the final grades of a class in the format of a platform.
+    """Write the final grades of a class in the format of a platform. No grade on record changes.
 
-    With --template, the command fills the grades into the file that the platform exported and changes nothing else in it. It first
-    lists who gets a grade, who stays blank, and which rows match nobody. If a student would stay blank, it writes nothing without
-    --allow-blank. The format csv is a plain table.
+    With --template, the command fills the grades into the file that the platform exported and changes nothing else in it. It
+    lists who gets a grade, who stays blank, and which rows match nobody. A person without a submission stays blank. It writes
+    nothing if a graded submission has no row in the file, a grade is above its maximum, or a submission was not judged, unless
+    you allow it with --anyway, or with a yes on a terminal. The format csv is a plain table.
 
     \b
     Examples:
@@ -63,13 +68,14 @@ def export(
     from grader.course import exporting  # noqa: PLC0415
 
     platform = registry.platform(one_of("--format", format_, registry.names("fill", "write")))
-    how = one_of("--unreadable", unreadable, exporting.UNREADABLE)
-    plan = exporting.plan(exporting.Export(out, platform, target, template, column, feedback, scale, how))
+    how = one_of("--unreadable", unreadable, exporting.BLANK_OR_ZERO)
+    nobody = one_of("--missing", missing, exporting.BLANK_OR_ZERO)
+    plan = exporting.plan(exporting.Export(out, platform, target, template, column, feedback, scale, how, nobody))
     for line in plan.lines():
         say(line)
-    if plan.draft.blank and not allow_blank:
+    if plan.stops and not anyway and not (sys.stdin.isatty() and typer.confirm("Write the file anyway?")):
         raise RequestError(
-            "a student of the class would have no grade; add --allow-blank to write the file anyway. Nothing was written"
+            "grades contradict each other (see above); add --anyway to write the file. Nothing was written"
         )
     files, remarks = plan.write()
     for line in files:

@@ -132,7 +132,7 @@ def grade(
         say("no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)")
     if outcome.remarked:
         say(f"{outcome.remarked} recorded results were regraded with the new rubric")
-    for line in outcome.remarks:
+    for line in (*outcome.contradictions, *outcome.remarks):
         say(line)
     if outcome.known:
         say(

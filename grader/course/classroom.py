@@ -15,6 +15,7 @@ from grader import __version__
 from grader.base.errors import GraderError, RequestError
 from grader.course import class_settings, cluster, missing_packages, repairs
 from grader.course.class_settings import Change, ClassSettings
+from grader.course.contradictions import contradictions
 from grader.course.database import FILE_NAME
 from grader.course.decisions import is_reviewed
 from grader.course.grade_request import GradeRequest
@@ -56,8 +57,8 @@ class Outcome:
     """Outcome of a run: results by id, how many are from the record, unplaced files and warnings.
 
     `grades` holds the final grades of the graded submissions. `remarks` holds replaced submissions, outdated overrides and the
-    warnings that the previous run did not give; `known` counts the warnings that it did give and that still hold. `remarked` counts
-    recorded results that were regraded because the rubric had changed.
+    warnings that the previous run did not give; `known` counts the warnings that it did give and that still hold. `contradictions`
+    are given by every run. `remarked` counts recorded results that were regraded because the rubric had changed.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -66,6 +67,7 @@ class Outcome:
     remarked: int = 0
     leftovers: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    contradictions: tuple[str, ...] = ()
     known: int = 0
 
     @property
@@ -180,6 +182,7 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
         finally:
             final_grades = publish_class(request.out, store, request.rubric.lab)
             _keep_isolation(store, final_grades)
+        settings = store.settings()
         now = (
             *remarks(final_grades, found.absent, found.unknown),
             *found.doubtful,
@@ -192,6 +195,8 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
     outcome.grades = graded(final_grades[id_] for id_ in outcome.results)
     outcome.remarks = (*replaced(before, final_grades), *outdated(final_grades), *new)
     outcome.known = len(now) - len(new)
+    judged = (each for each in contradictions(final_grades, settings) if each.kind != "not judged")
+    outcome.contradictions = tuple(each.text for each in judged)
     return outcome
 
 

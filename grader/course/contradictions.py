@@ -6,11 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from grader.base.text import printable
+from grader.base.text import printable, some
 from grader.course.class_settings import ClassSettings
 from grader.people.final_grade import Adjustment, FinalGrade, maximum_points
 from grader.report import words
 from grader.report.adjusted import explained
+
+_A_FEW = 20  # names
 
 Kind = Literal["above maximum", "not judged", "no row", "unknown lateness"]
 
@@ -89,9 +91,10 @@ def _unknown_lateness(
     final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None
 ) -> Iterator[Contradiction]:
     ids = untimed(final_grades, settings)
-    if ids:
-        text = (
-            f"the late policy deducts nothing from {len(ids)} of {len(final_grades)} hand-ins: their time is unknown "
-            "(add a column `submitted` to the roster)"
-        )
-        yield Contradiction("unknown lateness", "", text, stops_export=False)
+    if not ids:
+        return
+    marked = [id_ for id_ in ids if final_grades[id_].hand_in.marked_late]
+    late = f"{some(marked, _A_FEW, '; ')}, which the platform marks as late" if marked else ""
+    what = f"{late or f'{len(ids)} of {len(final_grades)} hand-ins'}: their time is unknown"
+    text = f"the late policy deducts nothing from {what} (add a column `submitted` to the roster)"
+    yield Contradiction("unknown lateness", "", text, stops_export=False)

@@ -5,22 +5,24 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grader.base.errors import RequestError
 from grader.base.files import read_file, write_whole
 from grader.base.text import printable, some
 from grader.course import class_settings
+from grader.course.contradictions import Contradiction, contradictions
 from grader.course.publishing import outdated_pages
 from grader.course.record import Store
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory
-from grader.platforms.filled import directory
+from grader.platforms.filled import directory, reply_to
 from grader.platforms.platform import Fill, Platform
 from grader.report import words
 
-UNREADABLE = ("blank", "0")
+BLANK_OR_ZERO = ("blank", "0")
+"""Grades that can be chosen for people without a submission, and for empty and unreadable submissions."""
 MAX_TEMPLATE = 64_000_000
 _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 
@@ -30,7 +32,8 @@ class Export:
     """Request of an export: class, platform, files and options.
 
     `template` is the file that the platform exported, `feedback` the zip to write the reports to. `scaled` converts points to the
-    maximum of the platform's assignment. `unreadable` is the grade of empty and unreadable submissions, one of `UNREADABLE`.
+    maximum of the platform's assignment. `unreadable` is the grade of empty and unreadable submissions, and `missing` that of
+    people without a submission, each one of `BLANK_OR_ZERO`.
     """
 
     out: Path
@@ -41,6 +44,7 @@ class Export:
     feedback: Path | None = None
     scaled: bool = False
     unreadable: str = "blank"
+    missing: str = "blank"
 
 
 @dataclass(frozen=True)
@@ -57,20 +61,27 @@ class Draft:
         Rows that had another grade, and rows whose grade the platform has locked.
     unmatched
         Rows that match nobody of the class.
+    missing
+        People without a submission who get 0.
+    without_row
+        Graded submissions that reach no row of the file, with a sentence on each.
     """
 
     data: bytes
     graded: int
     blank: tuple[str, ...]
+    missing: tuple[str, ...] = ()
+    without_row: Mapping[str, str] = field(default_factory=dict)
     replaced: tuple[str, ...] = ()
     locked: tuple[str, ...] = ()
     unmatched: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield a line for each kind of row that occurs: graded, blank, replaced, locked, unmatched."""
+        """Yield a line for each kind of row that occurs: graded, blank, 0, replaced, locked, unmatched."""
         yield f"graded: {self.graded}"
         named = {
             "blank": self.blank,
+            "0, as there is no submission": self.missing,
             "replaced": self.replaced,
             "not to be changed in the file": self.locked,
             "unmatched, left as they are": self.unmatched,
@@ -87,11 +98,18 @@ class Plan:
     order: Export
     draft: Draft
     final_grades: Mapping[str, FinalGrade]
+    contradictions: tuple[Contradiction, ...] = ()
     other_settings: tuple[str, ...] = ()
 
+    @property
+    def stops(self) -> bool:
+        """Return whether a contradiction stops the export, unless a person allows it."""
+        return any(each.stops_export for each in self.contradictions)
+
     def lines(self) -> Iterator[str]:
-        """Yield the lines of the draft, and a line on grades that were made with other settings than the class has."""
+        """Yield the lines of the draft, the contradictions, and a line on grades made with other settings than the class has."""
         yield from self.draft.lines()
+        yield from (printable(each.text, 2000) for each in self.contradictions)
         if self.other_settings:
             yield f"graded by other settings than the class: {', '.join(self.other_settings)} (grade them again)"
 
@@ -100,12 +118,15 @@ class Plan:
         order = self.order
         target = order.target or order.out / order.platform.gradebook
         write_whole(target, self.draft.data)
-        lines = [f"{target}  {self.draft.graded} grade{'s' * (self.draft.graded != 1)}"]
+        counts = [words.counted(self.draft.graded, "grade")]
+        counts += [f"{len(self.draft.missing)} without a submission: 0"] if self.draft.missing else []
+        counts += [f"{len(self.draft.blank)} blank"] if self.draft.blank else []
+        lines = [f"{target}  {', '.join(counts)}"]
         if order.feedback is None:
             return lines, []
-        reports, absent = _feedback(order.out, self.final_grades)
+        reports, written, absent = _feedback(order.out, self.final_grades)
         write_whole(order.feedback, reports)
-        lines.append(f"{order.feedback}  {len(self.final_grades) - len(absent)} reports")
+        lines.append(f"{order.feedback}  {words.counted(written, 'report')}")
         return lines, [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
 
 
@@ -133,7 +154,9 @@ def plan(order: Export) -> Plan:
     if order.unreadable != "blank":  # a reviewed submission has a grade, an empty or unreadable one is blank until then
         final_grades = {id_: replace(each, reviewed=True) for id_, each in final_grades.items()}
     others = () if settings is None else class_settings.others(settings, final_grades)
-    return Plan(order, make(final_grades, absent), final_grades, tuple(printable(id_, 80) for id_ in others))
+    draft = make(final_grades, absent)
+    found = contradictions(final_grades, settings, draft.without_row)
+    return Plan(order, draft, final_grades, tuple(found), tuple(printable(id_, 80) for id_ in others))
 
 
 Make = Callable[[Mapping[str, FinalGrade], Sequence[Person]], Draft]
@@ -145,11 +168,7 @@ def _maker(order: Export) -> Make:
     if fill is not None and template is not None:
         return lambda final_grades, absent: _filled(fill, template, order, final_grades, absent)
     if write is not None and template is None:
-        return lambda final_grades, absent: Draft(
-            write(final_grades, absent),
-            sum(len(each.people) for each in final_grades.values() if each.final is not None),
-            tuple(_blank(final_grades, absent)),
-        )
+        return lambda final_grades, absent: _written(write, order, final_grades, absent)
     if fill is None and write is None:
         raise RequestError(f"--format {order.platform.name}: {order.platform.title} cannot import grades")
     needs = "needs --template with the file that it exports" if template is None else "takes no --template"
@@ -157,6 +176,25 @@ def _maker(order: Export) -> Make:
     raise RequestError(
         f"--format {order.platform.name} {needs}", option="template", why=f"{order.platform.title} {why}"
     )
+
+
+def _grade_of_missing(order: Export) -> str:
+    """Return the text in the cell of a person without a submission."""
+    return "" if order.missing == "blank" else order.missing
+
+
+def _written(
+    write: Callable[[Mapping[str, FinalGrade], Sequence[Person], str], bytes],
+    order: Export,
+    final_grades: Mapping[str, FinalGrade],
+    absent: Sequence[Person],
+) -> Draft:
+    """Return a file of grades that is written from nothing."""
+    missing = _grade_of_missing(order)
+    count = sum(len(each.people) for each in final_grades.values() if each.final is not None)
+    names = tuple(words.absentees(absent, (each.hand_in for each in final_grades.values()))) if missing else ()
+    blank = tuple(_blank(final_grades, () if missing else absent))
+    return Draft(write(final_grades, absent, missing), count, blank, names)
 
 
 def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Iterator[str]:
@@ -176,20 +214,22 @@ def _filled(
     """Return the platform's own file with the grades filled in, and the lists of people to review."""
     source = printable(str(template), 500)
     data = read_file(template, MAX_TEMPLATE, "give the file that the platform exports")
-    filled = fill(data, source, order.column, final_grades, scaled=order.scaled)
+    missing = _grade_of_missing(order)
+    filled = fill(data, source, order.column, final_grades, scaled=order.scaled, missing=missing)
     known = directory(final_grades)
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
-    missing = (
-        f"{_one_of(final_grade, person)}: not in the file"
+    not_there = {
+        final_grade.id: [_one_of(final_grade, person) for person in filled.without_row(final_grade)]
         for final_grade in final_grades.values()
         if final_grade.final is not None
-        for person in filled.without_row(final_grade)
-    )
+    }
     return Draft(
         filled.data,
         filled.grades,
-        (*_blank(final_grades, absent), *missing),
+        tuple(_blank(final_grades, () if missing else absent)),
+        tuple(filled.missing),
+        {id_: f"{'; '.join(names)}: graded, and not in the file" for id_, names in not_there.items() if names},
         tuple(filled.replaced),
         tuple(filled.kept),
         tuple(f"{name}: {why}" if why else name for name, why in strangers),
@@ -202,17 +242,20 @@ def _one_of(final_grade: FinalGrade, person: Person) -> str:
     return f"{name} ({final_grade.id})" if final_grade.namesake and name != final_grade.id else name
 
 
-def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, list[str]]:
-    """Return a zip of the reports under the platform's names, and the ids for which the platform gave no name."""
+def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, int, list[str]]:
+    """Return a zip of the reports under the platform's names, how many, and the people for whom the platform has no name."""
     buffer = io.BytesIO()
-    absent: list[str] = []
+    written, absent = 0, []
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for id_, final_grade in final_grades.items():
             report = out / "submissions" / id_ / "report.html"
-            if not final_grade.hand_in.reply or not report.is_file():
-                absent.append(printable(id_, 80))
-                continue
-            entry = zipfile.ZipInfo(f"{final_grade.hand_in.reply}report.html", _STAMP)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, report.read_bytes())
-    return buffer.getvalue(), absent
+            for person in final_grade.people:
+                reply = reply_to(final_grade, person) if report.is_file() else ""
+                if not reply:
+                    absent.append(printable(person.name or id_, 80))
+                    continue
+                entry = zipfile.ZipInfo(f"{reply}report.html", _STAMP)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                archive.writestr(entry, report.read_bytes())
+                written += 1
+    return buffer.getvalue(), written, absent

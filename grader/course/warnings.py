@@ -18,7 +18,7 @@ _A_FEW = 5  # names
 
 
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Yield lines about equal and empty submissions, missing packages, lateness without a time, and the roster."""
+    """Yield lines about equal and empty submissions, missing packages, and the roster."""
     for ids in equal(final_grades.values()):
         yield from named_lines("the same files were handed in by", ids)
     nothing = [s.id for s in final_grades.values() if s.result.status in ("empty", "unreadable")]
@@ -30,8 +30,6 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
     yield from missing_packages.lines({s.id: missing_packages.failed(s.result) for s in final_grades.values()})
     applied = [s.id for s in final_grades.values() if any(repair.author == AUTOMATIC for repair in s.result.repairs)]
     yield from named_lines("repaired automatically (review the change)", applied)
-    untimed = [s.id for s in final_grades.values() if s.late and s.late.due and s.late.seconds is None]
-    yield from named_lines("late, but without a time (add a column `submitted` to the roster)", untimed)
     yield from named_lines("in the roster, no submission", absent)
     yield from named_lines("not in the roster, or matched by several people there", unknown)
 
@@ -40,12 +38,6 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
     """Yield lines about submissions and names to which a late policy cannot be applied."""
     if policy is None:
         return
-    untimed = [each.id for each in final_grades.values() if not each.hand_in.submitted and each.late is None]
-    if untimed and not any(
-        each.hand_in.marked_late for each in final_grades.values()
-    ):  # the platform marks all that are late
-        many = f"{len(untimed)} of {len(final_grades)} hand-ins"
-        yield f"the late policy deducts nothing from {many}: their time is unknown (add a column `submitted` to the roster)"
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
     yield from named_lines("late on the platform, but in time by the roster and the late policy", in_time)
     people = [person for each in final_grades.values() for person in each.hand_in.people]

@@ -34,7 +34,7 @@ def send(book: Classbook, web_request: WebRequest) -> Response:
                 return _download((Path(folder) / "reports.zip").read_bytes(), "reports.zip", "application/zip")
     except RequestError as problem:
         return _page(book, web_request, _errors_by_field(problem), code=400)
-    if plan.draft.blank and not web_request.text("allow_blank"):
+    if plan.stops and not web_request.text("allow_blank"):
         return _page(book, web_request, plan=plan, code=400)
     return _download(plan.draft.data, plan.order.platform.gradebook, "text/csv; charset=utf-8")
 

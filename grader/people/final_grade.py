@@ -27,6 +27,11 @@ class Person:
     ids: tuple[str, ...] = ()
 
     @property
+    def number(self) -> str:
+        """The one identifier that stands in every file: the student number, else the platform's, else the e-mail address."""
+        return self.sid or self.key or self.email
+
+    @property
     def called(self) -> tuple[str, ...]:
         """All known names and identifiers of the person: name, platform key, student number, e-mail, logins."""
         return tuple(filter(None, (self.name, self.key, self.sid, self.email, *self.ids)))

@@ -239,13 +239,14 @@ def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
 
 
 def _completed(person: Person, listed: Listed) -> Person:
+    """Return a person with the roster's facts. The roster's number counts: it has one of the same kind for all."""
     who = listed.who
-    sid = person.sid or next((number for number in who.numbers if number != person.key), "")
+    sid = next(iter(who.numbers), person.sid)
     return replace(
         person,
         name=who.name or person.name,
         sid=sid,
         email=who.email or person.email,
         section=listed.section or person.section,
-        ids=tuple(number for number in who.numbers if number not in (sid, person.key)),
+        ids=tuple(dict.fromkeys(each for each in (*who.numbers, person.sid) if each and each not in (sid, person.key))),
     )

@@ -30,7 +30,13 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 
 
 def fill(
-    template: bytes, source: str, column: str | None, final_grades: Mapping[str, FinalGrade], *, scaled: bool = False
+    template: bytes,
+    source: str,
+    column: str | None,
+    final_grades: Mapping[str, FinalGrade],
+    *,
+    scaled: bool = False,
+    missing: str = "",
 ) -> Filled:
     """Return the student columns unchanged and the assignment's column with the final points.
 
@@ -49,8 +55,7 @@ def fill(
     grade = _assignment(titles, section, column, source)
     form = _form(sheet, grade, source)
     matches = form.matches(final_grades)
-    filled = fill_in(form, matches, final_grades, scaled=scaled)
-    filled.unmatched = [(who, name) for who, name in filled.unmatched if name.strip() not in TEST_STUDENT]
+    filled = fill_in(form, matches, final_grades, scaled=scaled, missing=missing)
     sheet.keep([*range(section + 1), grade])
     filled.data = sheet.data()
     return filled
@@ -88,6 +93,7 @@ def _form(sheet: Sheet, grade: int, source: str) -> Form:
         name=lambda row: row.value(0),
         out_of=lambda _: points,
         locked=lambda row: row.value(grade).strip().upper() == EXCUSED,
+        is_student=lambda row: row.value(0).strip() not in TEST_STUDENT,
     )
 
 

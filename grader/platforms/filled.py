@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from grader.base.errors import RequestError
 from grader.base.text import decimal
+from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory, Match
 from grader.people.identity import Row as Who
@@ -29,6 +30,8 @@ class Filled:
         The submissions and people who have a row. A match without a person stands for a whole group.
     unmatched
         Rows that match nobody who handed in, with the name in the file. They are left unchanged.
+    missing
+        Rows of people without a submission that were given 0.
     kept
         Rows whose grade the platform has locked.
     replaced
@@ -39,6 +42,7 @@ class Filled:
     grades: int = 0
     placed: set[Match] = field(default_factory=set)
     unmatched: list[tuple[Who, str]] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
     kept: list[str] = field(default_factory=list)
     replaced: list[str] = field(default_factory=list)
 
@@ -67,6 +71,8 @@ class Form:
         Function that returns the maximum of a grade in the file; "" if the file has none.
     locked
         Function that returns whether the platform has locked a grade.
+    is_student
+        Function that returns whether a row belongs to a student, and not to a test account of the platform.
     """
 
     source: str
@@ -77,6 +83,7 @@ class Form:
     name: Callable[[Row], str]
     out_of: Callable[[Row], str]
     locked: Callable[[Row], bool]
+    is_student: Callable[[Row], bool] = lambda _: True
 
     def matches(self, final_grades: Mapping[str, FinalGrade]) -> dict[int, Match | None]:
         """Return the submission or person that each row belongs to, by row number; None without an unambiguous match."""
@@ -84,7 +91,12 @@ class Form:
 
 
 def fill_in(
-    form: Form, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade], *, scaled: bool
+    form: Form,
+    matches: Mapping[int, Match | None],
+    final_grades: Mapping[str, FinalGrade],
+    *,
+    scaled: bool,
+    missing: str = "",
 ) -> Filled:
     """Fill in the final points of everyone who has some.
 
@@ -98,18 +110,25 @@ def fill_in(
         Final grades by id of the submission.
     scaled
         Whether points are scaled if the maximum in the file differs from the rubric's.
+    missing
+        Grade of a person without a submission whose cell is blank; "" leaves it blank. A row that may mean somebody who handed in
+        stays blank.
 
     Raises
     ------
     RequestError
         If the maximum differs from the rubric's, and `scaled` is False.
     """
-    filled = Filled()
+    filled, known = Filled(), directory(final_grades)
     comma = any(_COMMA.fullmatch(text.strip()) for row in form.rows.values() for text in _numbers(form, row))
     for number, row in form.rows.items():
         match = matches[number]
         if match is None:
-            filled.unmatched.append((form.who(row), form.name(row)))
+            if missing and _is_missing(form, row, known):
+                form.sheet.set(row, form.grade, missing)
+                filled.missing.append(form.name(row))
+            elif form.is_student(row):
+                filled.unmatched.append((form.who(row), form.name(row)))
             continue
         final_grade = final_grades[match.id]
         filled.placed.add(match)
@@ -119,6 +138,12 @@ def fill_in(
             points = words.number(final_grade.final * _scale(form, row, final_grade, scaled=scaled))
             _set(form, row, points.replace(".", ",") if comma else points, filled)
     return filled
+
+
+def _is_missing(form: Form, row: Row, known: Directory) -> bool:
+    """Return whether a row without a match belongs to a student who handed in nothing and has no grade yet."""
+    blank = row.value(form.grade).strip() in ("", "-") and not form.locked(row)
+    return blank and form.is_student(row) and not known.why_not(form.who(row))
 
 
 def _numbers(form: Form, row: Row) -> tuple[str, str]:
@@ -146,6 +171,20 @@ def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> fl
         rest = "have the points scaled, or make them equal on the platform or in rubric.yaml"
         raise RequestError(f"{form.source}: {differ}; add --scale to {rest}", option="scale", why=f"{differ}; {rest}")
     return most / ours
+
+
+def reply_to(final_grade: FinalGrade, person: Person) -> str:
+    """Return the prefix of a file name in the platform's upload that returns the file to a person; "" if the platform has none.
+
+    A partner has not handed in. Moodle takes a file for a partner whose number is known; Canvas takes one only with the number of
+    an attachment of the same student.
+    """
+    reply, first = final_grade.hand_in.reply, final_grade.people[0]
+    if person == first or not reply:
+        return reply
+    head, number, rest = reply.partition(f"_{first.key}_assign")
+    moodle = head and number and (first.platform, person.platform) == ("moodle", "moodle") and person.key
+    return f"{original(person.name)}_{person.key}_assign{rest}" if moodle else ""
 
 
 def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:

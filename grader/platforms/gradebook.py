@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from grader.base.text import csv_cell, printable
 from grader.engine.results import CriterionResult
@@ -28,26 +28,51 @@ def gradebook(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] =
         The final grade of each submission, by its id.
     """
     columns = _columns(list(final_grades.values()), any(person.section for person in absent))
-    return _written(columns, final_grades, absent)
+    handed_in = [{title: cell(final_grade) for title, cell in columns.items()} for final_grade in final_grades.values()]
+    return _table([*handed_in, *_absentees(final_grades, absent, "")], list(columns))
 
 
-def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
-    """Return the CSV of `gradebook` with a column `final` in every case, which holds the grades to import."""
+def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), missing: str = "") -> str:
+    """Return a CSV with one row for each person: the columns of `gradebook`, the submission's id, and the grade in `final`.
+
+    Parameters
+    ----------
+    missing
+        Grade of the people in `absent`; "" for a blank cell.
+    """
     columns = _columns(list(final_grades.values()), any(person.section for person in absent))
     status = columns.pop("status")
     columns |= {"final": lambda s: _points(s.final), "status": status}
-    return _written(columns, final_grades, absent)
+    people = [
+        _cells(columns, final_grade, person) for final_grade in final_grades.values() for person in final_grade.people
+    ]
+    return _table(
+        [*people, *_absentees(final_grades, absent, missing)], ["id", "name", "submission", *list(columns)[2:]]
+    )
 
 
-def _written(columns: Mapping[str, Cell], final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(columns)
-    table.writerows([cell(final_grade) for cell in columns.values()] for final_grade in final_grades.values())
+def _cells(columns: Mapping[str, Cell], final_grade: FinalGrade, person: Person) -> dict[str, str]:
+    """Return the row of one of the people of a submission."""
+    own = {"id": _text(person.number or final_grade.id), "name": _text(person.name), "section": _text(person.section)}
+    shared = {title: cell(final_grade) for title, cell in columns.items()}
+    return {**shared, **own, "submission": csv_cell(final_grade.id)}
+
+
+def _absentees(
+    final_grades: Mapping[str, FinalGrade], absent: Sequence[Person], missing: str
+) -> Iterator[dict[str, str]]:
+    """Yield the rows of the people without a submission."""
     names = words.absentees(absent, (each.hand_in for each in final_grades.values()))
     for person, name in zip(absent, names, strict=True):
-        known = {"name": _text(name), "section": _text(person.section), "status": words.NO_SUBMISSION}
-        table.writerow([known.get(column, "") for column in columns])
+        known = {"id": person.number, "name": name, "section": person.section, "final": missing}
+        yield {**{title: _text(text) for title, text in known.items()}, "status": words.NO_SUBMISSION}
+
+
+def _table(rows: Iterable[Mapping[str, str]], titles: Sequence[str]) -> str:
+    text = io.StringIO()
+    table = csv.DictWriter(text, titles, restval="", extrasaction="ignore", lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
     return text.getvalue()
 
 
@@ -107,7 +132,7 @@ def _criterion(final_grade: FinalGrade, id_: str) -> str:
 PLATFORM = Platform(
     name="csv",
     title="CSV",
-    help=Help(grades="one row a submission; the grade is in `final`, after adjustments and lateness."),
-    write=lambda final_grades, absent: exported(final_grades, absent).encode("utf-8", "replace"),
+    help=Help(grades="one row a person; the grade is in `final`, after overrides and lateness."),
+    write=lambda final_grades, absent, missing: exported(final_grades, absent, missing).encode("utf-8", "replace"),
     gradebook="marks.csv",
 )

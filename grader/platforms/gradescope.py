@@ -133,23 +133,24 @@ COLUMNS = (
 _SUFFIXES = ("jr", "jr.", "sr", "sr.", "ii", "iii", "iv")
 
 
-def gradescope_csv(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
+def gradescope_csv(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), missing: str = "") -> str:
     """Return a CSV with a row per person, in the columns of Gradescope's own export of grades.
 
-    All members of a group have the final points of the group. Columns without a counterpart here are blank.
+    All members of a group have the final points of the group. Columns without a counterpart here are blank. `missing` is the grade
+    of the people in `absent`, "" for a blank cell.
     """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
     for final_grade in final_grades.values():
         table.writerows(_row(final_grade, person) for person in final_grade.people)
-    table.writerows([*_who(person), "", "", "Missing", *[""] * 5] for person in absent)
+    table.writerows([*_who(person), missing, "", "Missing", *[""] * 5] for person in absent)
     return text.getvalue()
 
 
 def _who(person: Person) -> list[str]:
     first, last = _names(person.name)
-    who = (first, last, person.sid or person.key, person.email, person.section)
+    who = (first, last, person.number, person.email, person.section)
     return [csv_cell(printable(text, 500)) for text in who]
 
 
@@ -260,8 +261,8 @@ failed; run it again from its page.""",
     answer="autograder/results/results.json",
     keeps_secrets=True,
     read=read,
-    write=lambda final_grades, absent: (
-        BOM + gradescope_csv(final_grades, absent).encode("utf-8", "replace")
+    write=lambda final_grades, absent, missing: (
+        BOM + gradescope_csv(final_grades, absent, missing).encode("utf-8", "replace")
     ),  # marked: a spreadsheet spoils umlauts
     gradebook="gradescope.csv",
 )

@@ -35,7 +35,13 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
 def fill(
-    template: bytes, source: str, column: str | None, final_grades: Mapping[str, FinalGrade], *, scaled: bool = False
+    template: bytes,
+    source: str,
+    column: str | None,
+    final_grades: Mapping[str, FinalGrade],
+    *,
+    scaled: bool = False,
+    missing: str = "",
 ) -> Filled:
     """Fill in grades and comments; keep comments of teachers and all other bytes. `column` names the column of grades.
 
@@ -59,7 +65,7 @@ def fill(
         number: match or teams.get(form.rows[number].value(sheet.column("Group")).strip().casefold())
         for number, match in form.matches(final_grades).items()
     }
-    filled = fill_in(form, matches, final_grades, scaled=scaled)
+    filled = fill_in(form, matches, final_grades, scaled=scaled, missing=missing)
     _comment_on(form, matches, final_grades)
     filled.data = sheet.data()
     return filled

@@ -31,6 +31,7 @@ class Fill(Protocol):
         final_grades: Mapping[str, FinalGrade],
         *,
         scaled: bool = False,
+        missing: str = "",
     ) -> Filled:
         """Return the file with the final points.
 
@@ -46,6 +47,8 @@ class Fill(Protocol):
             Final grades by id of the submission.
         scaled
             Whether points are scaled if the maximum in the file differs from the rubric's.
+        missing
+            Grade of people without a submission; "" leaves their cells as they are.
 
         Raises
         ------
@@ -127,7 +130,8 @@ class Platform:
     fill
         Function that fills the grades of a class into a file that the platform exported.
     write
-        Function that writes the grades of a class, with the people of the roster who handed in nothing, as a file.
+        Function that writes the grades of a class as a file: final grades by id, the people of the roster without a submission, and
+        their grade, "" for a blank cell.
     gradebook
         Name of the grades file in OUT.
     """
@@ -144,5 +148,5 @@ class Platform:
     keeps_secrets: bool = False
     read: Callable[[Download], Shape | None] | None = None
     fill: Fill | None = None
-    write: Callable[[Mapping[str, FinalGrade], Sequence[Person]], bytes] | None = None
+    write: Callable[[Mapping[str, FinalGrade], Sequence[Person], str], bytes] | None = None
     gradebook: str = ""

@@ -165,7 +165,7 @@ def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]
     """Return the names of people without a submission, each with an identifier if another person of the class has the name."""
     listed = [person.name for person in absent]
     names = Counter(name.casefold() for name in [*listed, *(p.name for each in hand_ins for p in each.people)])
-    known = [person.sid or person.key or person.email for person in absent]
+    known = [person.number for person in absent]
     return [
         f"{name} ({id_})" if id_ and id_ != name and names[name.casefold()] > 1 else name
         for name, id_ in zip(listed, known, strict=True)
