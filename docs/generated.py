@@ -232,6 +232,11 @@ def libraries() -> str:
     return _code(packages.LIBRARIES)
 
 
+def library_folders() -> str:
+    """Return the folders of the system's shared libraries, which student code may read."""
+    return _code(surroundings.LIBRARIES)
+
+
 def system_files() -> str:
     """Return the system files that student code may read."""
     return _code(surroundings.SYSTEM)
@@ -274,8 +279,8 @@ def _code(names: Iterable[str]) -> str:
 PARTS: Mapping[str, Callable[[], str]] = {
     function.__name__.replace("_", "-"): function
     for function in (
-        agreement, attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels, libraries, modules,
-        platform_fields, rubric, rubric_keys, system_files,
+        agreement, attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels, libraries,
+        library_folders, modules, platform_fields, rubric, rubric_keys, system_files,
     )
 }  # fmt: skip
 """The parts by the name that a page gives."""

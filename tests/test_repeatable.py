@@ -26,7 +26,7 @@ from tests.examples import FOLDER
 from tests.single_faults import lost_by, marked, submission_of
 
 NOISY = """
-import os, random, secrets, threading, time, uuid, datetime
+import os, random, secrets, time, datetime
 import numpy as np
 from imu_reader import get_imu_readings
 
@@ -44,7 +44,6 @@ NORMAL = "def draw():\n    u = [(int.from_bytes(bytes_of(7), 'big') + 0.5) / 2**
 SOUND = {
     "os.urandom": f"bytes_of = os.urandom\n{NORMAL}",
     "secrets": f"bytes_of = secrets.token_bytes\n{NORMAL}",
-    "uuid1": "def draw():\n    return np.random.default_rng(uuid.uuid1().int).normal(0, 1, 3)\n",
     "a Random of its own": "def draw():\n    rng = random.Random()\n    return np.array([rng.gauss(0, 1) for _ in range(3)])\n",
     "default_rng": "def draw():\n    return np.random.default_rng().normal(0, 1, 3)\n",
     "monotonic_ns": "def draw():\n    return np.random.default_rng(time.monotonic_ns()).normal(0, 1, 3)\n",
@@ -54,12 +53,8 @@ SOUND = {
 """Sources that a sound noise model may draw from: 100 points, and the same result in every run."""
 ODD = {
     "times": "def draw():\n    return np.array([sum(os.times()) * 1e6 % 1, time.perf_counter_ns() % 97 / 97, time.time() * 1e6 % 1])\n",
-    "load": "def draw():\n    return np.array([*os.getloadavg()])\n",
-    "threads": "def draw():\n    return np.array([threading.get_ident() % 1009, threading.get_native_id() % 1009, os.getpid()]) / 1009\n",
-    "addresses": "KEPT = [object(), []]\n\ndef draw():\n    return np.array([id(KEPT[0]) % 1009, id(KEPT[1]) % 1009, id(draw) % 1009]) / 1009\n",
     "clocks of the system": "def draw():\n    return np.array([time.clock_gettime(0) * 1e6 % 1, time.clock_gettime_ns(1) % 1009, time.clock_gettime(2) * 1e6 % 1])\n",
     "random bytes of OpenSSL": "def draw():\n    import ssl\n    return np.frombuffer(ssl.RAND_bytes(3), np.uint8) / 255.0\n",
-    "an address in words": "def draw():\n    raise ValueError(f'{id(draw)} {draw!r} {uuid.uuid4()}')\n",
     "a date in words": "def draw():\n    raise ValueError(f'{datetime.datetime.now()} {datetime.date.today()} {time.strftime(\"%X\")} {time.ctime()}')\n",
 }
 """Sources of nothing that a noise model needs: whatever the grade is, it is the same in every run."""
@@ -95,12 +90,6 @@ def test_a_submission_gets_the_same_result_twice_once_under_load(name: str, mark
     assert first == second
     if name in SOUND:
         assert first.score == 20, [(c.id, c.message) for c in first.criteria[0].checks if c.outcome != "passed"]
-
-
-def test_an_object_that_is_gone_does_not_leave_its_number_to_the_next(marker: Marker) -> None:
-    draw = "def draw():\n    raise ValueError(f'{len({id(object()) for _ in range(50)})} numbers')\n"
-    result = marker.mark(noisy(draw), only="noise_model")
-    assert "50 numbers" in " ".join(check.message for check in result.criteria[0].checks)
 
 
 ADDRESSES = {

@@ -46,7 +46,7 @@ def failed(result: Result) -> set[str]:
 
 def available() -> set[str]:
     """Return the modules of installed packages that student code can import on this machine."""
-    return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders()).entries}
+    return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders())}
 
 
 def lines(missing: Mapping[str, Iterable[str]]) -> list[str]:

@@ -88,10 +88,12 @@ PROMISES = (
     Promise("Nothing from a submission is written unescaped: pages, CSV, XML, terminal, CI commands", _everywhere),
     Promise("Archives and links never lead out of the submission", _everywhere),
     Promise("A submission ends within its time, and its memory is limited per process", _everywhere),
-    Promise("It reads no hidden trace, rubric, seed, other submission or file of the host", _isolates),
+    Promise(
+        "It reads no hidden trace, rubric, seed, other submission, file of a user or file of the grader", _isolates
+    ),
     Promise("It changes nothing outside its scratch folder", _isolates),
     Promise("No network, no other process, nothing left running or lying about", _isolates),
-    Promise("It cannot tell whether a path of the host exists", _under_own_root),
+    Promise("It cannot tell which other paths exist on the host", _under_own_root),
     Promise("Its disk space is limited in all", _under_own_root),
 )
 

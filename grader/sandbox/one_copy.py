@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import ast
-import contextlib
 import os
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,37 +35,22 @@ def search(isolation_level: IsolationLevel) -> Search:
     GraderError
         If the isolation level cannot be had here.
     """
+    # On an isolation level with the host's root, / itself cannot be listed.
+    roots = ["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *surroundings.visible()]
+    own = [rootfs.SANDBOX, rootfs.WORKER_CODE, str(_WORKER_CODE), *surroundings.code()]  # every sandbox needs these
+    fields = {"roots": list(dict.fromkeys(roots)), "phrases": _phrases(), "own": own}
     with Sandbox(Contents(_WORKER_CODE), isolation_level=isolation_level.name) as sandbox, sandbox.worker() as worker:
-        fields = {"roots": _roots(), "phrases": sorted(_phrases()), "own": _own()}
         answer = worker.ask("search", fields, cpu_s=_WITHIN_CPU_S).fields
     return Search(int(answer["opened"]), tuple(map(str, answer["found"])))
 
 
-def _roots() -> list[str]:
-    """Return the folders to start from: on an isolation level with the host's root, / itself cannot be listed."""
-    shown = surroundings.visible()
-    return list(dict.fromkeys(["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *shown]))
+def _phrases() -> list[str]:
+    """Return a line that no other file holds of each file that a submission must not read."""
+    paths = (path for folder, pattern in _SECRETS for path in (_PACKAGE.parent / folder).glob(pattern))
+    return sorted({_telling_line(path.read_text(encoding="utf-8")) for path in paths} - {""})
 
 
-def _own() -> list[str]:
-    """Return the grader's files that every sandbox needs."""
-    return [rootfs.SANDBOX, rootfs.WORKER_CODE, str(_WORKER_CODE), *surroundings.code()]
-
-
-def _phrases() -> Iterator[str]:
-    """Lines that no file holds by chance, of each file that a submission must not read."""
-    for folder, pattern in _SECRETS:
-        for path in (_PACKAGE.parent / folder).glob(pattern):
-            text = path.read_text(encoding="utf-8")
-            yield from filter(None, [_longest(text), _first_sentence(text)])
-
-
-def _longest(text: str) -> str:
-    return max(map(str.strip, text.splitlines()), key=len, default="")
-
-
-def _first_sentence(text: str) -> str:
-    """Return the first line of a module's docstring, which its compiled file holds, too."""
-    with contextlib.suppress(SyntaxError):
-        return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
-    return ""
+def _telling_line(source: str) -> str:
+    """Return the first line of a module's docstring, which its compiled file holds, too, or else the longest line."""
+    docstring = ast.get_docstring(ast.parse(source))
+    return docstring.partition("\n")[0] if docstring else max(map(str.strip, source.splitlines()), key=len, default="")

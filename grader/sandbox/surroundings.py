@@ -13,17 +13,19 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
-from . import libraries, packages
+from . import packages
 from .paths import is_below
 
+LIBRARIES = ("/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib", "/nix/store", "/gnu/store")
+"""Folders of the system with shared libraries: shown whole, but for the packages of any Python in them."""
 SYSTEM = (
+    "/etc/alternatives",  # links from one library to another
     "/etc/ld.so.cache",
-    "/usr/lib/locale",
     "/usr/local/share/fonts",
     "/usr/share/fonts",
     "/usr/share/zoneinfo",
 )
-_BESIDE_THE_MODULES = ("lib-dynload", "__pycache__")
+_PACKAGE_FOLDERS = ("*/{}", "*/lib/*/{}")  # below a folder of libraries; the second in a store of packages
 _MODULES_OF_THE_SANDBOX = (
     "arrays",
     "confine",
@@ -48,16 +50,16 @@ _HERE = Path(__file__).resolve().parent
 
 
 def visible(extra: Sequence[Path] = ()) -> tuple[str, ...]:
-    """Return the paths that a sandbox shows read-only: single known entries, never a whole prefix or /usr/lib."""
-    return _shown(tuple(os.path.abspath(path) for path in extra), packages.folders())
+    """Return the paths that a sandbox shows read-only: libraries of the system and of Python, and packages, entry by entry."""
+    entries = packages.shown(packages.folders())
+    return tuple(sorted({*_libraries(), *SYSTEM, *_standard(), *entries, *(os.path.abspath(path) for path in extra)}))
 
 
-@lru_cache(maxsize=8)
-def _shown(asked: tuple[str, ...], folders: tuple[str, ...]) -> tuple[str, ...]:
-    standard, installed = _standard(), packages.shown(folders)
-    shown = {*standard, *installed.entries, *asked}
-    objects = [*installed.shared_objects, *_extension_modules(standard)]
-    return tuple(sorted({*SYSTEM, *shown, *libraries.needed_by(sys.executable, objects, list(shown))}))
+def _libraries() -> tuple[str, ...]:
+    """Return the folders of shared libraries: of the system, of Python, and those that the environment names."""
+    prefixes = {sys.base_prefix, sys.base_exec_prefix}
+    named = filter(os.path.isabs, os.environ.get("LD_LIBRARY_PATH", "").split(":"))
+    return (*LIBRARIES, *(os.path.join(prefix, name) for prefix in prefixes for name in ("lib", "lib64")), *named)
 
 
 def _standard() -> tuple[str, ...]:
@@ -65,11 +67,6 @@ def _standard() -> tuple[str, ...]:
     folders = {os.path.dirname(path) for path in sys.path if os.path.basename(path) == "lib-dynload"}
     archives = {path for path in sys.path if path.endswith(".zip") and os.path.basename(path).startswith("python")}
     return tuple(sorted({sysconfig.get_path("stdlib"), os.path.dirname(os.__file__), *folders, *archives}))
-
-
-def _extension_modules(standard: Sequence[str]) -> list[str]:
-    found = (glob.glob(os.path.join(glob.escape(folder), "lib-dynload", "*.so")) for folder in standard)
-    return [path for paths in found for path in paths]
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
@@ -91,7 +88,7 @@ def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
 def link_packages(folder: str) -> None:
     """Make a folder of links to the entries that a sandbox shows of the package folders; the first of a name counts."""
     os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
-    for path in packages.shown(packages.folders()).entries:
+    for path in packages.shown(packages.folders()):
         parent, name = os.path.split(path)
         compiled = os.path.basename(parent) == "__pycache__"
         with contextlib.suppress(FileExistsError):
@@ -109,25 +106,20 @@ def search_without_isolation() -> tuple[str, ...]:
 
 
 def hidden() -> tuple[str, ...]:
-    """Return the folders that a sandbox shows empty: the grader, the reference, and the files beside the standard library.
+    """Return the folders that a sandbox shows empty: the grader, the reference, and the packages of every Python that it shows.
 
-    Packages are installed below that library, too; those that a sandbox shows stand in `visible` one by one.
+    The packages that a sandbox shows stand in `visible` one by one.
     """
     grader = _HERE.parent
-    beside = (path for folder in _standard() for path in _third_party_entries(folder))
-    return str(grader), str(grader.parent / "reference"), *beside
+    return str(grader), str(grader.parent / "reference"), *packages.folders(), *_package_folders(_libraries())
 
 
-def _third_party_entries(folder: str) -> list[str]:
-    """Return the entries in a folder of the standard library that are no part of it."""
-    with contextlib.suppress(OSError):
-        return sorted(entry.path for entry in os.scandir(folder) if not _is_standard(entry.name))
-    return []
-
-
-def _is_standard(name: str) -> bool:
-    module = name.partition(".")[0]
-    return module in sys.stdlib_module_names or name in _BESIDE_THE_MODULES or name.startswith("_sysconfigdata")
+@lru_cache(maxsize=2)
+def _package_folders(libraries: Sequence[str]) -> list[str]:
+    """Return the folders of installed packages of any Python below these folders of libraries."""
+    patterns = [pattern.format(name) for pattern in _PACKAGE_FOLDERS for name in packages.FOLDER_NAMES]
+    found = (glob.glob(f"{glob.escape(folder)}/{pattern}") for folder in libraries for pattern in patterns)
+    return sorted(path for paths in found for path in paths)
 
 
 def decoy() -> str:

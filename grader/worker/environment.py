@@ -24,27 +24,13 @@ def import_libraries() -> None:
     with contextlib.suppress(ImportError):
         import _ssl  # noqa: F401 - see `repeatability`
 
-    with _without_artist_docs():
-        import matplotlib.pyplot as plt
+    import matplotlib.pyplot as plt
     import mujoco  # noqa: F401
     import numpy.random  # noqa: F401
     import PIL.Image  # noqa: F401
 
     plt.switch_backend("Agg")
     _share_wrappers()
-
-
-@contextlib.contextmanager
-def _without_artist_docs() -> Iterator[None]:
-    """Import matplotlib without generating the properties in its docstrings, a fifth of the time of all imports together."""
-    from matplotlib import artist as artists
-
-    really = artists.kwdoc
-    artists.kwdoc = lambda artist: ""
-    try:
-        yield
-    finally:
-        artists.kwdoc = really
 
 
 def _share_wrappers() -> None:

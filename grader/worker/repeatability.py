@@ -1,31 +1,25 @@
-"""Replace randomness, time and identity by repeatable sources, so that the same bytes get the same grade on a busy machine.
+"""Replace randomness and time by repeatable sources, so that the same bytes get the same grade on a busy machine.
 
-Libraries keep the real clocks and identifiers, because a wait or a lock depends on them: each source checks who calls it.
+Libraries keep the real clocks and process id, because a wait or a lock depends on them: each source checks who calls it.
 """
 
 from __future__ import annotations
 
-import builtins
 import datetime
 import hashlib
 import operator
 import os
 import random
 import sys
-import threading
 import time
 import types
-import uuid
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-_KEPT = 10_000
-"""Number of objects that are kept after `id`: two readings a step are 5,000 in the sheet's longest recording."""
 PID = 1
 """Process id that student code sees: the one that its process has in a namespace of its own."""
-_NODE = 0x0242AC110002  # network address in the UUIDs of kind 1
 
 
 class _Clock:
@@ -71,7 +65,7 @@ def install(folder: str) -> None:
     _LIBRARY.own_folder = folder
     _replace_clocks()
     _replace_dates()
-    _replace_ids()
+    _replace_process()
     _replace_random_bytes()
 
 
@@ -134,7 +128,6 @@ def _replace_clocks() -> None:
     if "timeit" in sys.modules:
         vars(sys.modules["timeit"])["default_timer"] = time.perf_counter
     vars(os)["times"] = lambda: os.times_result((time.process_time(), 0.0, 0.0, 0.0, time.perf_counter()))
-    vars(os)["getloadavg"] = lambda: (0.0, 0.0, 0.0)
 
 
 def _replace_dates() -> None:
@@ -176,33 +169,10 @@ def _replace_dates() -> None:
     vars(datetime).update(datetime=_Real("datetime", (real,), methods), date=_Real("date", (real_date,), today))
 
 
-def _replace_ids() -> None:
-    """Number objects, threads and the process in the order in which student code asks for them.
-
-    An object that was asked for is kept alive, so that no later object gets its address and its number.
-    """
-
-    def numbered(really: Callable[..., int], start: int, step: int) -> Callable[..., int]:
-        known: dict[int, int] = {}
-        kept: list[Any] = []
-
-        def ask(*args: Any) -> int:
-            number = really(*args)
-            if _LIBRARY.calls():
-                return number
-            if number not in known and len(kept) < _KEPT:
-                kept.append(args)
-            return known.setdefault(number, start + step * len(known))
-
-        return ask
-
-    def own(really: Callable[[], int], number: int) -> Callable[[], int]:
-        return lambda: really() if _LIBRARY.calls() else number
-
-    vars(builtins)["id"] = numbered(id, 4096, 16)
-    vars(threading)["get_ident"] = numbered(threading.get_ident, 1, 1)
-    vars(threading)["get_native_id"] = numbered(threading.get_native_id, PID, 1)
-    vars(os).update(getpid=own(os.getpid, PID), getppid=own(os.getppid, 0))
+def _replace_process() -> None:
+    """Give student code the same process id on every isolation level, and its own clock as the time that it used."""
+    really = os.getpid
+    vars(os)["getpid"] = lambda: really() if _LIBRARY.calls() else PID
     resource: Any = sys.modules.get("resource")
     if resource is not None:
         used = lambda who: resource.struct_rusage((time.process_time(), 0.0, 100_000, *[0] * 13))  # noqa: E731
@@ -210,7 +180,7 @@ def _replace_ids() -> None:
 
 
 def _replace_random_bytes() -> None:
-    """Replace the system's random bytes by our stream: in `os.urandom`, `secrets`, `uuid` and unseeded generators."""
+    """Replace the system's random bytes by our stream: in `os.urandom`, `secrets` and unseeded generators."""
     seed_by = random.Random.seed
 
     def seeded(self: random.Random, a: Any = None, version: int = 2) -> None:
@@ -221,4 +191,3 @@ def _replace_random_bytes() -> None:
     vars(sys.modules.get("_ssl", types.ModuleType("_ssl")))["RAND_bytes"] = _BYTES
     setattr(random.Random, "seed", seeded)  # noqa: B010
     vars(random)["seed"] = vars(random)["_inst"].seed
-    vars(uuid).update(getnode=lambda: _NODE, _generate_time_safe=None, _UuidCreate=None)

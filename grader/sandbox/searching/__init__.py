@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import os
 import re
-import stat
-import zipfile
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-_MOST_BYTES = 1 << 20  # of a file: our longest has a tenth of that
 _NOT_FILES = ("/dev", "/proc", "/sys")
-_OWN_FOLDERS = ("grader", "reference")
-_OWN_RECORD = re.compile(r".*imugrade.*\.(dist-info|egg-info|egg|egg-link|pth|whl|zip)")
-_ARCHIVES = (".zip", ".whl", ".egg")
+_OURS = re.compile(
+    r"(grader|reference)/__init__\.py|[^/]*imugrade[^/]*\.(dist-info|egg-info|egg|egg-link|pth|whl|zip)\b"
+)
+_MOST_BYTES = 1 << 18  # of a file: our longest has half of that
+_SOURCES = (".py", ".pyc", ".txt", ".ipynb")
 
 
 def warm_up(thorough: bool) -> None:
@@ -21,22 +20,24 @@ def warm_up(thorough: bool) -> None:
 
 
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Search every file that can be opened below `roots` for `phrases`, and for what bears a name of ours."""
+    """Try to open every file below `roots`; find those that bear a name of ours, and sources that hold one of the `phrases`."""
     del op, arrays
     phrases = [phrase.encode() for phrase in fields["phrases"]]
     opened, found = 0, []
     for path in _files(fields["roots"], set(fields["own"])):
-        content = _content(path)
-        if content is None:
+        try:
+            with open(path, "rb", buffering=0) as file:
+                content = file.read(_MOST_BYTES) if path.endswith(_SOURCES) else b""
+        except OSError:
             continue
         opened += 1
-        if _named(path) or any(phrase in content for phrase in phrases):
+        if _OURS.search(path) or any(phrase in content for phrase in phrases):
             found.append(path)
     return {"opened": opened, "found": sorted(found)[:100]}, {}
 
 
-def _files(roots: Sequence[str], own: Collection[str]) -> Iterator[str]:
-    """Yield every regular file once, without the sandbox's own mounts."""
+def _files(roots: list[str], own: set[str]) -> Iterator[str]:
+    """Yield the path of every regular file, without the sandbox's own mounts; a folder that is shown twice is searched once."""
     seen: set[tuple[int, int]] = set()
     for root in roots:
         for top, folders, names in os.walk(root):
@@ -45,37 +46,5 @@ def _files(roots: Sequence[str], own: Collection[str]) -> Iterator[str]:
                 folders.clear()
                 continue
             seen.add((at.st_dev, at.st_ino))
-            yield from (path for name in names if (path := os.path.join(top, name)) not in own)
-
-
-def _content(path: str) -> bytes | None:
-    """Return the beginning of a file; None if it is no file, cannot be opened, or is a shared library."""
-    try:
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            return None
-        with open(path, "rb", buffering=0) as file:
-            return b"" if ".so" in path else file.read(_MOST_BYTES)
-    except OSError:
-        return None
-
-
-def _named(path: str) -> bool:
-    """Return whether a file belongs to the grader, to its installation record, or to an archive that holds it."""
-    *folders, name = path.split("/")
-    if any(_OWN_RECORD.fullmatch(part) for part in (*folders, name)):
-        return True
-    if name == "__init__.py" and folders[-1] in _OWN_FOLDERS:
-        return True
-    return name.endswith(_ARCHIVES) and any(_is_ours(member) for member in _members(path))
-
-
-def _is_ours(member: str) -> bool:
-    return any(member.endswith(f"{folder}/__init__.py") for folder in _OWN_FOLDERS)
-
-
-def _members(path: str) -> list[str]:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return archive.namelist()
-    except (OSError, zipfile.BadZipFile):
-        return []
+            paths = (os.path.join(top, name) for name in names)
+            yield from (path for path in paths if path not in own and os.path.isfile(path))
