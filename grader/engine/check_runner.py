@@ -15,7 +15,7 @@ import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,7 +31,7 @@ from grader.engine.check_catalog import Check, check_files, title_of
 from grader.engine.faults import rows
 from grader.engine.feedback import Feedback, cause_key, feedback_on
 from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
-from grader.engine.lab import Lab
+from grader.engine.lab import Lab, Part
 from grader.engine.public_session import PublicSession
 from grader.engine.rubric import OwnChecks
 from grader.engine.submission_session import SubmissionSession
@@ -94,9 +94,8 @@ class CheckRun:
         self.student.account_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
         if self._alone:
             return
-        turn = _grading_order(self._lab, this.criterion)
-        before = [part for part in self._lab.parts if part.needed and _grading_order(self._lab, part.id) < turn]
-        self.student.replace_broken([name for part in before if part.id in self._lost for name in part.names])
+        lost = [part for part in self._parts_before(this.criterion) if part.id in self._lost]
+        self.student.replace_broken([name for part in lost for name in part.names])
 
     def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
         """Record how a check ended; an interrupted check is discarded."""
@@ -135,22 +134,36 @@ class CheckRun:
             return hidden_feedback.feedback_on(finding, self._mistakes)
         return feedback_on(finding, earlier, self._mistakes)
 
-    def lost_with_standins(self, criterion: str) -> bool:
-        """Return whether a part lost points while stand-ins were in use.
+    def other_partners(self, criterion: str) -> list[frozenset[str]]:
+        """Return which names to replace by stand-ins in further runs of a part that lost points.
 
-        Stand-ins follow the sheet; the part may work with the student's own version of the replaced names."""
+        Stand-ins follow the sheet: the part may work with the student's own version of the names that they replace. Where the
+        part raises, a partner that passed its own checks may return something that this part alone cannot use.
+        """
         part = self._lab.part(criterion)
-        needed = part is not None and part.needed and criterion in self._lab.examined
-        return bool(needed and self.student.broken) and criterion in self._lost
+        if part is None or criterion not in self._lab.examined or criterion not in self._lost:
+            return []
+        own = [frozenset[str]()] if part.needed else []  # plots are tried without stand-ins anyway
+        raised = any(each.feedback and each.feedback.where for each in self._of(criterion).values())
+        sound = [frozenset(name for part in self._parts_before(criterion) for name in part.names)] if raised else []
+        return [names for names in (*own, *sound) if names != frozenset(self.student.broken)]
+
+    def _parts_before(self, criterion: str) -> list[Part]:
+        """Return the parts with functions that others need and that are graded before a criterion."""
+        turn = _grading_order(self._lab, criterion)
+        return [part for part in self._lab.parts if part.needed and _grading_order(self._lab, part.id) < turn]
+
+    def _of(self, criterion: str) -> dict[str, Judgement]:
+        return {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
 
     @contextmanager
-    def rerun_without_standins(self, criterion: str) -> Iterator[None]:
-        """Examine a part again without stand-ins; the new outcomes count if at least one check ends better and none worse."""
-        beside = {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
+    def rerun_beside(self, standins: Collection[str], criterion: str) -> Iterator[None]:
+        """Examine a part again beside other stand-ins; the new outcomes count if at least one check ends better and none worse."""
+        beside = self._of(criterion)
         stories, titles = self._reported, {each.check.title for each in beside.values()}
         self._reported = {same: title for same, title in stories.items() if title not in titles}
         self._lost.discard(criterion)
-        with self.student.without_standins() as answers:
+        with self.student.beside(standins) as answers:
             self._alone = True
             try:
                 yield
@@ -203,8 +216,8 @@ class Session:
         for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
             own = list(items)
             _run(own)
-            if check_run.lost_with_standins(criterion):
-                with check_run.rerun_without_standins(criterion):
+            for standins in check_run.other_partners(criterion):
+                with check_run.rerun_beside(standins, criterion):
                     _run(own)
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import PurePosixPath
 from threading import Timer
 from typing import Any, Protocol, TypeVar
@@ -131,12 +131,16 @@ class SandboxSession:
             self.broken |= set(names)
             self.end_session()
 
+    def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
+        """Use the submission without stand-ins in this context, see `beside`."""
+        return self.beside(())
+
     @contextmanager
-    def without_standins(self) -> Iterator[dict[Any, Any]]:
-        """Use the submission without stand-ins in this context, in a new process.
+    def beside(self, standins: Collection[str]) -> Iterator[dict[Any, Any]]:
+        """Use the submission with stand-ins for exactly these names in this context, in a new process.
 
         Yields its answers, which are discarded unless they are passed to `remember`."""
-        (broken, self.broken), (answers, self._answers) = (self.broken, set()), (self._answers, {})
+        (broken, self.broken), (answers, self._answers) = (self.broken, set(standins)), (self._answers, {})
         self.end_session()
         try:
             yield self._answers

@@ -124,10 +124,8 @@ class _Loader(importlib.machinery.SourceFileLoader):
     def exec_module(self, module: types.ModuleType) -> None:
         path = Path(self.path).relative_to(STATE.folder).as_posix()
         STATE.modules[path] = module
-        if standins.of_module(module.__name__):
-            vars(module).update(
-                STATE.sheet_names(STATE.lab_configuration)
-            )  # what a broken file lacks, others have from it
+        if own := standins.of_module(module.__name__):  # what a broken file lacks, others have from it
+            vars(module).update(STATE.sheet_names(STATE.lab_configuration, own))
         if not _run_file(path, vars(module)):
             vars(module).setdefault("__getattr__", _absent_names(path))
         standins.fill(path, vars(module))
@@ -151,8 +149,8 @@ class _MissingPartner(importlib.machinery.SourceFileLoader):
         return compile("", self.path, "exec")
 
     def exec_module(self, module: types.ModuleType) -> None:
-        vars(module).update(STATE.sheet_names(STATE.lab_configuration))
-        vars(module).update(standins.of_module(module.__name__))
+        own = standins.of_module(module.__name__)
+        vars(module).update(STATE.sheet_names(STATE.lab_configuration, own) | own)
         vars(module)["__getattr__"] = _absent_names(f"{module.__name__}.py")
 
 
@@ -253,7 +251,7 @@ def _run_what_parses(path: str, names: dict[str, Any]) -> None:
 def _library_or_partner(name: str) -> Any:
     """Return the value of a name that a file forgot to import: from another required file, or a library; None if unknown."""
     if name not in STATE.homes:
-        return STATE.sheet_names(STATE.lab_configuration).get(name)
+        return STATE.sheet_names(STATE.lab_configuration, {}).get(name)
     try:
         return vars(importlib.import_module(STATE.homes[name])).get(name)
     except Exception:  # a partner that was not handed in, or cannot be found under its name

@@ -24,7 +24,7 @@ class _State:
         self.misspelled: dict[str, list[tuple[str, str]]] = {}
         self.misspelled_methods: dict[str, dict[str, str]] = {}
         self.supplied: dict[str, list[str]] = {}
-        self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda lab_configuration: {}
+        self.sheet_names: Callable[[dict[str, Any], dict[str, Any]], dict[str, Any]] = lambda configuration, standins: {}
 
     def code(self) -> list[str]:
         """Return the files and notebooks with code, those nearest to the submission's folder first."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import mujoco
@@ -23,11 +24,30 @@ HANDLERS = {
 }
 
 
-def sheet_names(lab_configuration: dict[str, Any]) -> dict[str, Any]:
-    """Return the names that ``from imu_reader import *`` imports in the sheet's own code."""
+def sheet_names(lab_configuration: dict[str, Any], standins: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the names that a file of the sheet defines at its top level, as ``from imu_reader import *`` imports them.
+
+    Parameters
+    ----------
+    standins : the stand-ins for the definitions of that file; what the sheet makes of them there is made of them here, too
+    """
     import matplotlib.pyplot as plt
 
     model = mujoco.MjModel.from_xml_path(lab_configuration["model_file"])
+    data = mujoco.MjData(model)
     ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in lab_configuration["imu"]]
-    names = {"np": np, "numpy": np, "mujoco": mujoco, "plt": plt, "model": model, "data": mujoco.MjData(model)}
-    return names | dict(zip(("accel_id", "gyro_id"), ids, strict=True))
+    names = {"np": np, "numpy": np, "mujoco": mujoco, "plt": plt, "model": model, "data": data}
+    names |= dict(zip(("accel_id", "gyro_id"), ids, strict=True))
+    for name, (made, given) in _MADE_OF.items():
+        if made in standins:
+            names[name] = standins[made](*given(model, data, ids))
+    return names
+
+
+_MADE_OF: Mapping[str, tuple[str, Callable[..., tuple[Any, ...]]]] = {
+    "imu_data": ("simulate_and_collect", lambda model, _data, _ids: (model, mujoco.MjData(model), 3.0)),
+    "noisy_imu": ("NoisyIMU", lambda model, data, ids: (model, data, *ids)),
+    "accel_filter": ("LowPassFilter", lambda *_: (0.1,)),
+    "gyro_filter": ("LowPassFilter", lambda *_: (0.1,)),
+}
+"""What the sheet makes at top level: by name, the function or class that it is made with, and the arguments."""
