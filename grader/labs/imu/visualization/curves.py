@@ -292,14 +292,20 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
 
 def names_of(panel: Panel, figure: Figure) -> list[str | None]:
     """Return the name of each shown curve: its legend entry, or a text beside it."""
+    own = {s.curve.colour for s in panel.shown}
+    neutral = [text for text in panel.axes.texts if text.colour not in own]
+    names = names_of_curves([s.curve for s in panel.shown], panel, figure)
+    return [name or _beside(s, neutral) for s, name in zip(panel.shown, names, strict=True)]
+
+
+def names_of_curves(curves: Iterable[Curve], panel: Panel, figure: Figure) -> list[str | None]:
+    """Return the legend entry, or the text in its colour, of each of these curves of a panel; None for a curve without one."""
     axes = panel.axes
     entries = [*axes.legend, *figure.legend]
     for other in figure.axes:
         if other is not axes and other.position == axes.position:
             entries += other.legend  # twin axes share one legend
-    own = {s.curve.colour for s in panel.shown}
-    neutral = [text for text in axes.texts if text.colour not in own]
-    return [name_of(s.curve, entries, axes.texts) or _beside(s, neutral) for s in panel.shown]
+    return [name_of(curve, entries, axes.texts) for curve in curves]
 
 
 def _beside(shown: Shown, texts: Sequence[Placed]) -> str | None:

@@ -66,14 +66,23 @@ def missing_panel(plot: Plot) -> str:
 
 def is_named(plot: Plot, sensor: int) -> bool:
     """Return whether a reader can tell which sensor it is; missing labels and titles are deducted by their own checks."""
-    panels = plot.of_sensor(sensor)
+    panels = _panels_for(plot, sensor)
     if not panels or any(sensor in labels.claims(p.words) for p in panels):
-        return True
+        return True  # a sensor without a panel is `missing_panel`
     title_only = all(not p.axes.ylabel.strip() for p in panels) or all(not p.axes.title.strip() for p in panels)
     inside = [text.text for p in panels for text in p.axes.texts]
     whole = [plot.figure.title, plot.figure.ylabel, *_names_on(plot, panels), *inside]
     written = any(p.words.replace("|", "").strip() for p in panels)
     return any(sensor in labels.claims(text) for text in whole) or (title_only and written)
+
+
+def _panels_for(plot: Plot, sensor: int) -> list[Panel]:
+    """Return the panels whose texts should speak of a sensor: its own, else those that show no channel and are not the other's.
+
+    A panel of other numbers, such as a norm, needs labels as much as one of the sensor's axes.
+    """
+    others = [panel for panel in plot.main_panels if not panel.shown and _claimed(panel.axes) != {1 - sensor}]
+    return plot.of_sensor(sensor) or [panel for panel in others if sensor in _claimed(panel.axes)] or others
 
 
 def _names_on(plot: Plot, panels: list[Panel]) -> list[str]:
@@ -88,13 +97,13 @@ def label_problems(plot: Plot) -> list[Problem]:
     """Return what is missing from the labels of the axes: one problem for each sensor, and one for the time."""
     found: list[Problem] = []
     for sensor in (0, 1):
-        panels = plot.of_sensor(sensor)
+        panels = _panels_for(plot, sensor)
         written = [p.axes.ylabel for p in panels] + [plot.figure.ylabel]
         beside = [*(p.axes.title for p in panels), *plot.figure.texts, *_names_on(plot, panels)]
         elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
         if panels and elsewhere.isdisjoint(written):  # the other sensor's label: another check charges that name
             found += _of_sensor(written, beside, sensor)
-    if all(map(plot.of_sensor, (0, 1))):  # the label may have stood on the panel that is missing
+    if all(_panels_for(plot, sensor) for sensor in (0, 1)):  # the label may have stood on the panel that is missing
         found += _of_time(plot)
     return found
 
@@ -141,11 +150,16 @@ def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
 
 
 def _crowded(plot: Plot) -> list[Panel]:
-    return [panel for panel in plot.main_panels if len(panel.shown) > 1]
+    """Return the panels whose curves need names: those of several channels, or of other numbers in place of a sensor's."""
+    in_place = [panel for sensor in (0, 1) if not plot.of_sensor(sensor) for panel in _panels_for(plot, sensor)]
+    return [panel for panel in plot.main_panels if len(panel.shown) > 1 or panel in in_place]
 
 
 def _is_nameless(plot: Plot, panel: Panel) -> bool:
-    """Return whether a channel of a panel has no name, or one name stands for two."""
+    """Return whether a curve of a panel has no name, or one name stands for two channels."""
+    if not panel.shown:  # one curve may be named by the label of its axis
+        others = curves.names_of_curves(panel.strange, panel, plot.figure)
+        return None in others and not (len(others) == 1 and panel.axes.ylabel.strip())
     named = zip(panel.shown, curves.names_of(panel, plot.figure), strict=True)
     names = {(name, shown.channel) for shown, name in named if name}
     told = {channel for _, channel in names}
