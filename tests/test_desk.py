@@ -14,6 +14,8 @@ import pytest
 from markupsafe import escape
 
 from grader.base.errors import RequestError
+from grader.course.class_settings import ClassSettings
+from grader.course.record import Store
 from grader.course.submission_archive import LARGEST, pack, unpack
 from grader.desk.overviews import queue
 from grader.desk.regrade_requests import read_in
@@ -23,9 +25,10 @@ from grader.engine.findings import NEEDS_REVIEW, Where
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person
+from grader.people.roster import NO_ROSTER
 from grader.report.similarity import Pair
 from tests.class_commands import in_process
-from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, words
+from tests.desk import FILTER, PNG, RUBRIC, Desk, Student, desk_over, make_class, words
 
 ADDRESS, TITLES = "sensor_access.follows_address", "visualization.titles"
 MISTAKE = {"got": "x", "misconceptions": ("sensor-id-as-address",)}
@@ -273,6 +276,62 @@ def test_every_reason_is_told_with_its_sentence_and_can_be_ticked(tmp_path: Path
         assert desk.post("/reviewed", {"look": "empty/0/void", "done": "yes"}).status == 400
 
 
+def main(page: str) -> str:
+    return words(page.partition("<main")[2])
+
+
+def test_reviewing_an_empty_hand_in_says_on_its_button_that_it_gives_0_and_before_and_after_too(tmp_path: Path) -> None:
+    nothing = Student("void", dict.fromkeys([c.id for c in RUBRIC.checks], 0.0), status="empty")
+    with desk_over(out := make_class(tmp_path / "out", [nothing])) as desk:
+        assert row(out, "void")["total"] == ""
+        before = main(desk.get("/?kind=empty").text)
+        assert "The grade is blank until you give 0 points here or override the total. Give 0 points : Empty" in before
+        assert "Mark as reviewed" not in before
+        assert "Give 0 points : Empty" in main(desk.get("/submission/void").text)
+        key = next(each for each in desk.book.on_thread(lambda: queue(desk.book)) if each.id == "void").key
+        desk.post("/reviewed", {"look": key, "done": "yes"})
+        desk.book.settled()
+        assert row(out, "void")["total"] == "0"
+        assert "counts as 0 points Reopen, leave blank" in main(desk.get("/").text)
+
+
+def test_a_total_says_before_what_it_leaves_out_and_lateness_is_not_asked_for_again(tmp_path: Path) -> None:
+    late = HandIn(late=Lateness("2026-11-20T23:00+00:00", 90_000, 2, 20.0))
+    students = (Student("ada", hand_in=late), Student("bob", hand_in=HandIn(late=Lateness("", None), marked_late=True)))
+    with desk_over(out := make_class(tmp_path / "out", students)) as desk:
+        assert "A total is final: nothing automatic is added to it or deducted from it (here: late −20)" in words(
+            desk.get("/submission/ada").text
+        )
+        give(desk, "ada", TOTAL, "74")
+        assert row(out, "ada")["final"] == "74"
+        assert "final 74 = total 74 (set by prof); a total is final" in words(desk.get("/submission/ada").text)
+        assert "nothing is deducted again" in main(desk.get("/").text)
+        give(desk, "bob", TOTAL, "80")
+        assert "Unknown lateness" not in main(desk.get("/").text)
+
+
+def test_an_override_above_a_maximum_that_moved_is_named_in_preview_queue_class_and_form(desk: Desk) -> None:
+    give(desk, "bob", "filtering", "19")
+    line = "Bob Bird: the override of filtering with 19 is above its maximum, which is now 10"
+    entered = {"points:filtering": "10", "points:visualization": "35"}
+    assert line in main(desk.get(f"/what-if?{urlencode(entered)}").text)
+    assert desk.post("/what-if", {**entered, "do": "mark"}).status == 303
+    assert "Above the maximum 1" in main(desk.get("/").text)
+    assert line in main(desk.get("/").text)
+    assert line in main(desk.get("/class").text)
+    assert "above the maximum of 10" in main(desk.get("/submission/bob").text)
+
+
+def test_a_late_policy_without_times_is_in_the_queue_and_on_the_class_page(tmp_path: Path) -> None:
+    with desk_over(make_class(tmp_path / "out", STUDENTS)) as desk:
+        due = {"late:due": "2026-11-20T23:00+00:00", "late:per_day": "10%"}
+        with Store.existing(desk.book.out) as store:
+            store.keep_settings(ClassSettings.of(RUBRIC, NO_ROSTER, "latest", LAB.truth(None, RUBRIC.settings)))
+        desk.post("/what-if", {**due, "do": "mark"})
+        for path in ("/", "/class", "/export"):
+            assert "the late policy deducts nothing from 3 of 3 hand-ins" in main(desk.get(path).text), path
+
+
 # ---- groups ----
 
 
@@ -383,7 +442,11 @@ def test_a_rubric_is_previewed_saved_and_marks_the_class_only_when_it_is_asked_t
     page = words(desk.get(f"/what-if?weight:{ADDRESS}=14").text)
     assert "2 of 3 final grades change; mean of graded 96.7 → 94.7" in page
     assert row(out, "bob")["total"] == "94"
-    assert desk.post("/what-if", {f"weight:{ADDRESS}": "14", "do": "save"}).status == 303
+    saved = desk.post("/what-if", {f"weight:{ADDRESS}": "14", "do": "save"})
+    assert saved.status == 303
+    kept = words(desk.get(saved.headers["location"]).text)  # with the values that were entered
+    assert "No grade has changed. 2 of 3 final grades change" in kept
+    assert "Save and regrade the class: 2 grades change" in kept
     (file,) = out.glob("rubric-*.yaml")
     assert {each.id: each.max_points for each in rubric.load(LAB, file).checks}[ADDRESS] == 10.0
     assert row(out, "bob")["total"] == "94"

@@ -183,6 +183,40 @@ def test_of_two_people_the_slower_one_is_told(desk: Desk, out: Path) -> None:
     assert column(out / "gradebook.csv", "total")["ada"] == "95"
 
 
+def test_a_text_that_was_not_previewed_is_refused_with_all_that_was_typed(desk: Desk, out: Path) -> None:
+    page = saved(desk, previewed(desk), text="# 0.9\n", comment="kept")
+    assert "Not saved: the text has changed since the preview." in words(page)
+    assert fields(page)["text"] == "# 0.9\n"
+    assert fields(page)["comment"] == "kept"
+    assert 'class="compared"' not in page  # the grades of another text
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+
+
+def test_a_second_repair_names_the_deduction_of_the_first_one_in_the_form_and_in_the_sum(desk: Desk) -> None:
+    saved(desk, previewed(desk, text="# 0.9\n"), deduct="1")
+    page = words(previewed(desk))
+    for told in (
+        "Sum of 100 99.4 100",
+        "Deduction of the repairs before −1 −1",
+        "Score of 100 98.4 99",
+        "points from 99, in which the repairs before deduct 1",
+    ):
+        assert told in page
+
+
+def test_a_repair_of_other_files_than_those_handed_in_is_said_not_to_count(
+    desk: Desk, out: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    saved(desk, previewed(desk))
+    (out.parent / "class" / "ada" / "filters.py").write_text("# 0.25\n")
+    run = commands(monkeypatch, capsys)
+    run("grade", out.parent / "class", "-o", out)
+    said = "no longer counts: the student handed in other files since"
+    for path in ("/", "/submission/ada"):
+        assert f"The repair of filters.py by prof (−5 points) {said}" in words(desk.get(path).text)
+    assert f"({said}" in run("repair", out, "--list")[1]
+
+
 def test_the_desk_answers_while_another_process_makes_a_preview_and_says_what_is_going_on(
     desk: Desk, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

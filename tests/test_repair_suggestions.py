@@ -50,6 +50,21 @@ def test_the_sound_program_is_among_the_candidates_of_as_many_as_before() -> Non
     assert {group: found[group] for group in FOUND} == FOUND
 
 
+@pytest.mark.parametrize(
+    ("written", "meant", "row"),
+    [
+        ("def f(x):\n    retrun x\n", "def f(x):\n    return x\n", 1),
+        ("dfe f(x):\n    return x\n", "def f(x):\n    return x\n", 0),
+        ("for k in x:\n    brek\n", "for k in x:\n    break\n", 1),
+        (">>> def f(x):\n...     return x\n...\n", "def f(x):\n    return x\n", 0),
+        ("import math\n>>> y = math.pi\n", "import math\ny = math.pi\n", 1),
+    ],
+)
+def test_a_misspelt_keyword_and_a_pasted_prompt_are_put_right(written: str, meant: str, row: int) -> None:
+    made = itertools.islice(candidates(written.encode(), row, "f"), MOST)
+    assert ast.dump(ast.parse(meant)) in [ast.dump(ast.parse(each.decode())) for each in made]
+
+
 @pytest.mark.parametrize("content", [b"\xff", b"x" * 100_001, b"(" * 5000, b""])
 def test_what_cannot_be_read_has_no_candidates(content: bytes) -> None:
     assert list(itertools.islice(candidates(content, 0, "f"), MOST)) == []

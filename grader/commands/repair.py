@@ -53,16 +53,16 @@ def repair(
       imugrade repair out alice --undo
       imugrade repair out --list
     """
-    from grader.course import class_grading, repair_log, repairs  # noqa: PLC0415
+    from grader.course import class_grading, repairs  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if list_ or id_ is None:
-        for line in repair_log.listing(out):
+        for line in repairs.listing(out):
             print(line)
         return 0
     if not (undo or suggest) and file is None:
         raise RequestError("repair: say which FILE; the report of the submission names it")
-    with class_grading.grading(LAB, out, seed, trusted=trust) as by:
+    with class_grading.settings_on_record(LAB, out, seed, trusted=trust).opened() as by:
         if undo:
             print(repairs.take_back(out, id_, file or "", author or login(), by))
             repairs.publish(out, id_, by)

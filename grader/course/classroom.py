@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -225,11 +225,7 @@ class _Run:
     def renew_repairs(self) -> None:
         """Let repaired copies count again for the submissions whose files are the same as when they were repaired."""
         request = self._request
-        with ExitStack() as stack:
-            marker = cache(lambda: stack.enter_context(opener(request)()))
-            grading = repairs.Grading(
-                request.rubric, request.traces, lambda submission, cpu_s=None: marker().mark(submission, cpu_s)
-            )
+        with repairs.GradingSettings(request.rubric, request.traces, opener(request)).opened() as grading:
             for id_, found in repairs.renew(self._store, list(self._outcome.results), grading):
                 if isinstance(found, str):
                     self.lost_repairs.append(found)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import difflib
 import itertools
+import keyword
 import math
 import re
 import time
@@ -27,6 +28,7 @@ _MEMORY = 1 << 30  # bytes of address space
 _LARGEST = 100_000  # bytes of a file that is parsed for each candidate
 _MOST_PARSED = 1500
 _TOKEN = re.compile(r"\"[^\"\n]*\"?|'[^'\n]*'?|\w+|\s+|[^\w\s]")
+_PROMPT = re.compile(r"^(\s*)(?:>>>|\.\.\.|In \[\d+\]:)(?: |$)")
 _NAME = re.compile(r"(?<![\w'\"])[^\W\d]\w*")
 _CLOSE = 0.7
 """Least `difflib` similarity of a misspelt name and its replacement. It may be low, because the code does not run anyway."""
@@ -34,6 +36,8 @@ _INSERTED = (":", ")", "]", "}", ",", "(", "[", "'", '"', " in ", "=")
 _TYPOGRAPHIC = str.maketrans("“”„‟″‘’‚‛′–—−，；：（）［］｛｝＝＋　\xa0", "\"\"\"\"\"'''''---,;:()[]{}=+  ")
 _NUMPY = ("np.", "numpy.")
 _WORDS = ("data", "model", "self", "range", "len", "print", "abs", "int", "float", "None", "True", "False")
+_STATEMENTS = ("return", "break", "continue", "pass")
+"""Keywords that stand alone in a line, where a misspelt one is a name for Python."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,7 @@ def _of_syntax(lines: _Lines, row: int) -> Iterator[list[str]]:
         line = lines[each]
         if line.translate(_TYPOGRAPHIC) != line:
             yield _with(lines, each, line.translate(_TYPOGRAPHIC))
-        yield from (_with(lines, each, new) for new in _other_languages(line))
+        yield from (_with(lines, each, new) for new in (*_other_languages(line), *_keywords(line)))
         yield from (_with(lines, each, new) for new in _depths(lines, each))
     for each in rows:
         yield from (_with(lines, each, new) for new in _one_token(lines[each]))
@@ -132,7 +136,7 @@ def _of_syntax(lines: _Lines, row: int) -> Iterator[list[str]]:
 
 
 def _whole(lines: _Lines) -> Iterator[list[str]]:
-    """Yield copies of the file without merge conflict markers, and copies with tabs replaced by spaces."""
+    """Yield copies of the file without merge conflict markers, without pasted prompts, and with spaces in place of tabs."""
     if any(line.startswith(("<<<<<<<", ">>>>>>>")) for line in lines):
         ours, keep = [], True
         for line in lines:
@@ -144,6 +148,8 @@ def _whole(lines: _Lines) -> Iterator[list[str]]:
                 ours.append(line)
         yield ours
         yield [line for line in lines if not line.startswith(("<<<<<<<", ">>>>>>>", "=======", "|||||||"))]
+    if any(line.lstrip().startswith((">>>", "In [")) for line in lines):  # `...` alone is also Python
+        yield [_PROMPT.sub(r"\1", line) for line in lines]
     if any("\t" in line for line in lines):
         yield from ([line.expandtabs(width) for line in lines] for width in (4, 8))
 
@@ -161,6 +167,15 @@ def _other_languages(line: str) -> Iterator[str]:
         )
         if new != line
     )
+
+
+def _keywords(line: str) -> Iterator[str]:
+    """Yield the line with a misspelt keyword put right: ``retrun``, ``esle``, ``dfe``."""
+    for found in _NAME.finditer(line):
+        near = difflib.get_close_matches(found[0], keyword.kwlist, 2, _CLOSE)
+        swapped = [each for each in keyword.kwlist if sorted(each) == sorted(found[0])]
+        meant = dict.fromkeys([*swapped, *near] if not keyword.iskeyword(found[0]) else [])
+        yield from (line[: found.start()] + each + line[found.end() :] for each in meant)
 
 
 def _depths(lines: _Lines, row: int) -> Iterator[str]:
@@ -199,7 +214,7 @@ def _of_a_line(lines: _Lines, row: int, name: str) -> Iterator[list[str]]:
 
 def _other_names(line: str, text: str, parameters: Sequence[str]) -> Iterator[str]:
     """Yield the line with one name replaced: by a similar name of the file, with ``self.`` or ``np.`` added, or by a parameter."""
-    known = {*_NAME.findall(text), *_WORDS}
+    known = {*_NAME.findall(text), *_WORDS, *_STATEMENTS}
     seldom = {name for name in known if len(re.findall(rf"\b{name}\b", text)) == 1}
     names = sorted(_NAME.finditer(line), key=lambda found: found[0] not in seldom)
     for found in names:

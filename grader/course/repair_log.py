@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from grader.base import stamps
 from grader.base.text import printable
@@ -14,7 +13,6 @@ from grader.course.database import Database, read
 from grader.course.patches import applied
 from grader.engine.results import Repair
 from grader.intake import Submission
-from grader.report import words
 
 MAX_COMMENT = 2000
 _FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, undone_by, undone_at"
@@ -72,18 +70,6 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
     fields = list(row)
     fields[4] = read(lambda blob: blob.decode("utf-8", "surrogateescape"), fields[4])
     return LoggedRepair(*fields)  # type: ignore[arg-type] # columns of the table
-
-
-def listing(out: Path) -> Iterator[str]:
-    """Yield a line on every repair ever made, oldest first, and its diff below."""
-    with RepairLog.existing(out) as log:
-        for each in log.repairs():
-            undone = f" (taken back by {printable(each.undone_by, 80)} at {each.undone_at})" if each.undone_at else ""
-            yield (
-                f"{printable(each.id, 80)} {printable(each.file, 80)} -{words.number(each.deduction)}  "
-                f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}{undone}"
-            )
-            yield from (f"    {printable(line, 200)}" for line in each.diff.splitlines()[2:])
 
 
 def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:

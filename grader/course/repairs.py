@@ -7,8 +7,9 @@ submission is that of its repaired copy. A regrade grades that copy again while 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 from grader import __version__
@@ -18,6 +19,7 @@ from grader.base.text import printable
 from grader.course.database import read
 from grader.course.decisions import OvertakenError
 from grader.course.patches import LARGEST, applied, diff_of
+from grader.course.pool import OpenMarker
 from grader.course.publishing import publish_all, write_class
 from grader.course.record import Key, Store
 from grader.course.repair_log import (
@@ -42,6 +44,9 @@ from grader.report import words
 from grader.report.causes import stops
 
 BY_ITSELF = "Applied automatically: with this edit of one place the code runs."
+WHY_LAPSED = (
+    "the student handed in other files since, or the repaired copy earns less; repair the present files, or undo it"
+)
 MOST = 20
 """Repairs of one submission that may be in force at once; each is a patch that a person wrote."""
 
@@ -72,6 +77,25 @@ class Grading:
 
     def key(self, id_: str, submission_sha256: str) -> Key:
         return Key(id_, submission_sha256, self.rubric.sha256, self.traces.sha256, __version__)
+
+
+@dataclass(frozen=True)
+class GradingSettings:
+    """Rubric and traces of a class, and a picklable function that opens a sandboxed marker with them."""
+
+    rubric: Rubric
+    traces: Traces
+    open_marker: OpenMarker
+
+    def by(self, mark: Mark) -> Grading:
+        return Grading(self.rubric, self.traces, mark)
+
+    @contextmanager
+    def opened(self) -> Iterator[Grading]:
+        """Grade in this process. The marker is opened when the first submission is graded."""
+        with ExitStack() as stack:
+            marker = cache(lambda: stack.enter_context(self.open_marker()))
+            yield self.by(lambda submission, cpu_s=None: marker().mark(submission, cpu_s))
 
 
 def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> str:
@@ -127,13 +151,20 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> Preview:
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggestion | None]:
-    """Search for a repair of one place; return the grades without and with it, and the suggestion. Nothing is recorded."""
+    """Search for a repair of one place of the files with the repairs in force; nothing is recorded.
+
+    Returns
+    -------
+    The grades without and with the repair, and the suggestion. Without one the grades are equal, and it is None.
+    """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
         handed_in = _handed_in(store, final_grade)
-        original = store.result(grading.key(final_grade.id, handed_in.sha256)) or final_grade.result
-    found = suggest(handed_in, original, grading.rubric.lab, grading.mark)
-    return Preview(original, found.result if found else original), found
+        present = replace(final_grade.result, repairs=())  # the points before any deduction
+        before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
+    now = replace(handed_in, files=patched(handed_in.files, before))
+    found = suggest(now, present, grading.rubric.lab, grading.mark)
+    return Preview(present, found.result if found else present), found
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
@@ -144,7 +175,7 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
         return
     yield (
         f"{printable(who, 80)}: {printable(found.file, 80)} as below earns {words.number(found.result.score)} points, "
-        f"{words.number(grades.before.score)} as it was handed in"
+        f"{words.number(grades.before.score)} as it is"
     )
     yield from (printable(line, 200) for line in found.diff.splitlines())
 
@@ -307,6 +338,28 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
         store.undo_repair(last.number, author)
         after = store.final_grades()[final_grade.id]
     return f"{printable(final_grade.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
+
+
+def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedRepair]:
+    """Return the repairs that nobody took back and that the present results do not contain, so that they do not count."""
+    counting = {
+        (id_, each.file, each.diff) for id_, final_grade in final_grades.items() for each in final_grade.result.repairs
+    }
+    return [each for each in store.repairs_in_force() if (each.id, each.file, each.diff) not in counting]
+
+
+def listing(out: Path) -> Iterator[str]:
+    """Yield a line on every repair ever made, oldest first, with its diff below; the line says if it does not count any more."""
+    with Store.existing(out) as store:
+        without_effect = lapsed(store, store.final_grades())
+        for each in store.repairs():
+            undone = f" (taken back by {printable(each.undone_by, 80)} at {each.undone_at})" if each.undone_at else ""
+            state = f" (no longer counts: {WHY_LAPSED})" if each in without_effect else undone
+            yield (
+                f"{printable(each.id, 80)} {printable(each.file, 80)} -{words.number(each.deduction)}  "
+                f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}{state}"
+            )
+            yield from (f"    {printable(line, 200)}" for line in each.diff.splitlines()[2:])
 
 
 # --- regrades ------------------------------------------------------------------------------------------------------------

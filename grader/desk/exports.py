@@ -10,6 +10,7 @@ from starlette.responses import Response
 
 from grader.base.errors import RequestError
 from grader.course import exporting
+from grader.course.contradictions import contradictions
 from grader.course.exporting import Export, Plan
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
@@ -101,6 +102,7 @@ def _page(
         roster=settings.roster_source if settings and settings.roster else "",
         chosen=web_request.text("format") or next((person.platform for person in people if person.platform), ""),
         typed=web_request.text,
+        contradictions=contradictions(book.final_grades(), settings),
         lines=list(plan.lines()) if plan else [],
         errors=errors or {},
     )

@@ -9,7 +9,8 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course import class_settings
+from grader.course import class_settings, repairs
+from grader.course.contradictions import contradictions
 from grader.desk import review_queue as queue_of
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import page
@@ -26,6 +27,8 @@ def queue(book: Classbook) -> list[Item]:
         book.store.notices(),
         book.store.regrade_requests(),
         book.store.reviews(),
+        contradictions(book.final_grades(), book.store.settings()),
+        repairs.lapsed(book.store, book.final_grades()),
     )
     return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
 
@@ -66,6 +69,7 @@ def class_page(book: Classbook, web_request: WebRequest) -> Response:
         find=printable(web_request.text("find"), 200),
         filters=overview.filters(entries, overview.mistakes(everybody), checks),
         numbers=overview.numbers(entries),
+        contradictions=contradictions(book.final_grades(), book.store.settings()),
     )
 
 

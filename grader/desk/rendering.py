@@ -41,7 +41,7 @@ def environment() -> Environment:
 
 
 def points(value: float | None) -> str:
-    return "–" if value is None else words.number(value)
+    return "–" if value is None else words.number(value).replace("-", "−")
 
 
 def safe_text(value: str, limit: int = 2000) -> str:

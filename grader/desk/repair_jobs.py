@@ -7,61 +7,78 @@ from __future__ import annotations
 
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from functools import partial
+from typing import ClassVar
 
 from grader.base.errors import GraderError, RequestError
-from grader.course.class_grading import GradingSettings
 from grader.course.pool import Bounds, Pool, Stopped, Unmarked
 from grader.course.repair_log import sha256_of
-from grader.course.repair_suggestions import MOST
-from grader.course.repairs import Grading, Preview
+from grader.course.repairs import Grading, GradingSettings, Preview
 from grader.engine.results import Result
 from grader.intake import Submission
 
-Kind = Literal["preview", "suggest", "save", "undo"]
 _KEPT_JOBS = 50
 _KEPT_RESULTS = 12  # a result with its charts is about a megabyte
 _BOUNDS = Bounds(wall_s=300.0)
 
 
-@dataclass
-class Job:
-    """One request to grade, and what came of it.
+@dataclass(frozen=True)
+class RepairForm:
+    """The editor's form as a person filled it in; `also` holds the other submissions to repair."""
+
+    text: str = ""
+    deduct: str = ""
+    comment: str = ""
+    also: tuple[str, ...] = ()
+
+
+@dataclass(kw_only=True)
+class Job(ABC):
+    """One request to grade, and its outcome. The type says what is done.
 
     Attributes
     ----------
-    kind, id, file
-        What is done, to which submission and file.
-    text
-        The edited file as the form has it; a suggestion replaces it.
-    step, tried
-        What is being done at present, in words, and how many candidates for a repair were graded.
+    records
+        Whether it changes the record, so that the editor is closed after it.
+    id, file
+        The submission and the file.
+    form
+        The form as it was sent; a suggestion replaces the text.
+    step
+        What is being done at present, in words.
+    grades
+        The grades now and with the edit; None while they are unknown.
     lines
         What was done, a line each.
     problem
         Why it failed; "" if it did not.
     """
 
-    kind: Kind
+    records: ClassVar[bool] = False
     id: str
     file: str
-    text: str = ""
-    deduct: str = ""
-    comment: str = ""
-    also: tuple[str, ...] = ()
+    form: RepairForm = RepairForm()
     number: int = 0
     step: str = ""
-    tried: int = 0
     grades: Preview | None = None
     lines: list[str] = field(default_factory=list)
     problem: str = ""
     began: float = field(default_factory=time.monotonic)
     ended: threading.Event = field(default_factory=threading.Event)
+
+    @abstractmethod
+    def run(self, grading: Grading) -> None:
+        """Do the work, on the thread of the jobs."""
+
+    def grading_step(self) -> str:
+        """Return what is being done while a copy is graded, in words."""
+        return "Grading the edited copy in the sandbox"
 
     @property
     def done(self) -> bool:
@@ -73,31 +90,31 @@ class Job:
 
 
 class RepairJobs:
-    """Grades one job after another. The marker is opened with the first one, and again when the class has other settings.
+    """Queue of jobs, and the marker that grades for them.
 
     Parameters
     ----------
     settings_on_record
-        Returns how the class is graded now.
+        Returns how the class on record was graded; called before each job, because another process can change it.
     """
 
     def __init__(self, settings_on_record: Callable[[], GradingSettings]) -> None:
         self._settings_on_record = settings_on_record
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="repairs")
         self._jobs: OrderedDict[int, Job] = OrderedDict()
-        self._results: OrderedDict[str, Result] = OrderedDict()
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="repairs")
+        self._stack = ExitStack()
         self._open: GradingSettings | None = None
         self._pool: Pool | None = None
-        self._stack = ExitStack()
+        self._results: OrderedDict[str, Result] = OrderedDict()
 
-    def start(self, job: Job, do: Callable[[Grading], None]) -> Job:
-        """Queue a job. `do` is called on the jobs' thread with the `Grading` of the class."""
+    def start(self, job: Job) -> Job:
+        """Queue a job."""
         job.number = max(self._jobs, default=0) + 1
         self._jobs[job.number] = job
         while len(self._jobs) > _KEPT_JOBS:
             self._jobs.popitem(last=False)
         job.step = "Waiting for another preview" if any(not each.done for each in [*self._jobs.values()][:-1]) else ""
-        self._thread.submit(self._run, job, do)
+        self._thread.submit(self._run, job)
         return job
 
     def get(self, number: int | None) -> Job | None:
@@ -108,10 +125,11 @@ class RepairJobs:
         self._thread.shutdown(wait=True, cancel_futures=True)
         self._stack.close()
 
-    def _run(self, job: Job, do: Callable[[Grading], None]) -> None:
+    def _run(self, job: Job) -> None:
         """Do a job, and keep its problem if it fails."""
         try:
-            do(self._grading(job))
+            settings = self._current_settings()
+            job.run(settings.by(partial(self._mark, settings, job)))
         except (RequestError, GraderError) as problem:
             job.problem = str(problem).removeprefix("repair: ")
         except Exception as problem:  # one failed job must not stop the desk
@@ -119,38 +137,29 @@ class RepairJobs:
         finally:
             job.ended.set()
 
-    def _grading(self, job: Job) -> Grading:
-        """Return how edited copies are graded; the marker is opened again if the settings of the class have changed."""
+    def _current_settings(self) -> GradingSettings:
+        """Return how edited copies are graded; the marker is closed if the settings of the class have changed."""
         now = self._settings_on_record()
         if self._open is None or _digests(now) != _digests(self._open):
             self._stack.close()
             self._results.clear()
             self._open, self._pool = now, None
-        opened = self._open
+        return self._open
 
-        def mark(submission: Submission, cpu_s: float | None = None) -> Result:
-            return self._mark(submission, opened, job, cpu_s)
-
-        return Grading(opened.rubric, opened.traces, mark)
-
-    def _mark(self, submission: Submission, opened: GradingSettings, job: Job, cpu_s: float | None) -> Result:
-        """Grade in the marker process; a copy that was graded just before is not graded again."""
-        if cpu_s is not None:
-            job.tried += 1
-            job.step = f"Grading edit {job.tried} of at most {MOST} in the sandbox"
-            return self._graded(submission, opened, cpu_s)
-        key = _key(submission)
+    def _mark(self, settings: GradingSettings, job: Job, submission: Submission, cpu_s: float | None = None) -> Result:
+        """Grade in the marker process; a copy that was graded just before, with the same time, is not graded again."""
+        job.step = job.grading_step()
+        key = _key(submission, cpu_s)
         if key not in self._results:
-            job.step = "Grading the edited copy in the sandbox"
-            self._results[key] = self._graded(submission, opened)
+            self._results[key] = self._graded(submission, settings, cpu_s)
             while len(self._results) > _KEPT_RESULTS:
                 self._results.popitem(last=False)
         return replace(self._results[key], submission=submission.name)
 
-    def _graded(self, submission: Submission, opened: GradingSettings, cpu_s: float | None = None) -> Result:
+    def _graded(self, submission: Submission, settings: GradingSettings, cpu_s: float | None) -> Result:
         """Grade an edited copy in the marker process."""
         if self._pool is None:
-            self._pool = self._stack.enter_context(Pool(opened.open_marker, 1, _BOUNDS))
+            self._pool = self._stack.enter_context(Pool(settings.open_marker, 1, _BOUNDS))
         for _, outcome in list(self._pool.run(iter([submission]), cpu_s)):
             if isinstance(outcome, Unmarked | Stopped):
                 raise RequestError(f"the edited copy could not be graded: {outcome.reason}")
@@ -162,5 +171,6 @@ def _digests(settings: GradingSettings) -> tuple[str, str]:
     return settings.rubric.sha256, settings.traces.sha256
 
 
-def _key(submission: Submission) -> str:
-    return sha256_of(repr(sorted((path, sha256_of(content)) for path, content in submission.files.items())).encode())
+def _key(submission: Submission, cpu_s: float | None) -> str:
+    files = sorted((path, sha256_of(content)) for path, content in submission.files.items())
+    return sha256_of(repr((files, cpu_s)).encode())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from pathlib import Path
 from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
@@ -15,10 +15,11 @@ from grader.course import repairs
 from grader.course.decisions import OvertakenError
 from grader.course.patches import diff_of
 from grader.course.repair_log import MAX_COMMENT, patched, sha256_of
+from grader.course.repair_suggestions import MOST
 from grader.course.repairs import Grading, Preview, RepairRequest
 from grader.desk.classbook import Classbook
 from grader.desk.editing import as_bytes, editable
-from grader.desk.repair_jobs import Job, Kind
+from grader.desk.repair_jobs import Job, RepairForm
 from grader.desk.web_requests import WebRequest
 from grader.engine.results import Result
 from grader.people.final_grade import FinalGrade
@@ -28,12 +29,12 @@ from grader.report.causes import Stop, stops
 
 @dataclass(frozen=True)
 class Compared:
-    """One line of the comparison: a criterion or the sum, now and with the edit."""
+    """One line of the comparison, now and with the edit: a criterion, a deduction or a sum. Only a deduction has no maximum."""
 
     title: str
     now: float
     then: float
-    of: float
+    of: float | None = None
 
     @property
     def change(self) -> float:
@@ -46,14 +47,18 @@ class Editor:
 
     Attributes
     ----------
-    text, note, why
-        See `editing.Editable`; the text is the edited one where there is one.
+    form
+        What the form holds: the text of the file or the edited one, deduction, comment, and who else is repaired.
+    note, why
+        See `editing.Editable`.
     stops
         Where code of this submission does not run.
     marked
         Lines to mark: where this file stops.
     base
         Digest of the file that is edited.
+    earlier
+        Points that the repairs in force deduct.
     job
         What was asked last; None if nothing was.
     rows, still, diff
@@ -67,26 +72,24 @@ class Editor:
     """
 
     file: str
-    text: str
+    form: RepairForm
     note: str
     why: str
     stops: Sequence[Stop]
     marked: frozenset[int]
     base: str
-    deduct: str
-    comment: str
+    earlier: float
     job: Job | None = None
     rows: Sequence[Compared] = ()
     still: Sequence[Stop] = ()
     diff: Sequence[tuple[str, str]] = ()
     alike: Sequence[FinalGrade] = ()
-    also: tuple[str, ...] = ()
     errors: Mapping[str, str] = field(default_factory=dict)
     running: bool = False
 
     @property
     def lines(self) -> int:
-        return self.text.count("\n") + 1
+        return self.form.text.count("\n") + 1
 
 
 def editor(
@@ -99,54 +102,40 @@ def editor(
     ended = job is not None and job.done
     file = job.file if job else web_request.text("file") if web_request.form else web_request.text("edit")
     files = repaired_files(book, final_grade)
-    if file not in files or (job and ended and not job.problem and job.kind in ("save", "undo")):
+    if file not in files or (job and ended and not job.problem and job.records):
         return None
     content = files[file]
     original = editable(file, content)
-    if errors is not None:
-        text, deduct, comment, also = (
-            _typed(web_request),
-            web_request.text("deduct"),
-            web_request.text("comment"),
-            tuple(web_request.all("also")),
-        )
-    elif job:
-        text, deduct, comment, also = job.text, job.deduct, job.comment, job.also
-    else:
-        text, deduct, comment, also = original.text, "", "", ()
+    form = _form(web_request) if errors is not None else job.form if job else RepairForm(original.text)
     found = stops(final_grade.result, book.lab)
-    grades = job.grades if job and ended and not job.problem else None
+    here = [each.line for each in found if each.file == file and each.line]
     shown = Editor(
         file,
-        text,
+        replace(form, deduct=form.deduct or f"{book.repair_deduction:g}"),
         original.note,
         original.why,
         found,
-        frozenset(each.line for each in found if each.file == file and each.line)
-        if text == original.text
-        else frozenset(),
+        frozenset(here if form.text == original.text else ()),
         sha256_of(content),
-        deduct or f"{book.repair_deduction:g}",
-        comment,
+        sum(each.deduction for each in final_grade.result.repairs),
         job,
-        also=also,
         errors=errors or {},
         running=job is not None and not ended,
     )
+    grades = job.grades if job and ended and not job.problem and job.form.text == form.text else None
     if grades is None:
         return shown
-    edited = as_bytes(content, text)
     return replace(
         shown,
         rows=compared(grades),
         still=stops(grades.after, book.lab),
-        diff=diff_lines(diff_of(file, content, edited)),
+        diff=diff_lines(diff_of(file, content, as_bytes(content, form.text))),
         alike=same_error_in(book, final_grade, file),
     )
 
 
 def compared(grades: Preview) -> list[Compared]:
-    """Return each criterion now and with the edit, and the sum before any deduction for this edit."""
+    """Return each criterion now and with the edit, their sum, and the score after earlier repairs and before this deduction."""
     after = {part.id: part for part in grades.after.criteria}
     rows = [
         Compared(part.title, part.points, after[part.id].points, part.max_points)
@@ -154,7 +143,13 @@ def compared(grades: Preview) -> list[Compared]:
         if part.id in after
     ]
     now, then = (round(sum(points), 2) for points in zip(*((row.now, row.then) for row in rows), strict=True))
-    return [*rows, Compared("Sum", now, then, grades.before.max_score)]
+    rows.append(Compared("Sum", now, then, grades.before.max_score))
+    if earlier := grades.before.repairs:
+        deducted = round(sum(each.deduction for each in earlier), 2)
+        score = max(round(then - deducted, 2), earlier[0].score_before)
+        rows.append(Compared("Deduction of the repairs before", -deducted, -deducted))
+        rows.append(Compared("Score", grades.before.score, score, grades.before.max_score))
+    return rows
 
 
 def repaired_files(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]:
@@ -188,95 +183,118 @@ def _errors(result: Result, book: Classbook, file: str) -> list[tuple[int | None
 
 def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) -> Job | Mapping[str, str]:
     """Start the job of a form: preview, suggest, save or undo. Return the job, or the errors by field."""
-    do = web_request.text("do")
+    do, file, id_ = web_request.text("do"), web_request.text("file"), final_grade.id
     if do == "undo":
-        job = Job("undo", final_grade.id, web_request.text("file"))
-        return book.jobs.start(job, partial(_undo, book, job, web_request.author))
-    content = repaired_files(book, final_grade).get(web_request.text("file"))
+        return book.jobs.start(UndoJob(id=id_, file=file, book=book, author=web_request.author))
+    content = repaired_files(book, final_grade).get(file)
     if content is None:
         raise RequestError("This file does not exist")
     if web_request.text("base") != sha256_of(content):
-        raise OvertakenError(f"Somebody has repaired {web_request.text('file')} since you opened it")
-    seen = book.jobs.get(web_request.number("seen"))
-    kind: Kind = "suggest" if do == "suggest" else "save" if do == "save" else "preview"
-    if kind == "save" and (seen is None or seen.text != _typed(web_request)):
-        kind = "preview"  # a repair is saved only after a preview of its grade
-    wrong = _wrong(book, web_request) if kind == "save" else {}
-    if wrong:
-        return wrong
-    job = Job(
-        kind,
-        final_grade.id,
-        web_request.text("file"),
-        _typed(web_request),
-        web_request.text("deduct"),
-        web_request.text("comment"),
-        tuple(web_request.all("also")),
-    )
-    edited = as_bytes(content, job.text)
-    if kind != "suggest" and edited == content:
+        raise OvertakenError(f"Somebody has repaired {file} since you opened it")
+    form = _form(web_request)
+    request = RepairRequest(id_, file, as_bytes(content, form.text), seen_sha256=sha256_of(content))
+    if do == "suggest":
+        return book.jobs.start(SuggestJob(id=id_, file=file, form=form, out=book.out))
+    if request.fixed == content:
         return {"text": "Nothing in the file has changed."}
-    request = RepairRequest(final_grade.id, job.file, edited, seen_sha256=sha256_of(content))
-    if kind == "save":
-        known = {each.id for each in same_error_in(book, final_grade, job.file)}
-        ids = [final_grade.id, *(each for each in job.also if each in known)]
-        return book.jobs.start(job, partial(_save, book, job, request, ids, web_request.author))
-    return book.jobs.start(job, partial(_suggest if kind == "suggest" else _preview, book, job, request))
+    if do != "save":
+        return book.jobs.start(PreviewJob(id=id_, file=file, form=form, out=book.out, request=request))
+    if wrong := _wrong(book, form, book.jobs.get(web_request.number("seen"))):
+        return wrong
+    known = {each.id for each in same_error_in(book, final_grade, file)}
+    ids = [id_, *(each for each in form.also if each in known)]
+    author = web_request.author
+    return book.jobs.start(SaveJob(id=id_, file=file, form=form, book=book, request=request, ids=ids, author=author))
 
 
-def _typed(web_request: WebRequest) -> str:
-    return (web_request.form.get("text") or [""])[0].replace("\r\n", "\n").replace("\r", "\n")
+def _form(web_request: WebRequest) -> RepairForm:
+    text = (web_request.form.get("text") or [""])[0].replace("\r\n", "\n").replace("\r", "\n")
+    return RepairForm(text, web_request.text("deduct"), web_request.text("comment"), tuple(web_request.all("also")))
 
 
-def _wrong(book: Classbook, web_request: WebRequest) -> dict[str, str]:
-    """Return the errors of the form by field: deduction and comment."""
+def _wrong(book: Classbook, form: RepairForm, seen: Job | None) -> dict[str, str]:
+    """Return the errors of a form by field: a text whose grade nobody has seen, deduction and comment."""
     found = {}
+    if seen is None or seen.grades is None or seen.form.text != form.text:
+        found["text"] = "Not saved: the text has changed since the preview. Preview its grade, then save."
     most = max((each.result.max_score for each in book.final_grades().values()), default=0.0)
-    points = decimal(web_request.text("deduct"))
+    points = decimal(form.deduct)
     if points is None or not 0 <= points <= most or round(points, 2) != points:
         found["deduct"] = f"Enter points from 0 to {most:g}, with at most two decimals."
-    if not web_request.text("comment"):
+    if not form.comment:
         found["comment"] = "Say what you changed. The student reads this."
-    elif len(web_request.text("comment")) > MAX_COMMENT:
+    elif len(form.comment) > MAX_COMMENT:
         found["comment"] = f"At most {MAX_COMMENT} characters."
     return found
 
 
-def _preview(book: Classbook, job: Job, request: RepairRequest, grading: Grading) -> None:
-    job.grades = repairs.preview(book.out, request, grading)
+@dataclass(kw_only=True)
+class PreviewJob(Job):
+    """Grade the edited copy. Nothing is recorded."""
+
+    out: Path
+    request: RepairRequest
+
+    def run(self, grading: Grading) -> None:
+        self.grades = repairs.preview(self.out, self.request, grading)
 
 
-def _suggest(book: Classbook, job: Job, request: RepairRequest, grading: Grading) -> None:
-    """Search for a suggestion and put it, with its grade, into the job."""
-    job.step = "Trying edits of the line that fails"
-    _, found = repairs.suggestion(book.out, job.id, grading)
-    if found is None:
-        raise RequestError(
-            "No repair to suggest: no edit of one place makes the code run, or several do with different grades."
-        )
-    job.file = found.file
-    job.text = editable(found.file, found.content).text
-    job.grades = repairs.preview(book.out, RepairRequest(job.id, found.file, found.content), grading)
+@dataclass(kw_only=True)
+class SuggestJob(Job):
+    """Search for a repair, and put its text and its grade into the form. Nothing is recorded."""
+
+    out: Path
+    tried: int = 0
+
+    def grading_step(self) -> str:
+        self.tried += 1
+        return f"Grading edit {self.tried} of at most {MOST} in the sandbox"
+
+    def run(self, grading: Grading) -> None:
+        self.step = "Trying edits of the line that fails"
+        grades, found = repairs.suggestion(self.out, self.id, grading)
+        if found is None:
+            raise RequestError(
+                "No repair to suggest: no edit of one place makes the code run, or several do with different grades."
+            )
+        text = editable(found.file, found.content).text
+        self.file, self.form, self.grades = found.file, replace(self.form, text=text), grades
 
 
-def _save(book: Classbook, job: Job, request: RepairRequest, ids: Sequence[str], author: str, grading: Grading) -> None:
+@dataclass(kw_only=True)
+class SaveJob(Job):
     """Record the repair for each submission. A failure for the first one raises; later failures are reported and skipped."""
-    points = decimal(job.deduct) or 0.0
-    for place, id_ in enumerate(ids):
-        job.step = f"Grading submission {place + 1} of {len(ids)}"
-        one = RepairRequest(id_, request.file, request.fixed, None, points, job.comment, request.seen_sha256)
-        try:
-            job.lines.append(repairs.record(book.out, one, author, grading))
-        except RequestError as problem:
-            if place == 0:
-                raise
-            job.lines.append(str(problem))
-        book.changed([id_])
+
+    records = True
+    book: Classbook
+    request: RepairRequest
+    ids: Sequence[str]
+    author: str
+
+    def run(self, grading: Grading) -> None:
+        points = decimal(self.form.deduct) or 0.0
+        for place, id_ in enumerate(self.ids):
+            one = replace(self.request, id=id_, deduction=points, comment=self.form.comment)
+            try:
+                self.lines.append(repairs.record(self.book.out, one, self.author, grading))
+            except RequestError as problem:
+                if place == 0:
+                    raise
+                self.lines.append(str(problem))
+            self.book.changed([id_])
 
 
-def _undo(book: Classbook, job: Job, author: str, grading: Grading) -> None:
-    job.lines.append(repairs.take_back(book.out, job.id, job.file, author, grading))
-    book.changed([job.id])
+@dataclass(kw_only=True)
+class UndoJob(Job):
+    """Take back the last repair of a submission or file."""
+
+    records = True
+    book: Classbook
+    author: str
+
+    def run(self, grading: Grading) -> None:
+        self.lines.append(repairs.take_back(self.book.out, self.id, self.file, self.author, grading))
+        self.book.changed([self.id])
 
 
 def answer(final_grade: FinalGrade, job: Job) -> Response:

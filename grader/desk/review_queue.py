@@ -1,4 +1,4 @@
-"""Review queue: why a person should review a submission. No grade depends on it."""
+"""Review queue: why a person should review a submission. A grade depends on it only where the item says so."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from urllib.parse import quote
 
 from grader.base.text import printable, some
-from grader.course import missing_packages
+from grader.course import missing_packages, repairs
+from grader.course.contradictions import Contradiction
 from grader.course.decisions import RegradeRequest, Review, about, why_empty
 from grader.course.groups import Group, similar_group
+from grader.course.repair_log import LoggedRepair
 from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import NEEDS_REVIEW
@@ -20,9 +22,11 @@ from grader.report import words
 from grader.report.causes import stops
 
 KINDS = {
+    "above": "Above the maximum",
     "does-not-run": "Does not run",
     "missing-package": "Package not installed",
     "repaired": "Repaired automatically",
+    "repair-lapsed": "Repair no longer counts",
     "request": "Regrade request",
     "not-judged": "Grader failed",
     "unreadable": "Unreadable",
@@ -74,12 +78,16 @@ class Reason:
 
 @dataclass(frozen=True)
 class Item:
-    """One item of the queue: a reason for one submission, for several (`others`) or for the class (no id)."""
+    """One item of the queue: a reason for one submission, for several (`others`) or for the class (no id).
+
+    `gives_zero` says that the grade is blank while the item is open, and 0 once a person has reviewed it.
+    """
 
     id: str
     reason: Reason
     review: Review | None
     others: tuple[str, ...] = ()
+    gives_zero: bool = False
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -102,6 +110,8 @@ def items(
     notices: Mapping[str, Sequence[str]],
     requests: Iterable[RegradeRequest],
     reviews: Mapping[tuple[str, str, str], Review],
+    contradictions: Iterable[Contradiction],
+    lapsed: Iterable[LoggedRepair],
     lab: Lab,
 ) -> list[Item]:
     """Return the queue: in the order of `KINDS`, then in the order of the class."""
@@ -109,13 +119,26 @@ def items(
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]
     found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each, lab)]
     found += _of_several(final_grades, groups)
+    found += [((each.id,), Reason("above", each.text)) for each in contradictions if each.kind == "above maximum"]
+    if not any(each.hand_in.marked_late for each in final_grades.values()):  # else each of them has a reason of its own
+        found += [(("",), Reason("lateness", each.text)) for each in contradictions if each.kind == "unknown lateness"]
+    found += [((each.id,), _lapsed(each)) for each in lapsed if each.id in final_grades]
     unknown = Reason("unknown-person", "Not in the roster, or the roster has several people who match.")
     found += [((id_,), unknown) for id_ in notices.get("unknown", ()) if id_ in final_grades]
     found += [((each.id,), _request(each)) for each in requests if not each.answered and each.id in final_grades]
     rank = {kind: place for place, kind in enumerate(KINDS)}
     order = {id_: place for place, id_ in enumerate(final_grades)}
     found.sort(key=lambda item: (rank[item[1].kind], order.get(item[0][0], -1)))
-    return [Item(ids[0], each, reviews.get((ids[0], each.kind, each.about)), tuple(ids[1:])) for ids, each in found]
+    return [
+        Item(
+            ids[0],
+            each,
+            reviews.get((ids[0], each.kind, each.about)),
+            tuple(ids[1:]),
+            each.kind in ("empty", "unreadable") and all(a.alone for a in final_grades[ids[0]].adjustments),
+        )
+        for ids, each in found
+    ]
 
 
 def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
@@ -143,13 +166,14 @@ def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
         yield Reason(
             "tampering", "The code changes its environment. Check what it does. This deducts nothing by itself."
         )
-    if final_grade.late is not None and final_grade.late.seconds is None:
+    if final_grade.late is not None and final_grade.late.seconds is None and not final_grade.total_is_set:
         yield Reason(
             "lateness",
-            "Marked late without a time, so nothing is deducted. Add a column `submitted` to the roster and grade again, or "
-            "override the total.",
+            "Marked late without a time, so nothing is deducted. Add a column `submitted` to the roster and grade again: the late "
+            "policy then deducts. Or override the total with the lateness in it: a total is final, and nothing is deducted again.",
         )
-    for each in final_grade.outdated():
+    above = final_grade.above_maximum()
+    for each in (each for each in final_grade.outdated() if each not in above):
         points = words.number(each.points or 0.0)
         yield Reason(
             "outdated",
@@ -192,6 +216,12 @@ def _of_several(
         if not any(set(ids) >= set(group.ids) for ids in same):  # identical files are listed as such only
             share = f"{100 * group.share[1]:.0f} % of the smaller submission"
             yield group.ids, Reason("alike", f"Similar code beyond the lab sheet: up to {share}.", group.ids)
+
+
+def _lapsed(repair: LoggedRepair) -> Reason:
+    file, author = printable(repair.file, 200), printable(repair.author, 80)
+    what = f"The repair of {file} by {author} ({words.minus(repair.deduction)} points) no longer counts"
+    return Reason("repair-lapsed", f"{what}: {repairs.WHY_LAPSED}.", file=repair.file)
 
 
 def _request(request: RegradeRequest) -> Reason:

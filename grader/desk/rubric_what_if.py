@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, urlencode
 
 import yaml
 from starlette.responses import RedirectResponse, Response
@@ -20,6 +20,7 @@ from grader.base.files import write_whole
 from grader.base.stamps import now
 from grader.base.text import decimal
 from grader.course import regrade
+from grader.course.contradictions import contradictions
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import WebRequest
@@ -48,12 +49,13 @@ class GradeChange:
 
 @dataclass(frozen=True)
 class Preview:
-    """The changes, largest first, and both distributions."""
+    """The changes, largest first, both distributions, and a sentence on each grade that would be above its maximum."""
 
     changes: tuple[GradeChange, ...]
     more: int
     of: int
     means: tuple[str, str]
+    above: tuple[str, ...]
     bars: tuple[list[overview.Bar], list[overview.Bar]]
 
 
@@ -62,7 +64,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Write the changed rubric into OUT; with `do=mark`, regrade the class by it."""
+    """Write the changed rubric into OUT; with `do=mark`, regrade the class by it. Else the entered values stay on the page."""
     try:
         changed, text = _changed(book, web_request)
     except RequestError:
@@ -72,8 +74,9 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
     message = f"Saved as {target}"
     if web_request.text("do") == "mark":
         book.mark_by(replace(changed, source=str(target)))
-        message += ", and the class is regraded by it"
-    return RedirectResponse(f"/what-if?message={quote(message)}", 303)
+        return RedirectResponse(f"/what-if?message={quote(f'{message}, and the class is regraded by it')}", 303)
+    entered = [(name, values[0]) for name, values in web_request.form.items() if name not in ("do", "message")]
+    return RedirectResponse(f"/what-if?{urlencode([*entered, ('message', f'{message}. No grade has changed.')])}", 303)
 
 
 def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 200) -> Response:
@@ -236,5 +239,6 @@ def _preview(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) 
         max(0, len(changes) - _SHOWN),
         len(after),
         (means[0], means[1]),
+        tuple(each.text for each in contradictions(after, None) if each.kind == "above maximum"),
         (overview.bars(scores[0], top), overview.bars(scores[1], top)),
     )

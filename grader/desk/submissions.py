@@ -28,7 +28,7 @@ from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, automatic_points, maximum_points, summed
 from grader.report import charts, words
-from grader.report.adjusted import repaired_file
+from grader.report.adjusted import explained, is_composed, repaired_file
 from grader.report.pages import Figure
 
 _MOST_COMMENTS = 30
@@ -54,7 +54,10 @@ class _PageExtras:
 
 @dataclass(frozen=True)
 class Overrides:
-    """Override, comment and regrade requests of one target: a check, a criterion, the total or the bonus."""
+    """Override, comment and regrade requests of one target: a check, a criterion, the total or the bonus.
+
+    `effect` says before it is saved how an override changes the final grade.
+    """
 
     target: str
     most: float
@@ -64,6 +67,7 @@ class Overrides:
     covered: str = ""
     requests: tuple[RegradeRequest, ...] = ()
     typed: Typed | None = None
+    effect: str = ""
 
     @property
     def asked(self) -> bool:
@@ -161,6 +165,7 @@ def _page(
         repairs=[repaired_file(each) for each in result.repairs],
         editable=[path for path in kept.files if not editable(path, kept.files[path]).why],
         final_grade=final_grade,
+        explained=explained(final_grade) if is_composed(final_grade) else "",
         status=words.STATUS[result.status],
         late=words.late(final_grade),
         notes=words.notes(result),
@@ -292,7 +297,20 @@ def _overrides(final_grade: FinalGrade, target: str, extras: _PageExtras) -> Ove
         adjusting.covering(final_grade, target),
         tuple(each for each in extras.requests if (each.about or TOTAL) == target),
         extras.typed if extras.typed and extras.typed.target == target else None,
+        _effect(final_grade, target),
     )
+
+
+def _effect(final_grade: FinalGrade, target: str) -> str:
+    """Return how an override of `target` changes the final grade, with the numbers that a total leaves out."""
+    if target == BONUS:
+        return "A bonus is added to the final grade, also to a total."
+    if target != TOTAL:
+        return "Points replace the automatic points and change the final grade."
+    rest = replace(final_grade, adjustments=tuple(each for each in final_grade.adjustments if each.criterion != TOTAL))
+    left_out = [f"{each.name} {words.number(each.points)}" for each in rest.terms[1:] if each.name != BONUS]
+    said = f" (here: {', '.join(left_out).replace('-', '−')})" if left_out else ""
+    return f"A total is final: nothing automatic is added to it or deducted from it{said}."
 
 
 def _keys(parts: Sequence[Part], requests: Sequence[RegradeRequest]) -> dict[str, str]:
