@@ -9,7 +9,7 @@ from pathlib import Path
 from starlette.responses import Response
 
 from grader.base.errors import RequestError
-from grader.course import exporting
+from grader.course import class_settings, exporting
 from grader.course.contradictions import contradictions
 from grader.course.exporting import Export, Plan
 from grader.desk.classbook import Classbook
@@ -35,7 +35,7 @@ def send(book: Classbook, web_request: WebRequest) -> Response:
                 return _download((Path(folder) / "reports.zip").read_bytes(), "reports.zip", "application/zip")
     except RequestError as problem:
         return _page(book, web_request, _errors_by_field(problem), code=400)
-    if plan.stops and not web_request.text("allow_blank"):
+    if plan.stops and not web_request.text("anyway"):
         return _page(book, web_request, plan=plan, code=400)
     return _download(plan.draft.data, plan.order.platform.gradebook, "text/csv; charset=utf-8")
 
@@ -53,7 +53,7 @@ def _order(book: Classbook, web_request: WebRequest, folder: Path, *, feedback: 
     template = folder / _TEMPLATE if platform.fill is not None and text else None
     if template is not None:
         template.write_bytes(text.encode("utf-8", "surrogateescape"))
-    how = "0" if web_request.text("unreadable") else "blank"
+    unreadable, missing = ("0" if web_request.text(name) else "blank" for name in ("unreadable", "missing"))
     return Export(
         book.out,
         platform,
@@ -62,7 +62,8 @@ def _order(book: Classbook, web_request: WebRequest, folder: Path, *, feedback: 
         web_request.text("column") or None,
         None,
         bool(web_request.text("scale")),
-        how,
+        unreadable,
+        missing,
     )
 
 
@@ -92,7 +93,8 @@ def _page(
 ) -> Response:
     """Return the export page, with the errors of the form or the plan of the export."""
     settings = book.store.settings()
-    people = (person for each in book.final_grades().values() for person in each.people)
+    everybody = book.final_grades().values()
+    people = (person for each in everybody for person in each.people)
     return framed(
         book,
         web_request,
@@ -102,6 +104,8 @@ def _page(
         roster=settings.roster_source if settings and settings.roster else "",
         chosen=web_request.text("format") or next((person.platform for person in people if person.platform), ""),
         typed=web_request.text,
+        empty=sum(each.unseen for each in everybody),
+        absent=len(class_settings.absent(settings, {each.id: each.hand_in for each in everybody})),
         contradictions=contradictions(book.final_grades(), settings),
         lines=list(plan.lines()) if plan else [],
         errors=errors or {},
