@@ -55,8 +55,12 @@ def test_what_kills_its_marker_is_marked_again_and_handed_back_the_second_time_a
     assert sorted(FakeMarker(tmp_path).marked()) == ["a", "b", "c", "kill", "kill", "once", "once"]
 
 
-def test_a_fault_of_the_grader_is_handed_back_with_its_words(tmp_path: Path) -> None:
-    assert grade(tmp_path, "bug") == {"bug": Unmarked("GraderError: the zygote is gone")}
+def test_a_fault_of_the_grader_is_handed_back_with_its_words_and_no_other_is_marked_twice(tmp_path: Path) -> None:
+    names = [f"s{i}" for i in range(6)]
+    outcomes = grade(tmp_path, "bug", *names)
+    assert outcomes.pop("bug") == Unmarked("GraderError: the zygote is gone")
+    assert sorted(outcomes) == names
+    assert sorted(FakeMarker(tmp_path).marked()) == ["bug", "bug", *names]
 
 
 @pytest.mark.parametrize(

@@ -9,19 +9,15 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
-import sys
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass, field
+from multiprocessing import connection
 from types import TracebackType
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from grader.base.errors import RequestError
 from grader.engine.processes import starting_processes
 from grader.engine.results import Result
 
@@ -91,10 +87,6 @@ class Backlog:
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
-    def put_back(self, task: Task) -> None:
-        """Put a task that was not begun back into the queue."""
-        self._again.append(task)
-
     def failed(self, task: Task, reason: str) -> Unmarked | Stopped | None:
         """Queue a failed task again and return None, or return its outcome after the last attempt."""
         task.reasons.append(reason)
@@ -132,6 +124,8 @@ def mark_all(
 class Pool:
     """Pool of worker processes, each with one marker, kept from one run to the next; a context manager.
 
+    A process is given a submission when it has none, so the one that ended a process is known, and no other is marked again.
+
     Parameters
     ----------
     open_marker, jobs, bounds
@@ -141,16 +135,9 @@ class Pool:
     """
 
     def __init__(self, open_marker: OpenMarker, jobs: int, bounds: Bounds, attempts: int = ATTEMPTS) -> None:
-        self._bounds, self._attempts = bounds, attempts
-        self._other_children = set(multiprocessing.active_children())
-        self._processes: list[_MarkerProcess] = []
-        self._backlog = Backlog(iter(()))
-        self._open_marker = open_marker
-        self._cpu_s: float | None = None
-        self._idle: deque[_MarkerProcess | None] = deque(
-            [None] * max(1, jobs)
-        )  # None: a process that is not started yet
-        self._given: dict[Future[Result], tuple[_MarkerProcess, Task]] = {}  # the first of each process is being marked
+        self._open_marker, self._jobs, self._bounds, self._attempts = open_marker, max(1, jobs), bounds, attempts
+        self._idle: list[_MarkerProcess] = []
+        self._busy: list[_MarkerProcess] = []
 
     def __enter__(self) -> Pool:
         return self
@@ -158,88 +145,59 @@ class Pool:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._close() if kind is None else self._kill_all()
+        processes = [*self._idle, *self._busy]
+        for process in processes:
+            if kind is not None or process in self._busy:
+                process.kill()  # its task may take minutes
+            process.line.close()
+        for process in processes:
+            process.close()
 
     def run(
         self, submissions: Iterator[Submission], cpu_s: float | None = None
     ) -> Iterator[tuple[Submission, Outcome]]:
         """Mark submissions as `mark_all` does; `cpu_s` may lower the rubric's limit on the CPU time of each submission."""
-        self._cpu_s = cpu_s
-        self._backlog = Backlog(submissions, self._attempts)
-        while self._hand_out():
-            done, waiting = wait(self._given, timeout=_POLL_S, return_when=FIRST_COMPLETED)
-            for process in {self._given[future][0] for future in waiting}:
-                process.stop_beyond(self._bounds)
-            for future in [
-                each for each in self._given if each in done
-            ]:  # the futures of each process in the order of submission
-                if future not in self._given:  # it waited for a process that has failed
-                    continue
-                submission, outcome = self._finished(future)
+        backlog = Backlog(submissions, self._attempts)
+        while self._hand_out(backlog, cpu_s):
+            ready = connection.wait([process.line for process in self._busy], _POLL_S)
+            for process in [each for each in self._busy if each.line in ready]:
+                task = process.task
+                outcome = self._received(process, backlog)
+                self._hand_out(backlog, cpu_s)  # so that it works while the caller records this one
                 if outcome is not None:
-                    yield submission, outcome
+                    yield task.submission, outcome
+            for process in self._busy:
+                process.stop_beyond(self._bounds)
 
-    def _close(self) -> None:
-        for process in self._idle:
-            if process is not None:
-                process.close()
+    def _hand_out(self, backlog: Backlog, cpu_s: float | None) -> bool:
+        """Give each idle process a task, and start one while there are fewer than `jobs`; return whether any has a task."""
+        while len(self._busy) < self._jobs and (task := backlog.next()) is not None:
+            process = self._idle.pop() if self._idle else _MarkerProcess(self._open_marker)
+            process.mark(task, cpu_s)
+            self._busy.append(process)
+        return bool(self._busy)
 
-    def _kill_all(self) -> None:
-        """Kill every worker process, because their tasks may take minutes."""
-        for worker in set(multiprocessing.active_children()) - self._other_children:
-            worker.kill()
-        for process in self._processes:
-            process.dismiss(wait=True)
+    def _received(self, process: _MarkerProcess, backlog: Backlog) -> Outcome | None:
+        """Return the outcome that a process has sent; None if it has only opened its marker, or if its task will be retried.
 
-    def _hand_out(self) -> bool:
-        """Give every process a task to mark and one to wait; return False when no task is left to wait for.
-
-        Between two results the parent records one and writes its pages. A waiting task keeps the worker busy meanwhile.
+        Raises
+        ------
+        GraderError, RequestError
+            If the marker could not be opened, because no submission caused that.
         """
-        while self._idle and (task := self._backlog.next()) is not None:
-            self._give(self._idle.popleft() or self._start_process(), task)
-        for process in {process for process, _ in self._given.values()}:
-            if len(self._futures_of(process)) == 1 and (task := self._backlog.next()) is not None:
-                self._give(process, task)
-        return bool(self._given)
-
-    def _give(self, process: _MarkerProcess, task: Task) -> None:
-        self._given[process.mark(task.submission, self._cpu_s)] = (process, task)
-
-    def _start_process(self) -> _MarkerProcess:
-        self._processes = [process for process in self._processes if not process.dismissed] + [
-            _MarkerProcess(self._open_marker)
-        ]
-        return self._processes[-1]
-
-    def _finished(self, future: Future[Result]) -> tuple[Submission, Outcome | None]:
-        """Return a finished submission and its outcome; None in place of the outcome if it will be retried."""
-        process = self._given[future][0]
-        problem = future.exception()
-        if problem is not None:
-            return self._failed(process, problem)
-        _, task = self._given.pop(future)
-        process.began = None
-        if not self._futures_of(process):
-            self._idle.appendleft(process)
-        return task.submission, future.result()
-
-    def _failed(self, process: _MarkerProcess, problem: BaseException) -> tuple[Submission, Outcome | None]:
-        """Dismiss a process that failed on its first task, and put its other tasks, which it has not begun, back into the queue."""
-        process.check_opened()
-        process.dismiss()
-        self._idle.append(None)
-        task, *others = [self._given.pop(future)[1] for future in self._futures_of(process)]
-        for other in others:
-            self._backlog.put_back(other)
-        killed = process.stopped or KILLED
-        task.stopped = process.stopped or task.stopped
-        reason = killed if isinstance(problem, BrokenProcessPool) else exception_text(problem)
-        return task.submission, self._backlog.failed(task, reason)
-
-    def _futures_of(self, process: _MarkerProcess) -> list[Future[Result]]:
-        """Return the futures of a process in the order of submission."""
-        return [future for future, (whose, _) in self._given.items() if whose is process]
+        message = process.receive()
+        if isinstance(message, _Opened):
+            process.began = time.monotonic()
+            return None
+        if isinstance(message, Exception):
+            raise message
+        self._busy.remove(process)
+        if isinstance(message, Result):
+            self._idle.append(process)
+            return message
+        process.close()
+        process.task.stopped = process.stopped or process.task.stopped
+        return backlog.failed(process.task, message)
 
 
 def exception_text(problem: BaseException) -> str:
@@ -247,86 +205,86 @@ def exception_text(problem: BaseException) -> str:
     return " ".join(f"{type(problem).__name__}: {problem}".split())
 
 
+@dataclass(frozen=True)
+class _Opened:
+    """Message of a worker process: its marker is open."""
+
+
+_Message: TypeAlias = "_Opened | Result | str | Exception"
+"""A string is the reason why the grader failed on a submission, an exception why the marker could not be opened."""
+
+
 class _MarkerProcess:
-    """Worker process with one marker. Each has an executor of its own, so that the submission that broke it is known."""
+    """Worker process with one marker, and the task that it was given last."""
+
+    task: Task
 
     def __init__(self, open_marker: OpenMarker) -> None:
-        self.dismissed = False
         self.stopped = ""
         self.began: float | None = None
         context = multiprocessing.get_context("spawn")
+        self.line, theirs = context.Pipe()
         with starting_processes() as begin:
-            self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=begin)
-            self._opened = self._executor.submit(_open, open_marker)
+            self._process = context.Process(target=_serve, args=(theirs, begin, open_marker))
+            self._process.start()
+        theirs.close()
 
-    def mark(self, submission: Submission, cpu_s: float | None = None) -> Future[Result]:
+    def mark(self, task: Task, cpu_s: float | None) -> None:
+        self.task = task
+        self.began = self.began and time.monotonic()
+        with suppress(OSError):  # it has died, and `receive` tells it
+            self.line.send((task.submission, cpu_s))
+
+    def receive(self) -> _Message:
+        """Return the next message of the process; that it was killed, if it ended without one."""
         try:
-            return self._executor.submit(_mark, submission, cpu_s)
-        except BrokenProcessPool as problem:  # it died while it was idle
-            future: Future[Result] = Future()
-            future.set_exception(problem)
-            return future
+            message: _Message = self.line.recv()
+        except (EOFError, OSError):
+            return self.stopped or KILLED
+        return message
 
     def stop_beyond(self, bounds: Bounds) -> None:
-        """Kill the process if it exceeds the bounds. Its time starts at the first call after the marker has opened."""
-        if self.stopped or not self._opened.done() or self._opened.exception() is not None:
+        """Kill the process if it exceeds the bounds. Its time starts when its marker has opened."""
+        if self.began is None or self.stopped:
             return
-        self.began = self.began or time.monotonic()
-        pid = self._opened.result()
         if time.monotonic() - self.began > bounds.wall_s:
             self.stopped = f"no end within {bounds.wall_s:g} s"
-        elif _memory_of(pid) > bounds.memory_bytes:
+        elif _memory_of(self._process.pid) > bounds.memory_bytes:
             self.stopped = f"more than {bounds.memory_bytes / 2**30:g} GB of memory"
         if self.stopped:
-            with suppress(OSError):  # the process has just ended
-                os.kill(pid, getattr(signal, "SIGKILL", signal.SIGTERM))  # Windows ends a process with either
+            self.kill()
 
-    def check_opened(self) -> None:
-        """Raise the exception that opening the marker raised, because no submission caused it."""
-        problem = self._opened.exception()
-        if problem is not None and not isinstance(problem, BrokenProcessPool):
-            raise problem
-
-    def dismiss(self, *, wait: bool = False) -> None:
-        self.dismissed = True
-        if sys.version_info < (3, 11, 5):  # without this, shutdown waits for ever for a dead process to read its queue
-            with suppress(OSError):  # the executor's own thread may be closing it just now
-                self._executor._call_queue._reader.close()  # type: ignore[attr-defined] # as later versions do: cpython#94777
-        self._executor.shutdown(wait, cancel_futures=True)
+    def kill(self) -> None:
+        self._process.kill()
 
     def close(self) -> None:
-        with suppress(BrokenProcessPool):  # the process and its children have already ended
-            self._executor.submit(_close).result()
-        self._executor.shutdown()
+        """Let the process close its marker and end, and wait for that."""
+        self.line.close()
+        self._process.join()
 
 
-def _memory_of(pid: int) -> int:
+def _memory_of(pid: int | None) -> int:
     """Return the resident memory of a process in bytes; 0 on systems without `/proc`."""
     with suppress(OSError, ValueError, IndexError), open(f"/proc/{pid}/statm", encoding="ascii") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     return 0
 
 
-# The rest of this module runs in the worker process.
-
-_open_marker: AbstractContextManager[Marking] | None = None
-_marker: Marking | None = None
-
-
-def _open(open_marker: OpenMarker) -> int:
-    """Open the marker that grades in this process, and return the id of the process."""
-    global _open_marker, _marker  # noqa: PLW0603 - the process has one marker, made once
-    _open_marker = open_marker()
-    _marker = _open_marker.__enter__()
-    return os.getpid()
-
-
-def _mark(submission: Submission, cpu_s: float | None) -> Result:
-    if _marker is None:
-        raise RequestError("no marker could be opened")
-    return _marker.mark(submission, cpu_s)
-
-
-def _close() -> None:
-    if _open_marker is not None:
-        _open_marker.__exit__(None, None, None)
+def _serve(line: connection.Connection[_Message, Any], begin: Callable[[], None], open_marker: OpenMarker) -> None:
+    """Open a marker in this process and mark what comes over the line, until it is closed or the grader fails."""
+    begin()
+    with ExitStack() as stack, suppress(EOFError, OSError):
+        try:
+            marker = stack.enter_context(open_marker())
+        except Exception as problem:
+            line.send(problem)
+            return
+        line.send(_Opened())
+        while True:
+            submission, cpu_s = line.recv()
+            try:
+                result = marker.mark(submission, cpu_s)
+            except Exception as problem:
+                line.send(exception_text(problem))
+                return
+            line.send(result)

@@ -67,7 +67,7 @@ def _of_platform(platform: Platform) -> Iterator[tuple[str, Callable[[Result], s
     if (aside := platform.aside) is not None:
         yield f"{platform.name} aside", lambda result: aside.text(result, handed)
     if (write := platform.write) is not None:
-        yield platform.gradebook, lambda result: write({"one": _standing(result)}, ()).decode("utf-8-sig")
+        yield platform.gradebook, lambda result: write({"one": _standing(result)}, (), "").decode("utf-8-sig")
     if platform.fill is not None:
         yield platform.gradebook, partial(_filled, platform)
 
