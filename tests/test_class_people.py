@@ -182,6 +182,17 @@ def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:
     assert "imugrade: roster.csv:2: Jane Doe not doejane_101 (doejane): canvas number 103 and 101\n" in err
 
 
+def test_a_person_who_stands_twice_in_the_roster_with_other_facts_is_told_with_both_rows(run: Run) -> None:
+    hand_in(Path("class"), ann=1)
+    rows = ("ann,Ann Lee,A,2026-11-20T12:00Z", "bob,Bob Roe,A,", "ann,Ann Lee,B,2026-11-24T12:00Z", "bob,Bob Roe,A,")
+    err = graded(run, roster="\n".join(["id,name,section,due", *rows]))
+    assert (
+        "imugrade: roster.csv:2 and roster.csv:4: Ann Lee stands twice, with another due, section; the later date"
+        in err
+    )
+    assert cells("out/gradebook.csv", "name", "section") == [("Ann Lee", "A"), ("Bob Roe", "A")]
+
+
 def test_the_class_page_sorts_names_by_their_letters_without_accents(run: Run) -> None:
     hand_in(Path("class"), a=1, b=1)
     graded(run, roster="id,name\na,Zoë W\nb,Łukasz A\nc,Ødegård X\nd,Max Y\n")

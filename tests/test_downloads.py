@@ -114,7 +114,7 @@ def test_whatever_lies_in_a_download_is_somebodys_or_is_listed(
 ) -> None:
     members: dict[str, bytes | str] = {name + below * (i % 2): "x" for i, name in enumerate(sorted(names))}
     found = read_class([write(members, tmp_path / "d", "zip")], LAB.files, attempts=attempts)
-    places = [place for entry in found.entries for place, _ in entry.sources]
+    places = [place for entry in found.entries for place in {place for place, _ in entry.sources}]
     listed = {line.removeprefix(f"{tmp_path}/d.zip/").rpartition(": ")[0] for line in found.leftovers}
     known = {"submission_metadata.yml", "scores.csv"}  # the platform's own
     if found.notices:
@@ -152,10 +152,18 @@ def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp
         "filters.py": b"# a_1_12_filters-1.py\n",
         "lab-04-01.ipynb": b"# a_1_11_lab-04-01.ipynb\n",
         "data-2.csv": b"# a_1_13_data-2.csv\n",
+        "data.csv": b"# a_1_13_data-2.csv\n",
     }
     assert found.leftovers == (
         f"{tmp_path}/c.zip/a_1_10_filters.py: an older file of the same name and student; the newer one is graded",
     )
+
+
+@pytest.mark.parametrize("name", ["imu_reader.py", "noisy_imu.py", "filters.py", "imu_data.png", "filtered_imu.png"])
+def test_the_number_that_canvas_gives_a_resubmission_is_taken_off_every_file(tmp_path: Path, name: str) -> None:
+    stem, suffix = name.split(".")
+    found = canvas(tmp_path, "a_1_10_filters.py", f"a_1_12_{stem}-1.{suffix}", f"a_1_13_{stem}-2.{suffix}")
+    assert found.entries[0].read().files[name] == f"# a_1_13_{stem}-2.{suffix}\n".encode()
 
 
 ROSTER = {"101": "Doe, Jane", "666": "zzz_101_5", "678": "12345", "55": "Roe, Bob"}

@@ -122,7 +122,7 @@ def test_an_editor_finds_each_check_once_at_the_students_own_definition(lab: Pat
     [
         (["nowhere"], "imugrade: nowhere: there is no such file or folder"),
         (["filtering::nothing"], "imugrade: no check has this name"),
-        (["plugins"], "imugrade: plugins: This submission contains no file that the lab asks for."),
+        (["plugins"], "imugrade: plugins: This submission contains nothing that the lab asks for."),
         (["--imugrade-rubric", "no.yaml"], "there is no such file; give the path of a rubric.yaml"),
     ],
 )

@@ -129,8 +129,19 @@ class Marker:
             if look:
                 look.close()
         result = self._result(submission, "graded", judgements, notes, started, only)
+        if only is None and self._has_nothing_to_grade(submission, result):
+            result = replace(result, status="empty", notes=(_NO_NAME, *result.notes))
         used = time.process_time() - began_cpu + student.used_cpu_s
         return replace(result, evidence=self._evidence(student), cpu_s=used)
+
+    def _has_nothing_to_grade(self, submission: Submission, result: Result) -> bool:
+        """Return whether no file has a name of this lab and no point was earned: files of another lab, or empty ones.
+
+        Such a submission is blank until a person decides, like one without any program.
+        """
+        earned = any(check.keeps != 0.0 for part in result.parts for check in part.checks)
+        parts = (*self._lab.parts, *self._lab.bonuses)
+        return not earned and not any(part.named_in(submission.files) for part in parts)
 
     @property
     def _secret(self) -> bool:
@@ -303,6 +314,7 @@ def _version(package: str) -> str:
     return version(package)
 
 
+_NO_NAME = "No program here defines a function or class that the lab asks for."
 _NOTHING = {
     "empty": "Nothing recognisable was handed in: no Python file and no notebook was found.",
     "unreadable": "The archive could not be read.",

@@ -53,12 +53,14 @@ class Part:
 
     def attempted_in(self, files: Mapping[str, bytes]) -> bool:
         """Return whether the submission holds the part's file or defines one of its names; only text is searched, no code runs."""
+        return self.home in files or self.named_in(files)
+
+    def named_in(self, files: Mapping[str, bytes]) -> bool:
+        """Return whether a program or notebook defines one of the part's names; only text is searched, no code runs."""
         names = "|".join(self.names)
         pattern = rf"\b(?:class|def)[ \t]+(?:{names})\b|%%writefile[ \t]+{self.home}"
         defines = re.compile(pattern.encode())
-        return self.home in files or any(
-            defines.search(content) for path, content in files.items() if path.endswith((".py", ".ipynb"))
-        )
+        return any(defines.search(content) for path, content in files.items() if path.endswith((".py", ".ipynb")))
 
 
 @dataclass(frozen=True)

@@ -183,7 +183,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
     submitted: dict[str, str] = {}
     grace_days: dict[str, int] = {}
     absent: list[Listed] = []
-    doubtful: list[str] = []
+    roster, doubtful = _told_once(roster)
     known: set[str] = set()
     matches = directory.find_each([listed.who for listed in roster])
     shared = _shared(roster, matches, directory)
@@ -204,6 +204,38 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
             due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
     return RosterMatch(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days)
+
+
+def _told_once(roster: Sequence[Listed]) -> tuple[list[Listed], list[str]]:
+    """Return one row for each person, and a line on each person whose rows contradict each other.
+
+    Of several rows of a person the later dates, the most grace days and the first section and group count.
+    """
+    rows: dict[Row, Listed] = {}
+    told = []
+    for listed in roster:
+        known = rows.setdefault(listed.who, listed)
+        if known is listed:
+            continue
+        different = [name for name in _FACTS if getattr(known, name) != getattr(listed, name)]
+        if different:
+            what = ", ".join(different)
+            told.append(
+                f"{known.place} and {listed.place}: {listed.who.in_words()} stands twice, with another {what}; {_COUNTS}"
+            )
+        rows[listed.who] = replace(
+            known,
+            due=max(filter(None, (known.due, listed.due)), default=None),
+            submitted=max(known.submitted, listed.submitted),
+            grace_days=max(known.grace_days, listed.grace_days),
+            section=known.section or listed.section,
+            group=known.group or listed.group,
+        )
+    return list(rows.values()), told
+
+
+_FACTS = ("due", "submitted", "section", "group", "grace_days")
+_COUNTS = "the later date, the most grace days and the first section and group count"
 
 
 def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:

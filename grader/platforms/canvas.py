@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.downloads import Download, Sources
-from grader.intake.names import ARCHIVES, has_suffix, original
+from grader.intake.names import ARCHIVES, CODE, FOREIGN_ARCHIVES, has_suffix, original
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Row as Who
 from grader.people.identity import spellings
@@ -227,7 +227,10 @@ def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sourc
 
 
 def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Sources, list[str]]:
-    """Return the files under the student's own names, the latest of each name, and the older ones."""
+    """Return the files under the student's own names, the latest of each name, and the older ones.
+
+    A picture or data file has no reason to be called ``plot-1.png``, but may be: it is there under both names.
+    """
     names = [reading.file for _, reading in own]
     given = {*names, *_numbered_archives(names)}
     sources: dict[str, str] = {}
@@ -237,6 +240,10 @@ def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Source
         if inner in sources:
             older.append(sources[inner])
         sources[inner] = name
+    for name, reading in sorted(own, key=lambda each: -each[1].number):
+        plain = _AGAIN.fullmatch(reading.file)
+        if plain is not None and not has_suffix(reading.file, (*CODE, *ARCHIVES, *FOREIGN_ARCHIVES)):
+            sources.setdefault(plain[1] + plain[2], name)
     return tuple((download.place(name), original(inner)) for inner, name in sources.items()), older
 
 

@@ -46,7 +46,7 @@ _WORDS: dict[Outcome, Word] = {
 STATUS: dict[Status, str] = {
     "graded": "",
     "incomplete": "The grader failed on a part of this submission. Those points are open; they are not lost.",
-    "empty": "This submission contains no file that the lab asks for.",
+    "empty": "This submission contains nothing that the lab asks for.",
     "unreadable": "This submission could not be opened.",
 }
 
