@@ -57,6 +57,7 @@ def result_by_comment(submission: Submission, rubric: Rubric, traces: Traces) ->
         "traces_sha256": traces.sha256,
         "submission_sha256": submission.sha256,
         "isolation": "full",
+        **({"hidden": True} if traces.name != "public" else {}),
     }
     return marked(replace(made, submission=submission.name, provenance=provenance), rubric)
 

@@ -10,12 +10,15 @@ from pathlib import Path
 import pytest
 
 from grader.course.database import FILE_NAME
+from grader.course.secret_strength import guessable
 from grader.desk.overviews import queue
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
+from grader.platforms.gradescope import gradescope
 from tests.class_commands import CHECK, Run, column, commands, graded, hand_in, late_policy, rubric_with
 from tests.conftest import SECRET
 from tests.desk import desk_over, words
+from tests.fake_results import result
 
 HEAVIER = ("follows_recursion: 6", "follows_recursion: 9")
 DUE = "due: 2026-11-20T12:00Z"
@@ -199,6 +202,41 @@ def test_dates_that_come_later_grade_nothing_and_the_mean_is_that_of_the_final_g
     graded(run)
     assert column(Path("out/gradebook.csv"), "final") == final
     assert sorted(ran) == ["alice", "bob", "carol", "dora"]
+
+
+@pytest.mark.parametrize(
+    "secret",
+    ["a-secret", "...", "internationalization", "Password2026!", "another secret", "123456789012345", "ababababababab"],
+)
+def test_a_secret_that_can_be_guessed_is_refused_before_anything_is_graded(
+    run: Run, monkeypatch: pytest.MonkeyPatch, secret: str
+) -> None:
+    monkeypatch.setenv("IMUGRADE_SEED", secret)
+    assert refused(run).startswith("imugrade: the secret in IMUGRADE_SEED can be guessed: it ")
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize("secret", ["37970201460518101fcb681721997cf3", "correct horse battery staple", SECRET])
+def test_random_characters_and_four_words_are_a_secret(secret: str) -> None:
+    assert guessable(secret) == ""
+
+
+def test_nothing_that_a_student_gets_holds_a_digest_of_hidden_traces(
+    run: Run, monkeypatch: pytest.MonkeyPatch, hidden: Traces
+) -> None:
+    monkeypatch.setenv("IMUGRADE_SEED", SECRET)
+    with monkeypatch.context() as here:
+        here.setattr(bundles, "obtain", lambda *_, **__: hidden)
+        graded(run)
+    for name in ("result.json", "report.html"):
+        assert hidden.sha256[:16] not in Path("out/submissions/alice", name).read_text(encoding="utf-8")
+    extra = gradescope(replace(result(), provenance={"traces_sha256": hidden.sha256, "hidden": True}), hidden=True)
+    assert hidden.sha256[:16] not in extra
+
+
+def test_a_folder_of_results_is_its_owners_alone(run: Run) -> None:
+    graded(run)
+    assert Path("out").stat().st_mode & 0o077 == 0
 
 
 # ---- what people said ----

@@ -41,6 +41,7 @@ from grader.pytest_plugin import items
 from grader.report import truth
 from tests import sandboxes
 from tests.classes import Student, canvas, canvas_gradebook, filters_alone, moodle, moodle_worksheet
+from tests.conftest import SECRET
 from tests.corpus.pieces import VERBATIM, tidy
 from tests.corpus.writing import write
 from tests.documents import ROOT, Command, commands, documents
@@ -111,7 +112,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         truth.save(bundles.obtain(LAB, "...", None), place)
         assert run(["grade", "submissions", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
         with here.context() as graded:
-            graded.setenv("IMUGRADE_SEED", "a-secret")
+            graded.setenv("IMUGRADE_SEED", SECRET)
             assert run(["grade", "submissions", "-o", "out-hidden"])[0] == 0
         shutil.copytree("out-monday", "out-tuesday")
         adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]
@@ -209,7 +210,7 @@ def test_there_are_commands_of_every_kind_to_be_found() -> None:
     assert {command.words[1] for command in COMMANDS if command.words[0] == "imugrade"} >= {
         key.split()[0] for key in SAYS
     }
-    assert "IMUGRADE_SEED=a-secret imugrade grade submissions -o out" in found
+    assert "imugrade grade submissions -o out" in found
 
 
 # --- imugrade ---------------------------------------------------------------------------------------------------------
@@ -290,7 +291,7 @@ def of_one_secret(words: list[str], here: pytest.MonkeyPatch) -> None:
     at = words.index("-o") + 1
     known = classroom.on_record(Path(words[at]))
     if known is not None and known.hidden:
-        here.setenv("IMUGRADE_SEED", os.environ.get("IMUGRADE_SEED", "a-secret"))
+        here.setenv("IMUGRADE_SEED", os.environ.get("IMUGRADE_SEED", SECRET))
     elif known is not None and "IMUGRADE_SEED" in os.environ:
         words[at] = "out-hidden"
 

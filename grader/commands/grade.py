@@ -71,25 +71,28 @@ def grade(
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Grade recorded submissions again.")] = False,
     trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
+    weak_secret: Annotated[
+        bool, typer.Option("--weak-secret", help="Grade with a secret that can be guessed.")
+    ] = False,
     isolation_level: LevelOption = None,
 ) -> int:
     """Grade a class. After an interruption, the same command continues.
 
     OUT remembers the rubric, the roster and the attempt rule. You need not give them again. Give the secret of hidden
-    scenarios each time. If you give another rubric, rule or secret, the command first says which scores change. It
-    changes them with --change, or after a yes on a terminal.
+    scenarios each time, in IMUGRADE_SEED; `openssl rand -hex 16` makes one. If you give another rubric, rule or secret, the
+    command first says which scores change. It changes them with --change, or after a yes on a terminal.
     `imugrade diff` compares the two versions.
 
     \b
     Examples:
       imugrade grade submissions -o out
-      IMUGRADE_SEED=... imugrade grade moodle.zip -o out --jobs 8
+      imugrade grade moodle.zip -o out --jobs 8
       imugrade grade canvas.zip -o out --roster gradebook.csv
       imugrade grade submissions -o out --only alice --force
     """
     from rich.text import Text  # noqa: PLC0415
 
-    from grader.course import class_settings, classroom, submissions  # noqa: PLC0415
+    from grader.course import class_settings, classroom, secret_strength, submissions  # noqa: PLC0415
     from grader.course.grade_request import GradeRequest  # noqa: PLC0415
     from grader.labs.imu.hidden_coverage import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
@@ -100,6 +103,8 @@ def grade(
         raise RequestError("--jobs does not work with --cluster; start more workers on the cluster instead")
     known = classroom.on_record(out)
     class_settings.refuse_without_secret(None if list_ else known, seed)
+    if not weak_secret and (known is None or not known.hidden):
+        secret_strength.refuse_guessable(seed)
     chosen = class_settings.rubric_of(LAB, known, rubric)
     bundle = LAB.truth(seed, chosen.settings)
     which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
@@ -126,18 +131,9 @@ def grade(
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as listener:
         outcome = classroom.grade_class(request, found, listener)
     screen.print(Text("\n".join(_summary(outcome, shown_path(out / "index.html")))), soft_wrap=True)
-    if spot := blind_spot(bundle):
-        say(spot)
-    if seed is None:
-        say("no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)")
-    if outcome.remarked:
-        say(f"{outcome.remarked} recorded results were regraded with the new rubric")
-    for line in (*outcome.contradictions, *outcome.remarks):
-        say(line)
-    if outcome.known:
-        say(
-            f"{outcome.known} warning{'s' * (outcome.known != 1)}, unchanged since the last run (`imugrade review` lists them)"
-        )
+    for line in (blind_spot(bundle), *_notices(outcome, secret=seed is not None)):
+        if line:
+            say(line)
     below = min_score is not None and bool(outcome.below(min_score))
     return 3 if outcome.incomplete else int(below)
 
@@ -160,6 +156,18 @@ def _summary(outcome: Outcome, index: str) -> Iterator[str]:
         names = ", ".join(printable(id_, 120) for id_ in outcome.incomplete)
         yield f"Not judged, because the grader failed: {names}. Run the command again: only these are graded again."
     yield f"Open {printable(index, 1000)}"
+
+
+def _notices(outcome: Outcome, *, secret: bool) -> Iterator[str]:
+    """Yield what an instructor should know of a run: missing secret, regraded results, contradictions, warnings."""
+    if not secret:
+        yield "no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)"
+    if outcome.remarked:
+        yield f"{outcome.remarked} recorded results were regraded with the new rubric"
+    yield from (*outcome.contradictions, *outcome.remarks)
+    if outcome.known:
+        many = f"{outcome.known} warning{'s' * (outcome.known != 1)}"
+        yield f"{many}, unchanged since the last run (`imugrade review` lists them)"
 
 
 def _confirmed(changed: Change, change: bool) -> bool:

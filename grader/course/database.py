@@ -103,7 +103,8 @@ class Database:
     def __init__(self, out: Path) -> None:
         self.path = out / FILE_NAME
         with self._errors_in_one_line():
-            out.mkdir(parents=True, exist_ok=True)
+            out.parent.mkdir(parents=True, exist_ok=True)
+            out.mkdir(mode=0o700, exist_ok=True)  # names and grades: on a shared machine for its owner alone
             self._writable = not self.path.exists() or all(os.access(each, os.W_OK) for each in (out, self.path))
             self._db = sqlite3.connect(self._address(), uri=True, timeout=30, isolation_level=None)
             try:

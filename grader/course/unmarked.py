@@ -49,6 +49,7 @@ def _without_marker(
             "rubric_sha256": request.rubric.sha256,
             "traces_sha256": request.traces.sha256,
             "submission_sha256": submission.sha256,
+            **({"hidden": True} if request.traces.name != "public" else {}),
         },
     )
     return marked(found, request.rubric)

@@ -294,6 +294,7 @@ class Marker:
             **{package: _version(package) for package in self._lab.depends_on},
             "isolation": self._sandbox.isolation_level.name,
             "seed": SEED,
+            **({"hidden": True} if self._secret else {}),
         }
 
 

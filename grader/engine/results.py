@@ -222,6 +222,12 @@ def to_dict(result: Result) -> dict[str, Any]:
     }
 
 
+def shown_provenance(result: Result) -> dict[str, Any]:
+    """Return the provenance without a digest of hidden traces: with it anybody could test guesses of the secret."""
+    left_out = ("traces_sha256", "hidden") if result.provenance.get("hidden") else ()
+    return {key: value for key, value in result.provenance.items() if key not in left_out}
+
+
 def _row(check: CheckResult) -> dict[str, Any]:
     """Return a check as a row of `result.json`."""
     return {
@@ -269,7 +275,9 @@ def _extra_credit(result: Result) -> dict[str, Any]:
 
 def to_json(result: Result) -> str:
     """Return the text of `result.json`: valid UTF-8, fields in the contract's order, a newline at the end."""
-    text = json.dumps(to_dict(result), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(
+        {**to_dict(result), "provenance": shown_provenance(result)}, indent=2, ensure_ascii=False, allow_nan=False
+    )
     shown = _UNSEEN.sub(lambda found: json.dumps(found.group())[1:-1], text)
     return shown.encode("utf-8", "replace").decode("utf-8") + "\n"
 

@@ -18,7 +18,7 @@ import yaml
 from grader.base.errors import GraderError
 from grader.base.stamps import stamp
 from grader.base.text import csv_cell, printable
-from grader.engine.results import CheckResult, CriterionResult, LabName, Result
+from grader.engine.results import CheckResult, CriterionResult, LabName, Result, shown_provenance
 from grader.intake.downloads import Download
 from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, HandIn, Person
@@ -120,7 +120,7 @@ def _output(result: Result, hidden: bool) -> str:
 
 def _extra(result: Result) -> dict[str, Any]:
     """Return the extra data for the instructor's export: recognised faults and provenance. No traces, no seed."""
-    provenance = {key: str(value) for key, value in result.provenance.items() if key != "seed"}
+    provenance = {key: str(value) for key, value in shown_provenance(result).items() if key != "seed"}
     return {"status": result.status, "misconceptions": list(result.misconceptions), "provenance": provenance}
 
 

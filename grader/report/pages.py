@@ -24,14 +24,13 @@ from grader.report.deductions import anchor, deductions
 _TEMPLATES = beside(__package__, "templates")
 _AT_ONCE = 200
 """Rows of the class table that are shown before "Show all": laying out thousands takes a browser seconds."""
-_TOLD = {  # without the seed: students receive this page
+_TOLD = {  # without the seed and without a digest of traces, with which guesses of a secret could be tested
     "grader": "imugrade",
     "python": "Python",
     "mujoco": "MuJoCo",
     "numpy": "NumPy",
     "isolation": "Isolation",
     "rubric_sha256": "Rubric",
-    "traces_sha256": "Traces",
     "submission_sha256": "Submission",
 }
 
