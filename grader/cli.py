@@ -19,7 +19,22 @@ import typer
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
-from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, repair, repro, review, traces
+from grader.commands import (
+    adjust,
+    calibrate,
+    check,
+    ci,
+    diff,
+    doctor,
+    explain,
+    export,
+    grade,
+    kit,
+    repair,
+    repro,
+    review,
+    traces,
+)
 from grader.commands.common import say
 from grader.labs.imu.lab import LAB
 
@@ -43,6 +58,7 @@ for _command in (
     adjust.adjust,
     repair.repair,
     diff.diff,
+    calibrate.calibrate,
     export.export,
     ci.ci,
     kit.kit,

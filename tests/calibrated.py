@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -47,6 +48,7 @@ def table() -> str:
 
 
 def main() -> int:
+    argparse.ArgumentParser(prog="python -m tests.calibrated", description=__doc__).parse_args()
     print(table())
     for cell in comparison.differing(cells()):
         told = ", ".join(f"{mark.points:g} ({mark.low:g} to {mark.high:g})" for mark in cell.marks)

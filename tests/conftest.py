@@ -45,7 +45,7 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
 SLOW = (
     *FIRST, "browser", "fuzz", "hostile", "labs", "mutants", "sandbox",
-    "test_adjusting", "test_batch", "test_budgets", "test_chance", "test_charts",
+    "test_adjusting", "test_batch", "test_budgets", "test_calibrate", "test_chance", "test_charts",
     "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_compat", "test_desk_repairs",
     "test_docs", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
     "test_hidden_feedback", "test_kit", "test_marking", "test_not_running", "test_other_systems",

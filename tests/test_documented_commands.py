@@ -61,6 +61,7 @@ CI = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 SAYS = {
     "adjust": r"^alice .* (\S+, final \d+|by .*)$",
+    "calibrate": "^written to ",
     "check": r"public checks[\s\S]* \d+ / (20|100)$|; again on every save, Ctrl-C ends$",
     "ci": r"^<testsuites |^\S+ written: 100 of 100 points$",
     "ci --format github": "^::notice .*100 / 100$",
@@ -68,7 +69,7 @@ SAYS = {
     "diff": "filtering override  none → 3",
     "doctor": "import no known package that is missing here|landlock",
     "explain": r"^# \S|sensor-id-as-address",
-    "export": r"  [1-9]\d* grades(, \d+ blank)?$",
+    "export": r"  [1-9]\d* grades$",
     "grade": r"^[1-9] graded · mean|^0 graded · 2 on record · mean|^adamsalice_10000 ",
     "kit": "  for students; public scenarios$",
     "kit --classroom50": "  for Classroom 50; public scenarios",
@@ -140,6 +141,9 @@ def _hand_in(place: Path) -> None:
     (place / "roster.csv").write_text(f"id,name,email,section\n{rows}", encoding="utf-8")
     table = "id,criterion,points,comment\nalice,filtering,17,in a table\n"
     (place / "adjustments.csv").write_text(table, encoding="utf-8")
+    for person, points in (("a", 18), ("b", 17.5)):
+        row = f"id,criterion,points,comment\nalice,filtering,{points},starts late\n"
+        (place / f"marks-{person}.csv").write_text(row, encoding="utf-8")
     shutil.copy(shipped(LAB), place / "rubric.yaml")
     shutil.copytree(ROOT / "submissions_example" / EXAMPLE, place / "submissions_example" / EXAMPLE)
     (place / "requests.csv").write_text("id,request\nalice,My filter is right\n", encoding="utf-8")

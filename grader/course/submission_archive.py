@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from grader.engine.fingerprint import cells
 from grader.intake.names import has_suffix, is_code
 
 LARGEST = 1_000_000
@@ -16,6 +17,8 @@ TOGETHER = 4_000_000
 MOST = 200
 _PACKED = (".png", ".jpg", ".jpeg", ".webp", ".gif")
 """Compressed picture formats, which are stored as they are: compressing them again takes longer than all other files."""
+PNG = b"\x89PNG\r\n\x1a\n"
+_WIDEST = 5000  # pixels; a browser decodes a picture completely
 _HEAD = struct.Struct("<I")
 
 
@@ -65,3 +68,19 @@ def _cut(data: bytes, start: int, sizes: list[tuple[str, int]]) -> Iterator[tupl
     for path, size in sizes:
         yield path, data[start : start + size]
         start += size
+
+
+def source(path: str, content: bytes) -> str:
+    """Return the text of a file; for a notebook, the code of its cells."""
+    text = content.decode("utf-8", "replace").removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    return cells(text) if path.lower().endswith(".ipynb") else text
+
+
+def unshowable(content: bytes) -> str:
+    """Return why a picture is not served; "" if it is."""
+    if not content.startswith(PNG) or content[12:16] != b"IHDR":
+        return "it is not a PNG"
+    width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
+    if not (0 < width <= _WIDEST and 0 < height <= _WIDEST):
+        return f"its header says {width} × {height} pixels"
+    return ""

@@ -13,6 +13,7 @@ from starlette.routing import Route
 from grader.base.errors import RequestError
 from grader.course.decisions import OvertakenError
 from grader.desk import (
+    calibrate,
     comparing,
     exports,
     grouping,
@@ -32,6 +33,7 @@ Handler = Callable[[Classbook, WebRequest], Response]
 
 PAGES: dict[str, Handler] = {
     "/": overviews.review_queue,
+    "/calibrate": calibrate.show,
     "/class": overviews.class_page,
     "/export": exports.show,
     "/find": overviews.find,
@@ -45,6 +47,7 @@ PAGES: dict[str, Handler] = {
     "/submission/{id}/picture/{place:int}": submissions.picture,
 }
 WRITES: dict[str, Handler] = {
+    "/calibrate": calibrate.save,
     "/export": exports.send,
     "/reviewed": overviews.mark_reviewed,
     "/groups/{kind}/{key}": grouping.decide,

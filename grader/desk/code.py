@@ -11,8 +11,7 @@ from pygments.lexers.python import PythonLexer
 from pygments.token import STANDARD_TYPES, Token, _TokenType
 
 from grader.base.text import printable
-from grader.course.submission_archive import Kept
-from grader.engine.fingerprint import cells
+from grader.course.submission_archive import PNG, Kept, source, unshowable
 from grader.engine.results import CheckResult
 
 MOST_LINES = 1500
@@ -21,8 +20,6 @@ _COLOURED = 100_000
 """Longest file, in characters, that is syntax-coloured; a longer one is shown plain."""
 _SHOWN = 300_000
 _TEXTS = (".py", ".ipynb", ".txt", ".md", ".csv", ".json", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".xml")
-_PICTURE = b"\x89PNG\r\n\x1a\n"
-_WIDEST = 5000  # pixels; a browser decodes a picture completely
 
 
 @dataclass(frozen=True)
@@ -79,7 +76,7 @@ def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles
     """
     paths = list(kept.files)
     texts = [path for path in paths if path.lower().endswith(_TEXTS)]
-    pictures = [path for path in paths if kept.files[path].startswith(_PICTURE)]
+    pictures = [path for path in paths if kept.files[path].startswith(PNG)]
     rest = {path: len(kept.files[path]) for path in paths if path not in texts and path not in pictures}
     return SubmittedFiles(
         tuple(_listing(f"file-{paths.index(path)}", path, kept.files[path], named.get(path, set())) for path in texts),
@@ -87,16 +84,6 @@ def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles
         tuple((printable(path), f"{size:,} bytes") for path, size in {**rest, **kept.others}.items()),
         kept.more,
     )
-
-
-def unshowable(content: bytes) -> str:
-    """Return why a picture is not served; "" if it is."""
-    if not content.startswith(_PICTURE) or content[12:16] != b"IHDR":
-        return "it is not a PNG"
-    width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
-    if not (0 < width <= _WIDEST and 0 < height <= _WIDEST):
-        return f"its header says {width} × {height} pixels"
-    return ""
 
 
 def named_lines(checks: Iterable[CheckResult], paths: Iterable[str]) -> dict[str, set[int]]:
@@ -114,12 +101,6 @@ def defined(kept: Kept, names: Sequence[str]) -> Iterator[tuple[str, int]]:
         if path.lower().endswith((".py", ".ipynb")):
             text = source(path, content)
             yield from ((path, text.count("\n", 0, found.start()) + 1) for found in wanted.finditer(text))
-
-
-def source(path: str, content: bytes) -> str:
-    """Return the text of a file; for a notebook, the code of its cells."""
-    text = content.decode("utf-8", "replace").removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
-    return cells(text) if path.lower().endswith(".ipynb") else text
 
 
 def _listing(anchor: str, path: str, content: bytes, named: set[int]) -> Listing:

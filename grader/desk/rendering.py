@@ -16,6 +16,7 @@ from grader.report import words
 STATIC = {
     "report.css": (beside("grader.report", "templates/style.css"), "text/css"),
     "desk.css": (beside(__package__, "static/desk.css"), "text/css"),
+    "marking.css": (beside("grader.report", "templates/marking.css"), "text/css"),
     "table.js": (beside("grader.report", "templates/table.js"), "text/javascript"),
     "desk.js": (beside(__package__, "static/desk.js"), "text/javascript"),
 }
@@ -35,6 +36,7 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    made.globals["address"] = address
     made.filters |= {"points": points, "safe_text": safe_text, "address": address, "person": words.distinct}
     made.filters["instant"] = words.instant
     return made

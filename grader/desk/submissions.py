@@ -15,9 +15,10 @@ from grader.base.text import printable
 from grader.course import adjusting
 from grader.course.adjusting import ALONE, OverrideRequest
 from grader.course.decisions import RegradeRequest
+from grader.course.submission_archive import unshowable
 from grader.desk import repairing
 from grader.desk.classbook import Classbook
-from grader.desk.code import SubmittedFiles, defined, named_lines, submitted_files, unshowable
+from grader.desk.code import SubmittedFiles, defined, named_lines, submitted_files
 from grader.desk.editing import editable
 from grader.desk.overviews import framed, queue
 from grader.desk.repair_jobs import Job

@@ -55,7 +55,7 @@ def fits(found: Result, rubric: Rubric) -> bool:
 
 
 def _row(found: CheckResult, weight: CheckWeight, deductions: Mapping[str, float]) -> CheckResult:
-    worth = {"points": _points(found, weight.max_points, deductions), "max_points": weight.max_points}
+    worth = {"points": earned(found, weight.max_points, deductions), "max_points": weight.max_points}
     return CheckResult(**{**vars(found), **worth})  # half the time of `replace`; matters for thousands of submissions
 
 
@@ -63,10 +63,10 @@ def _score_before(found: Result, rubric: Rubric) -> float:
     """Return the score of the submission before its repairs; a check that was not judged counts as 0."""
     weights = {check.id: check.max_points for criterion in rubric.criteria for check in criterion.checks}
     known = {id_: each for id_, each in found.unrepaired.items() if id_ in weights}
-    return round(sum(_points(each, weights[id_], rubric.mistakes) or 0.0 for id_, each in known.items()), 2)
+    return round(sum(earned(each, weights[id_], rubric.mistakes) or 0.0 for id_, each in known.items()), 2)
 
 
-def _points(found: CheckResult | Unrepaired, most: float, deductions: Mapping[str, float]) -> float | None:
+def earned(found: CheckResult | Unrepaired, most: float, deductions: Mapping[str, float]) -> float | None:
     """Return a check's points: its share, or its maximum less the rubric's deductions if all its mistakes have one."""
     if found.keeps is None:
         return None

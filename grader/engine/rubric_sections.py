@@ -83,11 +83,11 @@ def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | N
         lines.append(key.start_mark.line + 1)
     if len(reader.problems) == before and not any(weights):
         reader.say(node, f"the weights of {part} sum to 0; give at least one check a weight")
-    shares = _shares(points or 0.0, weights)
+    shares = divided(points or 0.0, weights)
     return tuple(CheckWeight(*row) for row in zip(ids, weights, shares, lines, strict=True))
 
 
-def _shares(points: float, weights: Sequence[float]) -> list[float]:
+def divided(points: float, weights: Sequence[float]) -> list[float]:
     """Divide points in proportion to the weights, in hundredths that sum to the points (largest remainder; ties: first)."""
     decimals = [Fraction(str(weight)) for weight in weights]
     total = sum(decimals)

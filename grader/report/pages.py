@@ -117,7 +117,7 @@ def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[st
     """Return `report.html` around charts that are already rendered."""
     result = final_grade.result
     extensions = [extension for extension in result.extensions if extension.checks]
-    return _page(
+    return rendered(
         "report.html.j2",
         "among.js",
         result.lab,
@@ -172,7 +172,7 @@ def index_page(
     entries = overview.entries(final_grades.values(), absent, columns, top)
     mistakes = overview.mistakes(final_grades.values())
     checks = overview.checks(results, columns)
-    return _page(
+    return rendered(
         "index.html.j2",
         "table.js",
         next((result.lab for result in results), LabName()),
@@ -199,8 +199,11 @@ def index_page(
     )
 
 
-def _page(template: str, script: str | None, lab: LabName, **values: object) -> str:
-    style, style_hash = _inlined("style.css")
+def rendered(
+    template: str, script: str | None, lab: LabName, *, more_style: str | None = None, **values: object
+) -> str:
+    """Return a page with its style and script inlined; a policy in the page allows nothing else."""
+    style, style_hash = _inlined("style.css", *([more_style] if more_style else []))
     text, script_hash = _inlined(script) if script else (Markup(), "")
     policy = f"default-src 'none'; style-src '{style_hash}'; img-src data:"
     policy += f"; script-src '{script_hash}'" if script else ""
@@ -231,9 +234,9 @@ def _environment() -> Environment:
 
 
 @lru_cache
-def _inlined(name: str) -> tuple[Markup, str]:
-    """Return a template file and its hash for the page's Content-Security-Policy, which allows nothing else."""
-    text = (_TEMPLATES / name).read_text(encoding="utf-8")
+def _inlined(*names: str) -> tuple[Markup, str]:
+    """Return template files as one text, and its hash for the page's Content-Security-Policy, which allows nothing else."""
+    text = "".join((_TEMPLATES / name).read_text(encoding="utf-8") for name in names)
     digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
     return Markup(text), f"sha256-{digest}"
 

@@ -30,7 +30,7 @@ STUDENTS = (
 )  # fmt: skip
 PAGES = (
     "/", "/class", "/groups", "/groups/mistake/sensor-id-as-address", "/similar", "/similar/ada/cyd", "/regrade-requests",
-    f"/what-if?weight:{ADDRESS}=14", "/submission/bob", "/submission/ada", "/submission/void", "/submission/evil", "/submission/nobody",
+    f"/what-if?weight:{ADDRESS}=14", "/calibrate", "/calibrate?id=bob", "/calibrate?compare=yes", "/submission/bob", "/submission/ada", "/submission/void", "/submission/evil", "/submission/nobody",
 )  # fmt: skip
 
 
@@ -40,6 +40,7 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk_over(out) as opened:
         opened.post("/regrade-requests", {"text": "Please look at this again.", "who": "bob", "about": ADDRESS})
         opened.post("/submission/ada/override", {"target": "bonus", "points": "1", "comment": "neat", "seen": 0})
+        opened.post("/calibrate", {"id": "bob", "points:sensor_access": "20", "comment:sensor_access": NASTY})
         yield opened
 
 

@@ -26,6 +26,10 @@ class ComparedCell:
     marks: tuple[Mark, ...]
 
     @property
+    def key(self) -> Cell:
+        return self.id, self.criterion.id
+
+    @property
     def mean(self) -> float:
         return statistics.fmean(mark.points for mark in self.marks)
 
@@ -67,8 +71,8 @@ class ComparedCell:
         return tuple(dict.fromkeys(id_ for check in self.criterion.checks for id_ in check.misconceptions))
 
 
-KINDS = ("false deduction", "missed fault", "too hard", "too mild", "")
-"""In the order in which a person should look at them."""
+_FIRST = ("false deduction", "missed fault")
+"""The kinds of differences that a person should look at first."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,7 @@ class Agreement:
         Mean distance between two markers, in points; None with one marker.
     distance, uncertainty
         Mean distance between us and the mean of the markers, and half of its 95 % confidence interval (Student's t over the
-        submissions, as the cells of one submission are not independent); None below two submissions.
+        submissions, as the cells of one submission are not independent); None below three submissions.
     difference
         Mean of our points less the markers': positive where we are milder.
     outside
@@ -98,25 +102,26 @@ class Agreement:
 
 
 def compare(results: Mapping[str, Result], marks: Sequence[Marks]) -> list[ComparedCell]:
-    """Return every marked cell whose points are known, in the order of the class. A repaired submission is left out: the
-    marker saw the files as they were handed in."""
-    found = []
-    for id_, criterion in cells_of(results):
-        given = tuple(each.cells[id_, criterion.id] for each in marks if (id_, criterion.id) in each.cells)
-        if given:
-            found.append(ComparedCell(id_, criterion, given))
-    return found
+    """Return every marked cell of a submission that was graded as it was handed in, in the order of the class.
+
+    A repaired one is left out: the marker saw the files before the repair.
+    """
+    return [
+        ComparedCell(id_, part, given)
+        for id_, result in results.items()
+        for part in result.criteria
+        if is_comparable(result)
+        and (given := tuple(each.cells[id_, part.id] for each in marks if (id_, part.id) in each.cells))
+    ]
 
 
-def cells_of(results: Mapping[str, Result]) -> list[tuple[str, CriterionResult]]:
-    """Return each criterion of each submission that was graded as it was handed in."""
-    graded = ((id_, result) for id_, result in results.items() if result.status == "graded" and not result.repairs)
-    return [(id_, criterion) for id_, result in graded for criterion in result.criteria]
+def is_comparable(result: Result) -> bool:
+    return result.status == "graded" and not result.repairs
 
 
 def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
-    """Return the maximum of each cell that can be marked."""
-    return {(id_, criterion.id): criterion.max_points for id_, criterion in cells_of(results)}
+    """Return the maximum of every cell of a class."""
+    return {(id_, part.id): part.max_points for id_, result in results.items() for part in result.criteria}
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
@@ -137,7 +142,7 @@ def _uncertainty(cells: Sequence[ComparedCell]) -> float | None:
     means = [
         statistics.fmean(each.distance for each in its) for its in _grouped(cells, lambda cell: [cell.id]).values()
     ]
-    if len(means) < 2:
+    if len(means) < 3:
         return None
     return float(stats.t.ppf(0.975, len(means) - 1)) * statistics.stdev(means) / math.sqrt(len(means))
 
@@ -156,9 +161,12 @@ def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
 
 def differing(cells: Iterable[ComparedCell]) -> list[ComparedCell]:
     """Return the cells where we differ: false deductions, then missed faults, then the others, the largest difference first."""
-    return sorted(
-        (cell for cell in cells if cell.kind), key=lambda cell: (KINDS.index(cell.kind), -cell.distance, cell.id)
-    )
+
+    def place(cell: ComparedCell) -> tuple[int, float, str]:
+        first = _FIRST.index(cell.kind) if cell.kind in _FIRST else len(_FIRST)
+        return first, -cell.distance, cell.id
+
+    return sorted((cell for cell in cells if cell.kind), key=place)
 
 
 def _grouped(
@@ -181,7 +189,7 @@ def table(rows: Sequence[Agreement]) -> list[str]:
         )
         for each in rows
     ]  # fmt: skip
-    head = ("", "Cells", "Markers apart", "We from their mean", "We give more (+)", "Outside both ranges")
+    head = ("", "Cells", "Markers apart", "We from their mean", "We give more (+)", "No marker accepts")
     widths = [max(len(row[i]) for row in (head, *body)) for i in range(len(head))]
     lines = [
         "| " + " | ".join(f"{text:{'<' if not i else '>'}{widths[i]}}" for i, text in enumerate(row)) + " |"

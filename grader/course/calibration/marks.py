@@ -10,7 +10,7 @@ from pathlib import Path
 from grader.base import tables
 from grader.base.errors import RequestError
 from grader.base.files import read_file
-from grader.base.text import decimal, printable
+from grader.base.text import csv_cell, decimal, printable
 
 NEEDED = ("id", "criterion", "points")
 COLUMNS = (*NEEDED, "low", "high", "comment", "rubric")
@@ -37,10 +37,15 @@ class Mark:
 
 @dataclass(frozen=True)
 class Marks:
-    """The marks of one person. `rubrics` holds the digests of the rubrics that the marking pages showed, shortened."""
+    """The marks of one person.
+
+    `ids` are all submissions of the table, marked or not. `rubrics` holds the short digests of the rubrics that the marking page
+    showed; empty for a table without them.
+    """
 
     marker: str
     cells: Mapping[Cell, Mark]
+    ids: tuple[str, ...] = ()
     rubrics: frozenset[str] = frozenset()
 
 
@@ -65,7 +70,7 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
     try:
         table = tables.reader(read_file(path, _MOST_BYTES, "give the path of a CSV file with marks"))
         titles = [title.strip().casefold() for title in next(table, [])]
-        rows = [(dict(zip(titles, cells, strict=False)), table.line_num) for cells in table if any(cells)]
+        rows = [(dict(zip(titles, map(_plain, cells), strict=False)), table.line_num) for cells in table if any(cells)]
     except (UnicodeDecodeError, csv.Error) as error:
         raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
     if missing := [name for name in NEEDED if name not in titles]:
@@ -82,9 +87,14 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
         raise RequestError(
             "\n".join([*problems[:_MOST_PROBLEMS], *([f"{source}: and {more} more"] if more > 0 else [])])
         )
-    if not found:
-        raise RequestError(f"{source}: no row has points; fill in the column points")
-    return Marks(printable(path.stem, 60), found, frozenset(filter(None, (row.get("rubric", "") for row, _ in rows))))
+    rubrics = frozenset(filter(None, (row.get("rubric", "").strip() for row, _ in rows)))
+    ids = tuple(dict.fromkeys(row.get("id", "").strip() for row, _ in rows))
+    return Marks(printable(path.stem, 60), found, ids, rubrics)
+
+
+def _plain(text: str) -> str:
+    """Return a cell without the apostrophe that keeps a spreadsheet from taking it for a formula."""
+    return text[1:] if text[1:] and csv_cell(text[1:]) == text else text
 
 
 def _marked_cell(
@@ -96,17 +106,32 @@ def _marked_cell(
         return {}
     cell = find(word), criterion
     if cell not in most:
-        criteria = sorted({name for id_, name in most if id_ == cell[0]})
+        criteria = [name for id_, name in most if id_ == cell[0]]
         if not criteria:
-            raise RequestError(f"no graded submission {printable(word)}; give an id, a name or an address of the class")
+            raise RequestError(f"no submission {printable(word)} in this class; give an id, a name or an address")
         raise RequestError(f"no criterion {printable(criterion)}; the criteria are {', '.join(criteria)}")
     if cell in known:
         raise RequestError(f"a second mark for {printable(word)} in {criterion}; remove one of the two rows")
-    points = _number(text, "points", most[cell])
-    low, high = (_number(row.get(name, ""), name, most[cell], points) for name in ("low", "high"))
+    mark = mark_of(row, most[cell])
+    return {} if mark is None else {cell: mark}
+
+
+def mark_of(row: Mapping[str, str], most: float) -> Mark | None:
+    """Return the mark in the fields points, low, high and comment as typed; None if the points are blank.
+
+    Raises
+    ------
+    RequestError
+        If a number is none, or lies outside the criterion's points.
+    """
+    text = row.get("points", "").strip()
+    if not text:
+        return None
+    points = _number(text, "points", most)
+    low, high = (_number(row.get(name, ""), name, most, points) for name in ("low", "high"))
     if not low <= points <= high:
-        raise RequestError(f"points {text} lie outside low to high; correct one of the three")
-    return {cell: Mark(points, low, high, printable(row.get("comment", "").strip(), _LONGEST_COMMENT, newlines=True))}
+        raise RequestError(f"points {printable(text, 40)} lie outside low to high; correct one of the three")
+    return Mark(points, low, high, printable(row.get("comment", "").strip(), _LONGEST_COMMENT, newlines=True))
 
 
 def _number(text: str, column: str, most: float, default: float | None = None) -> float:

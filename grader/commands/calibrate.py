@@ -1,0 +1,58 @@
+"""`imugrade calibrate`: compare the grades with marks given by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grader.base.errors import RequestError
+from grader.commands.common import RubricOption, shown_path
+
+
+def calibrate(
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
+    ],
+    *,
+    sample: Annotated[
+        int | None,
+        typer.Option(
+            "--sample", min=1, max=200, metavar="N", help="Draw N submissions to mark by hand; 12 is a good number."
+        ),
+    ] = None,
+    marks: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--marks", metavar="FILE", help="A person's marks, a CSV. Give the option again for a second person."
+        ),
+    ] = None,
+    folder: Annotated[
+        Path | None, typer.Option("-o", "--out", metavar="DIR", help="Where the pages go. Default: OUT/calibration.")
+    ] = None,
+    rubric: RubricOption = None,
+) -> int:
+    """Measure how close the grades are to your own, and which deductions would bring them closer.
+
+    First draw a sample and mark it on the page that is written. Then compare. No grade changes.
+
+    \b
+    Examples:
+      imugrade calibrate out --sample 12 -o sample
+      imugrade calibrate out --marks marks-a.csv --marks marks-b.csv
+    """
+    from grader.course.calibration import calibrating  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+
+    if (sample is None) == (not marks):
+        raise RequestError("calibrate: give --sample N to draw submissions, or --marks FILE to compare")
+    where = folder or out / calibrating.FOLDER
+    if sample is not None:
+        lines = calibrating.write_sample(LAB, out, where, sample)
+    else:
+        lines = calibrating.write_comparison(LAB, out, where, marks or [], rubric)
+    for line in lines:
+        print(line)
+    print(f"written to {shown_path(where)}")
+    return 0

@@ -1,0 +1,105 @@
+"""A sample of a class to mark by hand: many faults, every criterion, all sizes of score, and some sound work."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from markupsafe import Markup
+
+from grader.base.text import printable
+from grader.course.record import Store
+from grader.course.submission_archive import source, unpack, unshowable
+from grader.engine.chart_data import Chart
+from grader.engine.lab import Lab
+from grader.engine.results import Result
+from grader.intake.names import is_code
+from grader.report.pages import drawn
+
+DEFAULT_SIZE = 12
+_SOUND = 0.25
+"""Share of the sample that has full points: a marker who finds faults in it shows faults that we miss."""
+_MOST_LINES, _LONGEST_LINE = 1500, 300
+_MOST_PICTURES = 4
+
+
+@dataclass(frozen=True)
+class Unmarked:
+    """A submission as its marker sees it: numbered code, submitted pictures, drawn figures, and nothing that we think of it.
+
+    `files` are pairs of path and text with line numbers, `pictures` pairs of path and PNG in base64.
+    """
+
+    id: str
+    files: tuple[tuple[str, str], ...]
+    pictures: tuple[tuple[str, str], ...]
+    figures: Markup
+
+
+def draw(results: Mapping[str, Result], size: int) -> list[str]:
+    """Return the ids of a sample: the same for the same results, in an order that tells nothing.
+
+    A quarter is sound work. Each other one is the submission with most that the sample does not show yet: faults, criteria that
+    lose points, and scores.
+    """
+    left = {id_: _features(result) for id_, result in sorted(results.items(), key=lambda item: _shuffled(item[0]))}
+    sound = [id_ for id_, result in results.items() if result.score >= result.max_score]
+    chosen = sorted(sound, key=_shuffled)[: math.ceil(size * _SOUND)]
+    shown = Counter(feature for id_ in chosen for feature in left.pop(id_))
+    while left and len(chosen) < size:
+        best = max(left, key=lambda id_: sum(1 / (1 + 3 * shown[feature]) for feature in left[id_]))
+        shown.update(left.pop(best))
+        chosen.append(best)
+    return sorted(chosen, key=_shuffled)
+
+
+def _features(result: Result) -> set[tuple[str, str]]:
+    lost = {c.id: (c.max_points - c.points) / (c.max_points or 1.0) for c in result.criteria}
+    return {
+        *(("fault", fault) for fault in result.misconceptions),
+        *(("criterion", f"{id_} {'most' if share > 0.5 else 'some'}") for id_, share in lost.items() if share > 0),
+        ("score", str(int(10 * result.score / (result.max_score or 1.0)))),
+    }
+
+
+def _shuffled(id_: str) -> str:
+    return hashlib.sha256(f"calibrate {id_}".encode("utf-8", "replace")).hexdigest()
+
+
+def to_mark(store: Store, lab: Lab, results: Mapping[str, Result], ids: Sequence[str]) -> list[Unmarked]:
+    """Return the submissions of a sample as the marker sees them, the files that the lab asks for first."""
+    digests = {id_: str(results[id_].provenance.get("submission_sha256", "")) for id_ in ids}
+    return [_to_mark(store, lab.files, id_, digest) for id_, digest in digests.items()]
+
+
+def _to_mark(store: Store, names: Sequence[str], id_: str, digest: str) -> Unmarked:
+    def place(item: tuple[str, bytes]) -> tuple[int, str]:
+        return names.index(item[0]) if item[0] in names else len(names), item[0]
+
+    kept = dict(sorted(unpack(store.files(digest)).files.items(), key=place))
+    files = tuple(
+        (printable(path), _numbered(source(path, content))) for path, content in kept.items() if is_code(path)
+    )
+    pictures = [(path, content) for path, content in kept.items() if not unshowable(content)][:_MOST_PICTURES]
+    encoded = tuple((printable(path), base64.b64encode(content).decode()) for path, content in pictures)
+    figures = drawn(filter(None, map(_without_remarks, store.charts(id_))))
+    return Unmarked(id_, files, encoded, Markup().join(map(Markup, figures.values())))
+
+
+def _numbered(text: str) -> str:
+    lines = text.rstrip("\n").split("\n")
+    shown = [f"{n:4}  {printable(line, _LONGEST_LINE, newlines=True)}" for n, line in enumerate(lines[:_MOST_LINES], 1)]
+    return "\n".join([*shown, *([f"… and {len(lines) - _MOST_LINES} more lines"] if len(lines) > _MOST_LINES else [])])
+
+
+def _without_remarks(chart: Chart) -> Chart | None:
+    """Return a figure that the student's code drew, as its reader sees it; None for every other chart: they show the truth."""
+    panels = [
+        replace(panel, curves=tuple(curve for curve in panel.curves if curve.role == "drawn")) for panel in chart.panels
+    ]
+    seen = tuple(panel for panel in panels if panel.curves)
+    return replace(chart, panels=seen, caption="", png="") if seen else None
