@@ -21,7 +21,7 @@ from grader.engine.results import Result
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from tests.corpus.pieces import COLLECT_WHILE, edit, lab, tidy, verbatim
+from tests.corpus.pieces import COLLECT_WHILE, edit, lab, part, tidy, verbatim
 from tests.examples import FOLDER
 from tests.single_faults import lost_by, marked, submission_of
 
@@ -131,6 +131,59 @@ def test_a_loop_that_keeps_pace_with_the_clock_is_sound(marker: Marker) -> None:
     pace = "        began = time.time()\n        mujoco.mj_step(model, data)\n        time.sleep(max(0.0, model.opt.timestep - (time.time() - began)))\n"
     collect = "import time\n\n\n" + COLLECT_WHILE.replace("        mujoco.mj_step(model, data)\n", pace)
     assert lost_by(marked(marker, lab(collect=collect), "data_collection")) == {}
+
+
+POLLED = """import threading, time
+
+
+def simulate_and_collect(model, data, duration_seconds=5.0):
+    mujoco.mj_resetData(model, data)
+    data.qvel[0] = 0.5
+    rows, running, lock = [], threading.Event(), threading.Lock()
+    running.set()
+
+    def poll():
+        began = time.time()
+        while running.is_set():
+            with lock:
+                rows.append((time.time() - began, *(a.copy() for a in get_imu_readings(model, data, accel_id, gyro_id))))
+            PAUSE
+
+    poller = threading.Thread(target=poll)
+    poller.start()
+    while data.time < duration_seconds:
+        with lock:
+            mujoco.mj_step(model, data)
+        time.sleep(model.opt.timestep)
+    running.clear()
+    poller.join()
+    return dict(zip(("time", "acceleration", "angular_velocity"), map(np.array, zip(*rows))))
+"""
+
+
+@pytest.mark.parametrize("pause", ["time.sleep(model.opt.timestep)", "threading.Event().wait(model.opt.timestep)"])
+def test_a_thread_that_polls_by_the_clock_takes_the_same_samples_in_every_run(marker: Marker, pause: str) -> None:
+    submission = submission_of(lab(collect=POLLED.replace("PAUSE", pause)))
+    first = settled(marker.mark(submission, only="data_collection"))
+    with busy_machine():
+        assert settled(marker.mark(submission, only="data_collection")) == first
+    assert 9 <= first.score <= 18, "the range that two people who marked such a recorder accept"
+
+
+def test_threads_that_wait_for_each_other_take_no_real_time(marker: Marker) -> None:
+    pool = """import time
+from concurrent.futures import ThreadPoolExecutor
+
+
+def rest(seconds):
+    time.sleep(seconds)
+    return seconds
+
+
+with ThreadPoolExecutor() as pool:
+    assert list(pool.map(rest, [600, 100])) == [600, 100]
+"""
+    assert lost_by(marked(marker, lab(collect=f"{pool}\n\n{part('tidy', 'collect')}"), "data_collection")) == {}
 
 
 # --- optimizations ---

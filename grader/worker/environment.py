@@ -303,7 +303,7 @@ def _watch_steps() -> None:
                 _RECORDER.before_step(model, data)
             made = step(model, data, *args, **kwargs)
             count = (args[0] if args else kwargs.get("nstep", 1)) if ends else 0
-            repeatability.CLOCK.passed_s += _STEP_S * count
+            repeatability.CLOCK.advance(_STEP_S * count)
             if _RECORDER and ends:
                 _RECORDER.after_step(model, data, count)
             return made

@@ -18,28 +18,20 @@ from typing import Any
 
 import numpy as np
 
+from . import virtual_time
+
 PID = 1
 """Process id that student code sees: the one that its process has in a namespace of its own."""
 
 
-class _Clock:
-    """Clock of student code: it advances with pauses, with simulated steps, and a little with each reading.
-
-    So a loop that runs for some seconds makes the same number of rounds in every run, whatever else the machine does.
-    """
-
-    def __init__(self) -> None:
-        self.passed_s = 0.0
-
-    def look(self) -> float:
-        self.passed_s += _LOOK_S
-        return self.passed_s
-
-
-_LOOK_S = 1e-6
+_LOOK_S = 1e-6  # what reading a clock takes
 _NEW_YEAR_S = 1_767_225_600.0  # 2026
 _CLOCKS = {"time": _NEW_YEAR_S, "perf_counter": 100.0, "process_time": 1.0, "thread_time": 1.0}
-CLOCK = _Clock()
+CLOCK = virtual_time.Clock()
+"""Clock of student code: it advances with pauses, with simulated steps, and a little with each reading.
+
+So a loop that runs for some seconds makes the same number of rounds in every run, whatever else the machine does.
+"""
 
 
 class _Bytes:
@@ -63,6 +55,7 @@ _BYTES = _Bytes()
 def install(folder: str) -> None:
     """Replace the real sources by repeatable ones; code in `folder` is the student's."""
     _LIBRARY.own_folder = folder
+    virtual_time.install(CLOCK)
     _replace_clocks()
     _replace_dates()
     _replace_process()
@@ -80,6 +73,9 @@ def seed(number: int) -> None:
         bit_generator.randbits = stream.getrandbits  # default_rng() without a seed takes its entropy from here
 
 
+_EVENT_LOOP = os.path.join("asyncio", "base_events.py")  # its pauses pass by the clock, see `virtual_time`
+
+
 class _Library:
     """Test whether a library calls. Library code has an absolute file name; the student's code has none."""
 
@@ -87,6 +83,8 @@ class _Library:
 
     def calls(self) -> bool:
         name = sys._getframe(2).f_code.co_filename
+        if name.endswith(_EVENT_LOOP):
+            return False
         return name.startswith("<frozen") or (os.path.isabs(name) and not name.startswith(self.own_folder))
 
 
@@ -99,19 +97,19 @@ def _replace_clocks() -> None:
     def sleep(seconds: float) -> None:
         if seconds < 0:
             raise ValueError("sleep length must be non-negative")
-        CLOCK.passed_s += float(seconds)
+        CLOCK.advance(float(seconds))
 
     def reading(start_s: float) -> Callable[[], float]:
-        return lambda: start_s + CLOCK.look()
+        return lambda: start_s + CLOCK.advance(_LOOK_S)
 
     def reading_ns(start_s: float) -> Callable[[], int]:
-        return lambda: round((start_s + CLOCK.look()) * 1e9)
+        return lambda: round((start_s + CLOCK.advance(_LOOK_S)) * 1e9)
 
     def monotonic() -> float:
-        return really() + CLOCK.passed_s if _LIBRARY.calls() else _CLOCKS["perf_counter"] + CLOCK.look()
+        return really() + CLOCK.passed_s if _LIBRARY.calls() else _CLOCKS["perf_counter"] + CLOCK.advance(_LOOK_S)
 
     def monotonic_ns() -> int:
-        seconds = really() + CLOCK.passed_s if _LIBRARY.calls() else _CLOCKS["perf_counter"] + CLOCK.look()
+        seconds = really() + CLOCK.passed_s if _LIBRARY.calls() else _CLOCKS["perf_counter"] + CLOCK.advance(_LOOK_S)
         return round(seconds * 1e9)
 
     really = time.monotonic
