@@ -19,6 +19,14 @@ OLD_NUMPY = """
     assert (np.trapz([1, 1]), np.product([2, 3]), np.round_(1.23, 1), np.int(3.5)) == (1, 6, 1.2, 3)
     assert np.in1d([[1], [2]], [1]).tolist() == [True, False] and np.cumproduct([2, 3])[1] == 6
     assert np.asfarray([1]).dtype == np.float_ and np.row_stack([[1], [2]]).shape == np.mat("1; 2").shape
+    assert (np.trapezoid([1, 1]), np.concat([[1], [2]])[1], np.atan2(0, 1), np.math.sqrt(4)) == (1, 2, 0, 2)
+    assert issubclass(np.VisibleDeprecationWarning, Warning) and isinstance("x", np.str) and np.bool(1)
+"""
+OLD_SCIPY = """
+    from scipy.integrate import cumtrapz, simps, trapz
+    from scipy import signal
+    assert (trapz([1, 1]), simps([1, 1, 1]), cumtrapz([1, 1])[0]) == (1, 2, 1)
+    assert len(signal.hann(5)) == len(signal.gaussian(5, 1)) == 5
 """
 OTHER_SYSTEM = """
     import os, msvcrt, winsound
@@ -31,6 +39,14 @@ OLD_MATPLOTLIB = """
     cm.get_cmap('viridis', 3)(cm.get_cmap()(0.5)[0])
     plt.style.use('seaborn-darkgrid')
     plt.rc('text', usetex=True)
+"""
+OLD_CANVAS = """
+    old, axes = plt.subplots()
+    axes.plot([0, 1], label='old')
+    assert len(axes.legend().legendHandles) == 1
+    old.canvas.draw()
+    assert len(old.canvas.tostring_rgb()) == 3 * old.canvas.get_width_height()[0] * old.canvas.get_width_height()[1]
+    plt.close(old)
 """
 WINDOW = """
     plt.gcf().canvas.set_window_title('IMU')
@@ -47,8 +63,10 @@ FOLDERS = ("imu_data.png", "figures/lab 4/imu_data.png"), (SAVE, f"    np.savez(
     ("edits", "part"),
     [
         pytest.param([(STEP, OLD_NUMPY + STEP)], "data_collection", id="old names of numpy"),
+        pytest.param([(STEP, OLD_SCIPY + STEP)], "data_collection", id="old names of scipy"),
         pytest.param([(STEP, OTHER_SYSTEM + STEP)], "data_collection", id="a terminal, and Windows"),
         pytest.param([(PLOT, PLOT + OLD_MATPLOTLIB)], "visualization", id="old names of matplotlib, and TeX"),
+        pytest.param([(PLOT, PLOT + OLD_CANVAS)], "visualization", id="old names of matplotlib's canvas and legend"),
         pytest.param([(SAVE, WINDOW + SAVE)], "visualization", id="a window with a title, a size and a place"),
         pytest.param(FOLDERS, "visualization", id="a picture and numbers in folders of the desk"),
     ],

@@ -58,7 +58,7 @@ class Part:
     def named_in(self, files: Mapping[str, bytes]) -> bool:
         """Return whether a program or notebook defines one of the part's names; only text is searched, no code runs."""
         names = "|".join(self.names)
-        pattern = rf"\b(?:class|def)[ \t]+(?:{names})\b|%%writefile[ \t]+{self.home}"
+        pattern = rf"(?:\b|\\n)(?:class|def)[ \t]+(?:{names})\b|%%writefile[ \t]+{self.home}"
         defines = re.compile(pattern.encode())
         return any(defines.search(content) for path, content in files.items() if path.endswith((".py", ".ipynb")))
 

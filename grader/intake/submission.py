@@ -29,6 +29,8 @@ from grader.intake.names import (
 from grader.intake.placeholders import is_empty_program
 from grader.intake.texts import as_programs, in_lower_case
 
+_CONFLICT = (b"<<<<<<< ", b"=======", b">>>>>>> ")  # the lines that `git merge` leaves begin with these
+
 
 @dataclass(frozen=True)
 class Submission:
@@ -181,7 +183,17 @@ def _broken_notebooks(budget: FileBudget) -> str:
     code = sorted(filter(is_code, budget.files))
     if not all(path.endswith(".ipynb") and not _is_notebook(budget.files[path]) for path in code):
         return ""
+    for path in code:
+        if line := _merge_conflict(budget.files[path]):
+            return f"No program could be read: {printable(path)} has an unresolved merge conflict in line {line}; resolve it and hand it in again."
     return f"No program could be read: {listing(code)} is no notebook, or was cut off on the way; hand it in again."
+
+
+def _merge_conflict(content: bytes) -> int:
+    """Return the line with the first marker that `git merge` left in a file; 0 without one."""
+    lines = content.splitlines()
+    at = [next((n for n, line in enumerate(lines, 1) if line.startswith(mark)), 0) for mark in _CONFLICT]
+    return at[0] if 0 < at[0] < at[1] < at[2] else 0
 
 
 def _is_notebook(content: bytes) -> bool:

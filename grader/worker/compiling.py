@@ -7,6 +7,7 @@ import importlib.util
 import linecache
 import re
 from pathlib import Path
+from typing import Any
 
 from . import faults, fuzzy_names, notebooks, packages, statements
 from .submission import STATE
@@ -16,6 +17,7 @@ _MOST_LEFT_OUT = (
     8  # most statements of a file that are blanked because they do not parse; each costs a parse of the file
 )
 _CONTINUES = re.compile(r"[\s)\]}#]|(?:elif|else|except|finally)\b")  # a line that does not begin a statement
+_CONFLICT = ("<<<<<<< ", "=======", ">>>>>>> ")  # the lines that `git merge` leaves begin with these
 _DEFINES = re.compile(r"^(?:async[ \t]+)?(?:def|class)[ \t]+(\w+)", re.MULTILINE)
 
 
@@ -24,8 +26,18 @@ def units_in(source: bytes, path: str, *, flags: int = 0) -> list[statements.Uni
     try:
         return _units(_decoded(source), path, flags)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as refused:
-        STATE.unreadable[path] = faults.describe(refused)
+        STATE.unreadable[path] = faults.describe(refused) | merge_conflict(source, path)
         return None
+
+
+def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
+    """Return the facts of the first unresolved merge conflict in a file, in the form of `faults.describe`; none without one."""
+    lines = source.decode("utf-8", "replace").splitlines()
+    at = [next((n for n, line in enumerate(lines) if line.startswith(marker)), -1) for marker in _CONFLICT]
+    if not -1 < at[0] < at[1] < at[2]:
+        return {}
+    told = faults.fault_at(path, at[0] + 1, "unresolved merge conflict")
+    return told | {"type": "SyntaxError", "text": lines[at[0]][:200]}
 
 
 def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:

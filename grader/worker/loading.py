@@ -338,9 +338,10 @@ def _write_cells_to_files(path: str, withheld: list[str]) -> None:
 
 
 def _cells(path: str) -> list[str]:
+    content = Path(STATE.folder, path).read_bytes()
     try:
-        return notebooks.code_cells(Path(STATE.folder, path).read_bytes())
+        return notebooks.code_cells(content)
     except (ValueError, RecursionError) as error:
         told = {"type": "SyntaxError", "message": "this is not a notebook that can be read"}
-        STATE.unreadable[path] = faults.describe(error) | told
+        STATE.unreadable[path] = faults.describe(error) | told | compiling.merge_conflict(content, path)
         return []
