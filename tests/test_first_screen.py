@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from grader import cli
+from grader.commands.opening import found
 from grader.commands.prints import Prints
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import open_sandbox_for
@@ -19,7 +20,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import VERBATIM
-from tests.corpus.writing import write
+from tests.corpus.writing import notebook, write
 
 
 def test_a_flood_is_cut_and_silence_is_said() -> None:
@@ -53,6 +54,40 @@ def test_prints_are_heard_on_public_scenarios_and_never_on_hidden_ones(tmp_path:
             marker.mark(submission, only="filtering", listen=lambda _, text, name=name: heard.update({name: text}))  # type: ignore[misc]
     assert set(heard) == {"public"}
     assert heard["public"].startswith("loaded\nasked\nasked\n")
+
+
+CONFLICT = "import numpy as np\n<<<<<<< HEAD\nALPHA = 0.1\n=======\nALPHA = 0.2\n>>>>>>> main\n"
+
+
+@pytest.mark.parametrize(
+    ("files", "place"),
+    [
+        pytest.param(
+            {"filters.py": CONFLICT + VERBATIM["filters.py"]},
+            "filters.py has an unresolved merge conflict in line 2",
+            id="a program",
+        ),
+        pytest.param(
+            {"lab.ipynb": f'{{"cells": [\n{CONFLICT}]}}', "helper.py": "A = 1"},
+            "lab.ipynb has an unresolved merge conflict in line 3",
+            id="a notebook",
+        ),
+        pytest.param(
+            {"lab.ipynb": notebook(CONFLICT)}, "lab.ipynb has an unresolved merge conflict in line 9", id="a cell"
+        ),
+    ],
+)
+def test_a_merge_conflict_is_called_that(
+    files: dict[str, str], place: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cli.main(["check", str(write(files, tmp_path / "lab")), "--only", "filtering"])
+    assert place in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_notebook_whose_cells_are_timed_is_the_right_folder(tmp_path: Path) -> None:
+    book = notebook(*(f"%%time\n{source}" for source in VERBATIM.values()), lines=False)
+    submission = read_submission(write({"lab.ipynb": book}, tmp_path), LAB.files)
+    assert "is this the right folder" not in found(LAB, submission)
 
 
 def test_a_syntax_error_is_told_once_with_its_line_and_a_caret(

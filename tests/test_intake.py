@@ -208,6 +208,10 @@ FOUND: dict[str, tuple[str, Files, Files | str, tuple[str, ...]]] = {
         )
         for number, content in enumerate((b'{"cells": [', b"[1, 2]", b"", b"[" * 100_000))
     },
+    "a notebook with a merge conflict": (
+        "folder", {"lab.ipynb": b'{"cells": [\n<<<<<<< HEAD\n{},\n=======\n>>>>>>> main\n]}'}, "empty",
+        ("No program could be read: lab.ipynb has an unresolved merge conflict in line 2; resolve it and hand it in again.",),
+    ),
     "an empty required file, an empty helper, and no notebook": (
         "folder", HOLLOW, HOLLOW, ("filters.py is empty: save it, check its size and hand it in again.",),
     ),

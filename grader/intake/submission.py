@@ -117,7 +117,7 @@ def read_submission(
     digest = _digest(("../" * levels[path] + path, content) for path, content in files.items())
     empty = sorted(path for path in layout.inside if path in required and is_empty_program(files[path]))
     unwritten = [f"{name} is empty: save it, check its size and hand it in again." for name in empty]
-    notes = (*unwritten, *layout.notes, *budget.notes())
+    notes = (*unwritten, *_merge_conflicts(files), *layout.notes, *budget.notes())
     return Submission(id, name, files, notes, "ready", digest, layout.folder, layout.above)
 
 
@@ -183,17 +183,21 @@ def _broken_notebooks(budget: FileBudget) -> str:
     code = sorted(filter(is_code, budget.files))
     if not all(path.endswith(".ipynb") and not _is_notebook(budget.files[path]) for path in code):
         return ""
-    for path in code:
-        if line := _merge_conflict(budget.files[path]):
-            return f"No program could be read: {printable(path)} has an unresolved merge conflict in line {line}; resolve it and hand it in again."
+    if conflicts := _merge_conflicts({path: budget.files[path] for path in code}):
+        return f"No program could be read: {conflicts[0]}"
     return f"No program could be read: {listing(code)} is no notebook, or was cut off on the way; hand it in again."
 
 
-def _merge_conflict(content: bytes) -> int:
-    """Return the line with the first marker that `git merge` left in a file; 0 without one."""
-    lines = content.splitlines()
-    at = [next((n for n, line in enumerate(lines, 1) if line.startswith(mark)), 0) for mark in _CONFLICT]
-    return at[0] if 0 < at[0] < at[1] < at[2] else 0
+def _merge_conflicts(files: Mapping[str, bytes]) -> list[str]:
+    """Return a note for each file of code with the markers that `git merge` leaves, with the line of the first one."""
+    notes = []
+    for path in sorted(filter(is_code, files)):
+        lines = [line.lstrip(b' \t"') for line in files[path].splitlines()]  # a notebook's lines are strings in JSON
+        at = [next((n for n, line in enumerate(lines, 1) if line.startswith(mark)), 0) for mark in _CONFLICT]
+        if 0 < at[0] < at[1] < at[2]:
+            where = f"{printable(path)} has an unresolved merge conflict in line {at[0]}"
+            notes.append(f"{where}; resolve it and hand it in again.")
+    return notes
 
 
 def _is_notebook(content: bytes) -> bool:

@@ -30,13 +30,22 @@ def _restore_numpy_names() -> None:
 
     Add the names that NumPy 2.0 brought, too, where an earlier release is installed.
     """
-    types = {"float": float, "int": int, "complex": complex, "object": object, "str": str, "bool": np.bool_}
+    types: dict[str, Any] = {
+        "float": float,
+        "int": int,
+        "complex": complex,
+        "object": object,
+        "str": str,
+        "bool": np.bool_,
+    }
     types |= {"float_": np.float64, "complex_": np.complex128, "cfloat": np.complex128, "bool8": np.bool_}
     types |= {"unicode_": np.str_, "string_": np.bytes_, "math": math}
     if exceptions := getattr(np, "exceptions", None):  # since 1.25
-        types |= {name: getattr(exceptions, name) for name in ("AxisError", "ComplexWarning", "VisibleDeprecationWarning")}
+        types |= {
+            name: getattr(exceptions, name) for name in ("AxisError", "ComplexWarning", "VisibleDeprecationWarning")
+        }
     numbers = dict.fromkeys(("Inf", "Infinity", "infty", "PINF"), np.inf) | {"NINF": -np.inf, "NaN": np.nan}
-    functions = {
+    functions: dict[str, Any] = {
         "alltrue": np.all,
         "sometrue": np.any,
         "product": np.prod,
@@ -89,7 +98,9 @@ def _colour_map(mpl: Any, name: Any, lut: int | None) -> Any:
 
 _SCIPY_NAMES = {
     "scipy.integrate": {"trapz": "trapezoid", "simps": "simpson", "cumtrapz": "cumulative_trapezoid"},
-    "scipy.signal": dict.fromkeys(("hann", "hamming", "blackman", "gaussian", "bartlett", "boxcar", "kaiser"), "windows"),
+    "scipy.signal": dict.fromkeys(
+        ("hann", "hamming", "blackman", "gaussian", "bartlett", "boxcar", "kaiser"), "windows"
+    ),
 }
 """Names that SciPy removed (1.13, 1.14), by module: the name that is there now, or the module into which they moved."""
 
@@ -114,7 +125,9 @@ class _ScipyFinder:
 
 def _restore_scipy_names(module: ModuleType) -> None:
     present = {old: getattr(module, new) for old, new in _SCIPY_NAMES[module.__name__].items()}
-    _fill(module, {old: getattr(found, old) if isinstance(found, ModuleType) else found for old, found in present.items()})
+    _fill(
+        module, {old: getattr(found, old) if isinstance(found, ModuleType) else found for old, found in present.items()}
+    )
 
 
 def _fill(owner: Any, names: dict[str, Any]) -> None:

@@ -23,7 +23,6 @@ from . import virtual_time
 PID = 1
 """Process id that student code sees: the one that its process has in a namespace of its own."""
 
-
 _LOOK_S = 1e-6  # what reading a clock takes
 _NEW_YEAR_S = 1_767_225_600.0  # 2026
 _CLOCKS = {"time": _NEW_YEAR_S, "perf_counter": 100.0, "process_time": 1.0, "thread_time": 1.0}

@@ -164,13 +164,13 @@ def _replace_locks(clock: Clock) -> None:
         def __exit__(self, *_: object) -> None:
             self.release()
 
-    class ReentrantLock(threading._RLock):  # type: ignore[name-defined,misc] # the standard library's, written in Python
+    class ReentrantLock(threading._RLock):  # type: ignore[misc] # the standard library's, written in Python
         def __init__(self) -> None:
             super().__init__()
             self._block = Lock()
 
     vars(threading).update(Lock=Lock, RLock=ReentrantLock)
-    vars(queue)["SimpleQueue"] = vars(queue)["_PySimpleQueue"]  # the one written in C waits where the clock cannot see it
+    vars(queue)["SimpleQueue"] = vars(queue)["_PySimpleQueue"]  # the other one waits where the clock cannot see it
 
 
 def _replace_condition(clock: Clock) -> None:
