@@ -204,13 +204,12 @@ class _Problem:
         given = {each.id: float(value) for each, value in zip(self.unknowns, values, strict=True)}
         weights = {check.id: given.get(check.id, check.weight) for check in self.criterion.checks}
         worth = self.criterion.points / sum(weights.values())
-        deductions = {**self.rubric.mistakes, **given}
-        return np.array(
-            [
-                sum(earned(check, weights[check.id] * worth, deductions) or 0.0 for check in part.checks)
-                for part in self.parts
-            ]
-        )
+
+        def points(part: CriterionResult) -> float:
+            deductions = {**self.rubric.mistakes, **given}
+            return sum(earned(check, weights[check.id] * worth, deductions) or 0.0 for check in part.checks)
+
+        return np.array([points(part) for part in self.parts])
 
     def solved(self, without: str = "") -> Vector:
         """Return the values, rounded as they are proposed, that fit best the cells of all submissions but one."""
