@@ -233,6 +233,7 @@ def test_the_command_compares_two_people_and_changes_no_grade(out: Path, run: Ru
     assert (code, told) == (0, "")
     assert "| Sensor access | 12 | 0.50 | 1.25 ± 0.83 | −1.25 | 6 |" in " ".join(said.split())
     assert "too hard: wrong-0, Sensor access: we 14, marks 17 and 16" in said
+    assert "6 final grades of the class would change.\n  wrong-0  94 → 96\n" in said
     assert "  sensor-id-as-address: 4 # 6 at present; 6 marks\n" in said
     page = words((tmp_path / "pages" / "comparison.html").read_text(encoding="utf-8"))
     assert "We: 14 of 20 −6" in page
@@ -278,4 +279,7 @@ def test_two_people_mark_the_same_sample_at_the_desk_and_compare(desk: Desk, out
     assert len(rows) == 12 * 5
     assert [(row["id"], row["points"], row["comment"]) for row in rows if row["points"]] == [(id_, "15", "'=odd")]
     assert "Marker 2: 16.5 No sentence." in words(desk.get("/calibrate?compare=yes").text)
+    everybody(17, out / "calibration" / "marks-third.csv")
+    preview = re.findall(r'href="(/what-if\?price[^"]+)"', desk.get("/calibrate?compare=yes").text)
+    assert "6 of 16 final grades change" in words(desk.get(preview[0].replace("&amp;", "&")).text)
     assert desk.post("/calibrate", {"id": "void", "points:filtering": "1"}).status == 400

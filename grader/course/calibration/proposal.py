@@ -11,6 +11,7 @@ import statistics
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from urllib.parse import urlencode
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +103,11 @@ class Proposal:
             f"marked, expect {self.unseen:.2f}: the distance when each marked one is predicted from the others."
         )
         return [told, *self.why, f"{words.counted(len(self.moved), 'final grade')} of the class would change."]
+
+    def query(self) -> str:
+        """Return the fields of the review desk's what-if that preview the proposal."""
+        fields = {"fault": "price", "check": "weight"}
+        return urlencode({f"{fields[each.kind]}:{each.id}": f"{each.after:g}" for each in self.changes})
 
     def block(self) -> list[str]:
         """Return the lines to paste into `rubric.yaml`."""

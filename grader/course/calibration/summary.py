@@ -161,4 +161,8 @@ def lines_of(found: Summary) -> Iterator[str]:
         yield f"and {more} more; the page has all"
     if found.proposal is not None:
         yield from found.proposal.sentences()
+        yield from (
+            f"  {name}  {words.number(before)} → {words.number(after)}"
+            for name, before, after in found.moved[:_MOST_LINES]
+        )
         yield from found.proposal.block()
