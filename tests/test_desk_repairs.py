@@ -242,7 +242,8 @@ def test_the_desk_answers_while_another_process_makes_a_preview_and_says_what_is
 def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk, out: Path) -> None:
     with Store.existing(out) as store:
         store.keep_settings(replace(store.settings(), hidden=True))  # type: ignore[type-var]
-    assert "graded on hidden scenarios; set IMUGRADE_SEED" in words(previewed(desk))
+    for page in (desk.get("/").text, desk.get("/submission/ada?edit=filters.py").text, previewed(desk)):
+        assert "graded on hidden scenarios; set IMUGRADE_SEED" in words(page)
 
 
 @pytest.mark.parametrize(

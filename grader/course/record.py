@@ -21,6 +21,7 @@ from grader.course import class_settings
 from grader.course.class_settings import ClassSettings
 from grader.course.database import read
 from grader.course.decisions import Decisions, is_reviewed
+from grader.course.drafts import Drafts
 from grader.course.repair_log import RepairLog
 from grader.engine.chart_data import Chart, unpacked
 from grader.engine.marks import fits, marked
@@ -65,7 +66,7 @@ class Key:
     grader: str
 
 
-class Store(Decisions, RepairLog):
+class Store(Decisions, RepairLog, Drafts):
     """The record in `OUT/results.sqlite`."""
 
     def __init__(self, out: Path) -> None:

@@ -15,6 +15,7 @@ from grader.course.decisions import OvertakenError
 from grader.desk import (
     calibrate,
     comparing,
+    drafts,
     exports,
     grouping,
     overviews,
@@ -48,6 +49,7 @@ PAGES: dict[str, Handler] = {
 }
 WRITES: dict[str, Handler] = {
     "/calibrate": calibrate.save,
+    "/draft": drafts.keep,
     "/export": exports.send,
     "/reviewed": overviews.mark_reviewed,
     "/groups/{kind}/{key}": grouping.decide,
@@ -74,7 +76,9 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
             try:
                 web_request = await web_requests.read(request, called, author)
                 await _awaited(book, web_request, request)
-                return await asyncio.get_running_loop().run_in_executor(book.thread, handler, book, web_request)
+                return await asyncio.get_running_loop().run_in_executor(
+                    book.thread, _answered, handler, book, web_request
+                )
             except web_requests.TooLargeError:
                 return _refused("The form is too large: at most 2 MB.", 413)
             except OvertakenError as problem:
@@ -107,6 +111,14 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
     ]
     nothing = {404: lambda request, problem: _refused("This page does not exist.", 404)}
     return Guard(Starlette(routes=routes, exception_handlers=nothing), keys)
+
+
+def _answered(handler: Handler, book: Classbook, web_request: WebRequest) -> Response:
+    """Answer a request; the draft of a form that was accepted is dropped."""
+    answer = handler(book, web_request)
+    if web_request.form and answer.status_code == 303:
+        drafts.drop(book, web_request)
+    return answer
 
 
 async def _awaited(book: Classbook, web_request: WebRequest, request: Request) -> None:

@@ -57,7 +57,7 @@ class Classbook:
     def __init__(
         self, lab: Lab, out: Path, rubric: Path | None = None, secret: str | None = None, *, trusted: bool = False
     ) -> None:
-        self.lab, self.out = lab, out
+        self.lab, self.out, self._secret = lab, out, secret
         self.jobs = RepairJobs(partial(class_grading.settings_on_record, lab, out, secret, trusted=trusted))
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store = self.on_thread(lambda: Store.existing(out))
@@ -156,6 +156,15 @@ class Classbook:
     def repair_deduction(self) -> float:
         """Return the deduction that the repair form proposes."""
         return self.rubric.repairs.deduct
+
+    @property
+    def no_repairs(self) -> str:
+        """Return why nothing can be graded here, so that no repair can be previewed or saved; "" if it can."""
+        try:
+            class_settings.refuse_without_secret(self._store.settings(), self._secret)
+        except RequestError as problem:
+            return str(problem)
+        return ""
 
     def changed(self, ids: Iterable[str]) -> None:
         """Write the pages of these submissions anew, in the background."""

@@ -11,6 +11,7 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.course import class_settings, repairs
 from grader.course.contradictions import contradictions
+from grader.desk import drafts
 from grader.desk import review_queue as queue_of
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import page
@@ -48,6 +49,8 @@ def review_queue(book: Classbook, web_request: WebRequest) -> Response:
         kinds=KINDS,
         counts=Counter(each.reason.kind for each in open_),
         absent=book.store.notices().get("absent", []),
+        unsaved=drafts.unsaved(book, web_request),
+        no_repairs=book.no_repairs,
     )
 
 
@@ -103,5 +106,6 @@ def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 
         "lab": lab.label if lab else "",
         "author": web_request.author,
         "trouble": book.trouble,
+        "drafts": drafts.of_page(book, web_request),
     }
     return page(template, code, **(frame | values))

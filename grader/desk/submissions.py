@@ -162,6 +162,7 @@ def _page(
         "submission.html.j2",
         code_,
         editor=editor,
+        no_repairs=book.no_repairs,
         job=job if job is not None and job.id == final_grade.id else None,
         repairs=[repaired_file(each) for each in result.repairs],
         editable=[path for path in kept.files if not editable(path, kept.files[path]).why],

@@ -34,12 +34,15 @@ class WebRequest:
         The query parameters.
     path
         The path parameters.
+    address
+        The path of the page.
     """
 
     author: str
     form: Mapping[str, list[str]] = field(default_factory=dict)
     query: Mapping[str, list[str]] = field(default_factory=dict)
     path: Mapping[str, str] = field(default_factory=dict)
+    address: str = ""
 
     def text(self, name: str) -> str:
         return (self.form.get(name) or self.query.get(name) or [""])[0].strip()
@@ -71,7 +74,7 @@ async def read(request: Request, cookie: str, author: str) -> WebRequest:
                 raise TooLargeError
     said = unquote(request.cookies.get(cookie, ""))
     fields = (_fields(data.decode("utf-8", "replace")), _fields(request.url.query))
-    return WebRequest(name(said) or author, *fields, request.path_params)
+    return WebRequest(name(said) or author, *fields, request.path_params, request.url.path)
 
 
 def name(text: str) -> str:

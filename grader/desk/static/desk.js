@@ -14,7 +14,7 @@ function follow(key) {
   }
 }
 function write(details) {
-  if (details && !typing() && details.matches(".override > details[open]")) details.querySelector("input:not([type=hidden])").focus();
+  if (details && !typing() && !details.dataset.restored && details.matches(".override > details[open]")) details.querySelector("input:not([type=hidden])").focus();
 }
 // The button of a field: that of its group, else the first of the form that stands in no group.
 function chief(field) {
@@ -103,5 +103,72 @@ document.addEventListener("DOMContentLoaded", () => {
       event.preventDefault();
       go(Number(link.dataset.line));
     });
+  }
+});
+
+// What is typed is kept as a draft until its form is sent, so that another page, a reload or a restart loses nothing. The browser
+// asks before it leaves a page whose draft could not be kept.
+const LARGEST_LEFT_BEHIND = 60000; // characters of a request that a browser still sends when its page is gone: less than 64 kB
+const unkept = new Map(); // forms with changes that are not kept yet
+function typed(form) {
+  const fields = Array.from(form.elements).filter((each) => each.name && (each.type !== "hidden" || "kept" in each.dataset));
+  const chosen = fields.filter((each) => !["checkbox", "submit", "file"].includes(each.type) || each.checked);
+  return chosen.map((each) => [each.name, each.value]);
+}
+async function keep(form, fields) {
+  const text = JSON.stringify(fields);
+  const body = new URLSearchParams({ draft: form.elements.draft.value, fields: text });
+  const keepalive = body.toString().length < LARGEST_LEFT_BEHIND;
+  const kept = await fetch("/draft", { method: "POST", body, keepalive }).then((answer) => answer.ok, () => false);
+  if (!kept) unkept.set(form, "failed");
+  else if (!fields.length || text === JSON.stringify(typed(form))) unkept.delete(form);
+}
+function restore(form, fields) {
+  for (const each of form.elements) if (each.type === "checkbox") each.checked = false;
+  for (const [name, value] of fields) {
+    const several = form.querySelectorAll(`[name="${CSS.escape(name)}"]`);
+    for (const each of several) {
+      if (each.type !== "checkbox") each.value = value;
+      else if (each.value === value) each.checked = true;
+    }
+  }
+  const text = form.querySelector(".edit textarea");
+  if (text) text.dispatchEvent(new Event("input")); // for the line numbers
+  const details = form.closest("details");
+  if (details) details.dataset.restored = details.open = true;
+  const note = document.createElement("p");
+  note.className = "banner unsaved";
+  const discard = document.createElement("button");
+  Object.assign(discard, { type: "button", className: "small", textContent: "Discard" });
+  discard.addEventListener("click", () => keep(form, []).then(() => location.reload()));
+  note.append("Not saved yet. ", discard);
+  form.prepend(note);
+}
+document.addEventListener("DOMContentLoaded", () => {
+  const drafts = JSON.parse(document.getElementById("main").dataset.drafts || "{}");
+  for (const { form } of document.querySelectorAll("input[name=draft]")) {
+    let timer = 0;
+    const draft = drafts[form.elements.draft.value];
+    if ("typed" in form.dataset) keep(form, typed(form));
+    else if (draft) restore(form, draft);
+    form.addEventListener("input", () => {
+      unkept.set(form, "soon");
+      clearTimeout(timer);
+      timer = setTimeout(() => keep(form, typed(form)), 300);
+    });
+    form.addEventListener("submit", () => {
+      unkept.delete(form);
+      clearTimeout(timer);
+    });
+    for (const link of form.querySelectorAll("[data-discard]")) link.addEventListener("click", () => {
+      unkept.delete(form);
+      keep(form, []);
+    });
+  }
+});
+addEventListener("beforeunload", (event) => {
+  for (const [form, state] of unkept) {
+    if (state === "failed" || JSON.stringify(typed(form)).length > LARGEST_LEFT_BEHIND / 3) event.preventDefault();
+    else keep(form, typed(form));
   }
 });

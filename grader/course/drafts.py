@@ -1,0 +1,37 @@
+"""Unsaved entries of the review desk, kept in the record so that a reload or a restart of the desk loses none."""
+
+from __future__ import annotations
+
+from grader.course.database import Database
+
+_TABLE = """
+CREATE TABLE IF NOT EXISTS drafts (
+    author TEXT NOT NULL,
+    form TEXT NOT NULL,
+    fields TEXT NOT NULL,
+    PRIMARY KEY (author, form)
+)
+"""
+
+
+class Drafts(Database):
+    """The drafts of each author by form. A record of an earlier version has no table for them until the first one is kept."""
+
+    def keep_draft(self, author: str, form: str, fields: str) -> None:
+        """Keep what a person has typed into a form, in place of the draft before."""
+        self._write(_TABLE)
+        self._write("INSERT OR REPLACE INTO drafts VALUES (?, ?, ?)", author, form, fields)
+
+    def drop_draft(self, author: str, form: str) -> None:
+        if self._has_drafts():
+            self._write("DELETE FROM drafts WHERE author = ? AND form = ?", author, form)
+
+    def drafts(self, author: str) -> dict[str, str]:
+        """Return the fields of each form that this person has not sent yet, by form."""
+        if not self._has_drafts():
+            return {}
+        with self._errors_in_one_line():
+            return dict(self._db.execute("SELECT form, fields FROM drafts WHERE author = ? ORDER BY rowid", (author,)))
+
+    def _has_drafts(self) -> bool:
+        return self._value("SELECT 1 FROM sqlite_master WHERE name = 'drafts'") is not None
