@@ -13,7 +13,6 @@ from urllib.parse import urlencode
 import pytest
 from markupsafe import escape
 
-from grader.base.errors import RequestError
 from grader.course.class_settings import ClassSettings
 from grader.course.record import Store
 from grader.course.submission_archive import LARGEST, pack, unpack
@@ -419,20 +418,49 @@ def test_regrade_requests_of_a_folder_or_a_table_are_read_whole_or_not_at_all(de
     (folder / "a.json").write_text(json.dumps({"submission": "bob", "check": ADDRESS, "text": "Please look"}))
     (folder / "b.json").write_text(json.dumps({"submission": "zed", "check": "", "text": "And mine"}))
     (folder / "notes.docx").write_bytes(b"PK")
-    with pytest.raises(RequestError, match=r"b\.json, request 1: no student zed"):
-        read_in(desk.book, folder)
     answer = desk.post("/regrade-requests", {"text": f"{head}nobody;;x\nada;no.such;x\n"})
     assert answer.status == 400
     assert "line 3: no student nobody" in words(answer.text)
     assert "line 4: there is no check no.such" in words(answer.text)
     assert desk.book.on_thread(desk.book.store.regrade_requests) == []
     (folder / "b.json").write_text(json.dumps({"submission": "ada", "check": "", "text": "And mine"}))
-    assert read_in(desk.book, folder) == "2 regrade requests added"
-    assert read_in(desk.book, folder) == "0 regrade requests added, 2 already on record"
+    assert read_in(desk.book, folder) == ["2 regrade requests added"]
+    assert read_in(desk.book, folder) == ["0 regrade requests added, 2 already on record"]
     desk.post("/regrade-requests", {"text": f"{head}ada;;\n"})
     found = desk.book.on_thread(desk.book.store.regrade_requests)
     told = [(each.id, each.about, each.text) for each in found]
     assert told == [("bob", ADDRESS, "Please look"), ("ada", "", "And mine"), ("bob", "", "Please look")]
+
+
+def test_a_request_without_a_student_keeps_the_others_and_gets_its_student_on_the_page(tmp_path: Path) -> None:
+    twins = [Student(id_, hand_in=HandIn((Person("Li Wei"),))) for id_ in ("w1", "w2")]
+    (folder := tmp_path / "requests").mkdir()
+    (folder / "bob.txt").write_text("From bob")
+    (folder / "mail 17.txt").write_text("Whose is this?")
+    (folder / "li wei.txt").write_text("From one of two")
+    (folder / "x.csv").write_bytes(b"\xff\xfe")
+    with desk_over(make_class(tmp_path / "out", [*STUDENTS, *twins])) as desk:
+        lines = read_in(desk.book, folder)
+        assert lines[0] == "1 regrade request added"
+        assert "x.csv: is not UTF-8" in lines[1]
+        assert "li wei is ambiguous: it may mean" in lines[2]
+        assert "w1" in lines[2]
+        assert "w2" in lines[2]
+        assert "no student mail 17" in lines[3]
+        assert "Whose is this?" in desk.get("/regrade-requests").text
+        assert desk.post("/regrade-requests", {"text": "Whose is this?", "who": "ada"}).status == 303
+        assert "no student mail 17" not in desk.get("/regrade-requests").text
+        found = desk.book.on_thread(desk.book.store.regrade_requests)
+        assert [(each.id, each.text) for each in found] == [("bob", "From bob"), ("ada", "Whose is this?")]
+        ambiguous = desk.post("/regrade-requests", {"text": "Hello", "who": "Li Wei"})
+        assert "is ambiguous: it may mean" in words(ambiguous.text)
+
+
+def test_times_at_the_desk_are_those_of_the_class(desk: Desk) -> None:
+    give(desk, "bob", ADDRESS, "4")
+    assert re.search(r"\d\d:\d\d UTC by prof", words(desk.get("/submission/bob").text))
+    desk.post("/what-if", {"late:due": "2026-11-20T23:00+01:00", "late:tz": "Asia/Kolkata", "do": "mark"})
+    assert re.search(r"\d\d:\d\d UTC\+05:30 by prof", words(desk.get("/submission/bob").text))
 
 
 # ---- what would it cost ----

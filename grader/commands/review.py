@@ -52,6 +52,7 @@ def review(
 
     with closing(classbook.Classbook(LAB, out, rubric, seed, trusted=trust)) as book:
         for file in read_in or ():
-            print(f"{file}: {regrade_requests.read_in(book, file)}")
+            for line in regrade_requests.read_in(book, file):
+                print(f"{file}: {line}")
         serving.serve(book, author or login(), port, lambda address: print(address, flush=True))
     return 0

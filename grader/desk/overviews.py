@@ -106,6 +106,7 @@ def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 
         "lab": lab.label if lab else "",
         "author": web_request.author,
         "trouble": book.trouble,
+        "late_policy": book.rubric.late,
         "drafts": drafts.of_page(book, web_request),
     }
     return page(template, code, **(frame | values))

@@ -23,7 +23,7 @@ from grader.desk.overviews import framed
 from grader.desk.web_requests import MOST_BYTES, WebRequest
 from grader.engine.rubric_nodes import guess_at
 from grader.people.final_grade import FinalGrade
-from grader.people.identity import Directory, Row
+from grader.people.identity import PersonLookup
 
 LONGEST = 8000
 _MOST = 2000
@@ -72,6 +72,7 @@ def _page(book: Classbook, web_request: WebRequest, problem: str = "", code: int
         open=[each for each in requests if not each.answered and each.id in final_grades],
         answered=[each for each in reversed(requests) if each.answered and each.id in final_grades],
         about=about,
+        unplaced=book.unplaced_requests,
         message=web_request.text("message"),
         typed={name: (web_request.form.get(name) or [""])[0] for name in ("text", "who", "about")},
         errors={_field(problem): problem.replace(_NOBODY, "Choose a student.")} if problem else {},
@@ -82,14 +83,20 @@ _NOBODY = "the request: no student is named"
 
 
 def _field(problem: str) -> str:
-    return "about" if "no check" in problem else "who" if "no student" in problem else "text"
+    who = "no student" in problem or "is ambiguous" in problem
+    return "about" if "no check" in problem else "who" if who else "text"
 
 
 def add(book: Classbook, web_request: WebRequest) -> Response:
     """Record the requests in a form: one student's text, a JSON file, or a table of many."""
     try:
         received = list(read(web_request.text("text"), web_request.text("who"), web_request.text("about")))
-        new = book.store.keep_regrade_requests(placed(received, book.final_grades()))
+        requests, unplaced = placed(received, book.final_grades())
+        if unplaced:
+            raise RequestError("\n".join(why for _, why in unplaced[:20]))
+        new = book.store.keep_regrade_requests(requests)
+        texts = {each.text for each in received}
+        book.unplaced_requests = [(text, why) for text, why in book.unplaced_requests if text not in texts]
     except RequestError as problem:
         return _page(book, web_request, str(problem), 400)
     return RedirectResponse(f"/regrade-requests?message={quote(added(new, len(received)))}", 303)
@@ -101,21 +108,30 @@ def added(new: int, read: int) -> str:
     return f"{new} regrade request{'' if new == 1 else 's'} added{known}"
 
 
-def read_in(book: Classbook, path: Path) -> str:
-    """Read the requests in a file, or in all files of a folder, and return a line that says how many were added.
+def read_in(book: Classbook, path: Path) -> list[str]:
+    """Read the requests in a file, or in all files of a folder; return a line on how many were added, and on each that was not.
 
-    A folder is read completely or not at all.
+    The page of the desk offers those without a student or check to be added by hand, so that none keeps the desk from starting.
     """
     files = sorted(each for each in path.iterdir() if each.suffix.lower() in _FILES) if path.is_dir() else [path]
     if not files:
         raise RequestError(f"--requests {printable(str(path), 500)}: contains no {', '.join(_FILES)} file")
-    received = [each for file in files for each in _read_file(file)]
-    new = book.on_thread(lambda: book.store.keep_regrade_requests(placed(received, book.final_grades())))
-    return added(new, len(received))
+    received: list[ReceivedRequest] = []
+    problems = []
+    for file in files:
+        try:
+            received += _read_file(file)
+        except RequestError as problem:
+            problems.append(str(problem))
+    requests, unplaced = book.on_thread(lambda: placed(received, book.final_grades()))
+    new = book.on_thread(lambda: book.store.keep_regrade_requests(requests))
+    book.unplaced_requests += [(each.text, why) for each, why in unplaced]
+    by_hand = [f"{why} (choose the student at the desk, under Regrade requests)" for _, why in unplaced]
+    return [added(new, len(requests)), *problems, *by_hand]
 
 
 def _read_file(path: Path) -> list[ReceivedRequest]:
-    """Return the regrade requests in a text, JSON or CSV file."""
+    """Return the regrade requests in a text, JSON or CSV file. The name of a file names the student where its text does not."""
     advice = "give a text, .json or .csv in UTF-8"
     try:
         text = read_file(path, MOST_BYTES, advice).decode("utf-8-sig")
@@ -153,30 +169,29 @@ def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
             yield _bounded(ReceivedRequest(_first(said, _WHO) or who, _first(said, _ABOUT) or about, found, place))
 
 
-def placed(received: Sequence[ReceivedRequest], final_grades: Mapping[str, FinalGrade]) -> list[RegradeRequest]:
-    """Match each request to a submission and a check.
-
-    Raises
-    ------
-    RequestError
-        With a line for each request without a match.
-    """
-    directory = Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
-    requests, problems = [], []
+def placed(
+    received: Sequence[ReceivedRequest], final_grades: Mapping[str, FinalGrade]
+) -> tuple[list[RegradeRequest], list[tuple[ReceivedRequest, str]]]:
+    """Match each request to a submission and a check; return the matched ones, and the others with the reason."""
+    lookup = PersonLookup({id_: final_grade.people for id_, final_grade in final_grades.items()})
+    requests, others = [], []
     for each in received:
-        asked = (Row(numbers=(each.who,)), Row(email=each.who), Row(name=each.who))
-        match = next(filter(None, map(directory.find, asked)), None) if each.who else None
-        if match is None or match.id not in final_grades:
-            problems.append(
-                f"{each.place}: no student {printable(each.who) or 'is named'}{guess_at(each.who, final_grades)}"
+        try:
+            id_ = lookup.by(each.who) if each.who else ""
+        except RequestError as ambiguous:
+            others.append((each, f"{each.place}: {ambiguous}"))
+            continue
+        known = targets(final_grades[id_]) if id_ in final_grades else []
+        if not known:
+            why = f"no student {printable(each.who) or 'is named'}{guess_at(each.who, final_grades)}"
+            others.append((each, f"{each.place}: {why}"))
+        elif each.about and each.about not in known:
+            others.append(
+                (each, f"{each.place}: there is no check {printable(each.about)}{guess_at(each.about, known)}")
             )
-        elif each.about and each.about not in (known := targets(final_grades[match.id])):
-            problems.append(f"{each.place}: there is no check {printable(each.about)}{guess_at(each.about, known)}")
         else:
-            requests.append(RegradeRequest(match.id, each.about, each.text, now()))
-    if problems:
-        raise RequestError("\n".join(problems[:20]))
-    return requests
+            requests.append(RegradeRequest(id_, each.about, each.text, now()))
+    return requests, others
 
 
 def _bounded(received: ReceivedRequest) -> ReceivedRequest:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from functools import cache
 from urllib.parse import quote
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, pass_context
+from jinja2.runtime import Context
 from starlette.responses import HTMLResponse
 
 from grader.base.package_data import beside
 from grader.base.text import printable
 from grader.people.final_grade import FinalGrade
+from grader.people.late_policy import in_zone
 from grader.report import words
 
 STATIC = {
@@ -38,8 +40,14 @@ def environment() -> Environment:
     )
     made.globals["address"] = address
     made.filters |= {"points": points, "safe_text": safe_text, "address": address, "person": words.distinct}
-    made.filters["instant"] = words.instant
+    made.filters["instant"] = _instant
     return made
+
+
+@pass_context
+def _instant(context: Context, stamp: str) -> str:
+    """Format a time by the clock of the class that the page shows."""
+    return words.instant(in_zone(stamp, context.get("late_policy")))
 
 
 def points(value: float | None) -> str:
