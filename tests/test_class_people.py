@@ -252,6 +252,37 @@ def test_the_time_of_the_platform_goes_before_that_of_the_roster(run: Run) -> No
     assert set(column(Path("out/gradebook.csv"), "submitted").values()) == {"2026-11-20T21:00:00+00:00"}
 
 
+WORKSHEET = (
+    'Identifier,"Full name",Status,"Last modified (submission)","Last modified (grade)"\n'
+    '"Participant 7","Ann A","Submitted for grading - Late","Sonntag, 25. Oktober 2026, 19:30",-\n'
+    '"Participant 8","Bob B","Submitted for grading","Saturday, 24 October 2026, 7:59 PM",-\n'
+    '"Participant 9","Cy C","No submission",-,-\n'
+)
+
+
+def test_the_times_of_moodles_worksheet_are_read_and_shown_by_the_clock_of_the_class(run: Run) -> None:
+    files = {f"{who}_assignsubmission_file/filters.py": f"# {who[-1]}e-9\n".encode() for who in ("Ann A_7", "Bob B_8")}
+    Path("moodle.zip").write_bytes(zipped(files))
+    rubric_with(Path("rub.yaml"), late_policy(IN_BERLIN))
+    graded(run, "--rubric", "rub.yaml", folder="moodle.zip", roster=WORKSHEET)
+    assert cells("out/gradebook.csv", "name", "submitted", "late_deduction") == [
+        ("Ann A", "2026-10-25T19:30:00+01:00", "10"),
+        ("Bob B", "2026-10-24T19:59:00+02:00", "0"),
+        ("Cy C", "", ""),
+    ]
+    report = words(next(Path("out").glob("submissions/Ann*/report.html")).read_text(encoding="utf-8"))
+    assert "due 2026-10-24 20:00 UTC+02:00; handed in 2026-10-25 19:30 UTC+01:00" in report
+
+
+def test_without_a_time_zone_the_worksheet_marks_who_is_late_and_the_gradebook_has_the_columns(run: Run) -> None:
+    Path("moodle.zip").write_bytes(zipped({"Ann A_7_assignsubmission_file/filters.py": b"# 1\n"}))
+    rubric_with(Path("rub.yaml"), late_policy(f"due: {LOCAL}+02:00"))
+    err = graded(run, "--rubric", "rub.yaml", folder="moodle.zip", roster=WORKSHEET)
+    assert "roster.csv: its times are not read, as they have no offset from UTC; add `tz` to the late policy\n" in err
+    assert "deducts nothing from Ann_A_7, which the platform marks as late: their time is unknown" in err
+    assert cells("out/gradebook.csv", "late", "late_deduction", "final")[0] == ("unknown", "0", "100")
+
+
 def test_a_late_mark_vouches_for_those_without_one_and_a_roster_that_contradicts_it_is_told(run: Run) -> None:
     files = {"doejane_LATE_101_900_filters.py": b"# 1\n", "roe_102_901_filters.py": b"# 0\n"}
     Path("marked.zip").write_bytes(zipped(files))

@@ -69,7 +69,7 @@ SAYS = {
     "diff": "filtering override  none → 3",
     "doctor": "import no known package that is missing here|landlock",
     "explain": r"^# \S|sensor-id-as-address",
-    "export": r"  [1-9]\d* grades$",
+    "export": r"  [1-9]\d* grades(, \d+ blank)?$",
     "grade": r"^[1-9] graded · mean|^0 graded · 2 on record · mean|^adamsalice_10000 ",
     "kit": "  for students; public scenarios$",
     "kit --classroom50": "  for Classroom 50; public scenarios",

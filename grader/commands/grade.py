@@ -96,6 +96,7 @@ def grade(
     from grader.course.grade_request import GradeRequest  # noqa: PLC0415
     from grader.labs.imu.hidden_coverage import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.people import late_policy  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
     from grader.report import progress  # noqa: PLC0415
 
@@ -108,9 +109,10 @@ def grade(
     chosen = class_settings.rubric_of(LAB, known, rubric)
     bundle = LAB.truth(seed, chosen.settings)
     which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
+    people = class_settings.roster_of(known, roster, late_policy.zone_of(chosen.late))
     request = GradeRequest(
         tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, isolation_level, cluster,
-        one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), class_settings.roster_of(known, roster), which,
+        one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), people, which,
         at_least=known.isolation if known and not change else "",
     )  # fmt: skip
     found = submissions.find(request)

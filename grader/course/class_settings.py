@@ -10,6 +10,7 @@ import json
 import statistics
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
+from datetime import tzinfo
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,10 @@ class ClassSettings:
             hidden=traces.name != "public",
         )
 
+    @property
+    def has_late_policy(self) -> bool:
+        return self.late != repr(None)
+
     def with_rubric(self, rubric: Rubric) -> ClassSettings:
         """Return the same settings with another rubric."""
         return replace(self, **_of_rubric(rubric))
@@ -132,8 +137,10 @@ def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> li
     return [listed.person for listed in roster.place(roster_of(settings).people, hand_ins).absent]
 
 
-def roster_of(settings: ClassSettings | None, path: Path | None = None) -> Roster:
+def roster_of(settings: ClassSettings | None, path: Path | None = None, zone: tzinfo | None = None) -> Roster:
     """Return the roster of a class: the file at `path`, else the one on record; empty where there is none.
+
+    `zone` is the time zone of times without an offset.
 
     Raises
     ------
@@ -141,10 +148,10 @@ def roster_of(settings: ClassSettings | None, path: Path | None = None) -> Roste
         If it is no roster.
     """
     if path is not None:
-        return roster.load(path)
+        return roster.load(path, zone)
     if settings is None or not settings.roster:
         return NO_ROSTER
-    return roster.parse(settings.roster.encode("utf-8", "surrogateescape"), settings.roster_source)
+    return roster.parse(settings.roster.encode("utf-8", "surrogateescape"), settings.roster_source, zone)
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,7 @@ def untimed(final_grades: Mapping[str, FinalGrade], settings: ClassSettings | No
 
     A person who set the total has decided about lateness, too. If the platform marks those that are late, the others are in time.
     """
-    if settings is None or settings.late == repr(None):
+    if settings is None or not settings.has_late_policy:
         return []
     open_ = {id_: each for id_, each in final_grades.items() if not each.hand_in.submitted and not each.total_is_set}
     marked = [id_ for id_, each in open_.items() if each.hand_in.marked_late]

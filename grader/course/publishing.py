@@ -10,7 +10,7 @@ from pathlib import Path
 from grader import __version__
 from grader.base.files import write_whole
 from grader.course import class_settings
-from grader.course.contradictions import contradictions
+from grader.course.contradictions import contradictions, untimed
 from grader.course.record import Store
 from grader.engine.faults import catalogue
 from grader.engine.fingerprint import of_the_sheet
@@ -35,7 +35,9 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
     """
     settings = store.settings()
     absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
-    write_whole(out / "gradebook.csv", gradebook(final_grades, absent))
+    has_policy = settings is not None and settings.has_late_policy
+    unknown = untimed(final_grades, settings) if has_policy else None
+    write_whole(out / "gradebook.csv", gradebook(final_grades, absent, unknown))
     unjudged = "not judged"  # the page names these in a sentence of its own
     found = [each.text for each in contradictions(final_grades, settings) if each.kind != unjudged]
     write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab), absent, found))

@@ -66,7 +66,7 @@ def find(request: GradeRequest) -> Class:
     absent = tuple(
         words.absentees([each.person for each in rest.absent], (*placed.hand_ins.values(), *rest.hand_ins.values()))
     )
-    doubtful = (*placed.doubtful, *_contradicting_times(entries, placed))
+    doubtful = (*placed.doubtful, *_contradicting_times(entries, placed), *_unread_times(request))
     named = {id_: each for id_, each in rest.hand_ins.items() if each != others[id_]}
     return Class(dated, found.leftovers, found.notices, absent, unknown, doubtful, named)
 
@@ -93,6 +93,7 @@ def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
         submitted=entry.hand_in.submitted or placed.submitted.get(entry.id, ""),
         due=own.isoformat() if own else "",
         grace_days=placed.grace_days.get(entry.id, 0),
+        marked_late=entry.hand_in.marked_late or entry.id in placed.marked_late,
     )
     return late_policy.judged(hand_in, rubric.late, (entry.id, entry.name))
 
@@ -103,6 +104,12 @@ def _contradicting_times(entries: Sequence[Entry], placed: roster.RosterMatch) -
         by_roster, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
         if by_roster and known and by_roster != known:
             yield f"{entry.id}: submitted {known} by the platform, which counts, and {by_roster} by the roster"
+
+
+def _unread_times(request: GradeRequest) -> Iterator[str]:
+    """Yield a line if the roster has times without an offset, as a worksheet of Moodle has, and the class has no time zone."""
+    if request.roster.has_local_times and request.rubric.late is not None:
+        yield f"{request.roster.source}: its times are not read, as they have no offset from UTC; add `tz` to the late policy"
 
 
 def listing(found: Class) -> Iterator[str]:

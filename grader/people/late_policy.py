@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from datetime import datetime, timezone
+from datetime import datetime, timezone, tzinfo
 from zoneinfo import ZoneInfo
 
 from grader.base.stamps import read_stamp
@@ -26,7 +26,18 @@ def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -
     names
         Further names under which the policy may list an extension, such as the id of the submission.
     """
-    return replace(hand_in, late=_late(hand_in, policy, names))
+    return replace(hand_in, submitted=in_zone(hand_in.submitted, policy), late=_late(hand_in, policy, names))
+
+
+def zone_of(policy: LatePolicy | None) -> tzinfo | None:
+    """Return the time zone of a class; None if its late policy names none."""
+    return ZoneInfo(policy.tz) if policy is not None and policy.tz else None
+
+
+def in_zone(stamp: str, policy: LatePolicy | None) -> str:
+    """Return a time by the clock of the class, with its offset; unchanged without a time or a time zone."""
+    when, zone = read_stamp(stamp), zone_of(policy)
+    return stamp if when is None or zone is None else when.astimezone(zone).isoformat(timespec="seconds")
 
 
 def judged_again(final_grade: FinalGrade, policy: LatePolicy | None) -> FinalGrade:
@@ -41,7 +52,7 @@ def _late(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) ->
     until = read_stamp(hand_in.due) or _extension(policy, hand_in.people, names) or policy.due
     came = read_stamp(hand_in.submitted)
     if came is None:
-        return Lateness(_text(until), None) if hand_in.marked_late else None
+        return Lateness(in_zone(_text(until), policy), None) if hand_in.marked_late else None
     return _lateness(policy, until, came, hand_in.grace_days)
 
 
@@ -58,7 +69,9 @@ def _lateness(policy: LatePolicy, due: datetime, came: datetime, grace_days: int
     days = max(1, math.ceil(by_clock.total_seconds() / DAY))
     refused = policy.cut_off_days is not None and by_clock.total_seconds() > policy.cut_off_days * DAY
     used = 0 if refused else min(days, grace_days)
-    return Lateness(_text(due), seconds, days - used, round((days - used) * policy.per_day, 2), refused, used)
+    return Lateness(
+        in_zone(_text(due), policy), seconds, days - used, round((days - used) * policy.per_day, 2), refused, used
+    )
 
 
 def _by_clock(when: datetime, zone: str) -> datetime:

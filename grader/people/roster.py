@@ -6,7 +6,7 @@ import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from datetime import datetime
+from datetime import datetime, tzinfo
 from pathlib import Path
 
 from grader.base import tables
@@ -16,6 +16,7 @@ from grader.base.stamps import read_stamp, stamp
 from grader.base.text import printable
 from grader.people.final_grade import HandIn, Person
 from grader.people.identity import Directory, Match, Row, participant
+from grader.people.worksheet_times import LATE, local_time
 
 MAX_BYTES = 16_000_000
 _DAYS = re.compile(r"\d{1,3}")
@@ -40,7 +41,8 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "section": ("section", "sections"),
     "group": ("group", "group name", "group_name", "team"),
     "due": ("due", "due date", "extension"),
-    "submitted": ("submitted",),
+    "submitted": ("submitted", "last modified (submission)"),
+    "status": ("status",),
     "grace": ("grace_days", "grace days", "late_days", "late days", "slip days"),
 }
 """Accepted titles of each column. They cover the exports of Canvas (also of its groups), Moodle, Gradescope, GitHub Classroom and
@@ -53,7 +55,10 @@ _NOBODY = ("Points Possible", "Student, Test")
 
 @dataclass(frozen=True)
 class Listed:
-    """One person of the roster. `due` is None and `submitted` is "" if the roster has none; `place` is file and line."""
+    """One person of the roster. `due` is None and `submitted` is "" if the roster has none; `place` is file and line.
+
+    `marked_late` says that Moodle's worksheet calls the submission late.
+    """
 
     who: Row
     section: str = ""
@@ -61,6 +66,7 @@ class Listed:
     submitted: str = ""
     group: str = ""
     grace_days: int = 0
+    marked_late: bool = False
     place: str = field(default="", compare=False)
 
     @property
@@ -74,28 +80,32 @@ class Listed:
 
 @dataclass(frozen=True)
 class Roster:
-    """The people of a class; `text` is the whole file and `source` its name."""
+    """The people of a class; `text` is the whole file and `source` its name.
+
+    `has_local_times` says that it has times without an offset, and no zone was given by which to read them.
+    """
 
     people: tuple[Listed, ...] = ()
     text: str = ""
     source: str = ""
+    has_local_times: bool = False
 
 
 NO_ROSTER = Roster()
 
 
-def load(path: Path) -> Roster:
-    """Read a roster.
+def load(path: Path, zone: tzinfo | None = None) -> Roster:
+    """Read a roster. `zone` is the time zone of times in a worksheet of Moodle, which have none.
 
     Raises
     ------
     RequestError
         If it cannot be read, has no column that identifies people, or holds an invalid date. The message names the line.
     """
-    return parse(read_file(path, MAX_BYTES, "give the path of a CSV file"), printable(str(path), 500))
+    return parse(read_file(path, MAX_BYTES, "give the path of a CSV file"), printable(str(path), 500), zone)
 
 
-def parse(data: bytes, source: str) -> Roster:
+def parse(data: bytes, source: str, zone: tzinfo | None = None) -> Roster:
     """Read the bytes of a roster; messages call it `source`.
 
     Raises
@@ -104,12 +114,15 @@ def parse(data: bytes, source: str) -> Roster:
         As `load` does.
     """
     try:
-        return Roster(tuple(_rows(data, source)), data.decode("utf-8", "surrogateescape"), source)
+        people = tuple(_rows(data, source, zone))
+        text = data.decode("utf-8", "surrogateescape")
+        local = zone is None and any(local_time(cell) for cells in tables.reader(data) for cell in cells)
+        return Roster(people, text, source, local)
     except (UnicodeDecodeError, csv.Error) as error:
         raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
-def _rows(data: bytes, source: str) -> Iterator[Listed]:
+def _rows(data: bytes, source: str, zone: tzinfo | None) -> Iterator[Listed]:
     table = tables.reader(data)
     titles = [title.strip().casefold() for title in next(table, [])]
     known = {**COLUMNS, **_titled(titles)}
@@ -119,7 +132,7 @@ def _rows(data: bytes, source: str) -> Iterator[Listed]:
     for cells in table:
         values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
         if any(cells) and not cells[0].strip().startswith(_NOBODY):
-            yield _listed(values, f"{source}:{table.line_num}")
+            yield _listed(values, f"{source}:{table.line_num}", zone)
 
 
 def _titled(titles: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
@@ -131,11 +144,11 @@ def _titled(titles: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
     return {}
 
 
-def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
+def _listed(values: Mapping[str, Sequence[str]], place: str, zone: tzinfo | None) -> Listed:
     def first(kind: str) -> str:
         return next(filter(None, values[kind]), "")
 
-    due, submitted = first("due"), first("submitted")
+    due, submitted = (_with_offset(first(kind), zone) for kind in ("due", "submitted"))
     for what, text in (("due", due), ("submitted", submitted)):
         if text and read_stamp(text) is None:
             example = "2026-11-20T23:59+01:00"
@@ -148,7 +161,16 @@ def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
     numbers = tuple(dict.fromkeys(filter(None, (*values["sid"], *values["id"]))))
     who = Row(platform, key, numbers, first("email"), name)
     until, days = read_stamp(due) if due else None, int(first("grace") or 0)
-    return Listed(who, first("section"), until, stamp(submitted), first("group"), days, place)
+    marked_late = bool(LATE.search(first("status")))
+    return Listed(who, first("section"), until, stamp(submitted), first("group"), days, marked_late, place)
+
+
+def _with_offset(text: str, zone: tzinfo | None) -> str:
+    """Return a time of a worksheet of Moodle with its offset, "" if the zone is not known or there is no time, else the text."""
+    if local := local_time(text):
+        when = read_stamp(local, zone)
+        return when.isoformat() if when else ""
+    return "" if text == "-" else text
 
 
 @dataclass(frozen=True)
@@ -165,6 +187,7 @@ class RosterMatch:
     unknown: tuple[str, ...]
     doubtful: tuple[str, ...] = ()
     grace_days: Mapping[str, int] = field(default_factory=dict)
+    marked_late: frozenset[str] = frozenset()
 
 
 def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
@@ -185,6 +208,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
     absent: list[Listed] = []
     roster, doubtful = _told_once(roster)
     known: set[str] = set()
+    late: set[str] = set()
     matches = directory.find_each([listed.who for listed in roster])
     shared = _shared(roster, matches, directory)
     for listed, match in zip(roster, matches, strict=True):
@@ -199,11 +223,12 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
         placed[theirs.id] = with_row(placed[theirs.id], theirs.person, listed)
         if listed.submitted:
             submitted[theirs.id] = max(submitted.get(theirs.id, ""), listed.submitted)
+        late.update([theirs.id] if listed.marked_late else ())
         grace_days[theirs.id] = max(grace_days.get(theirs.id, 0), listed.grace_days)
         if listed.due is not None:  # the latest date of its members counts for a group
             due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
-    return RosterMatch(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days)
+    return RosterMatch(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days, frozenset(late))
 
 
 def _told_once(roster: Sequence[Listed]) -> tuple[list[Listed], list[str]]:
@@ -228,6 +253,7 @@ def _told_once(roster: Sequence[Listed]) -> tuple[list[Listed], list[str]]:
             due=max(filter(None, (known.due, listed.due)), default=None),
             submitted=max(known.submitted, listed.submitted),
             grace_days=max(known.grace_days, listed.grace_days),
+            marked_late=known.marked_late or listed.marked_late,
             section=known.section or listed.section,
             group=known.group or listed.group,
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 from grader.base.text import csv_cell, printable
 from grader.engine.results import CriterionResult
@@ -15,7 +15,9 @@ from grader.report import words
 Cell = Callable[[FinalGrade], str]
 
 
-def gradebook(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
+def gradebook(
+    final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), untimed: Collection[str] | None = None
+) -> str:
     """Return the class as CSV in the order of `final_grades`, then a row for each person in `absent`.
 
     A criterion that was not judged and its total are blank, because a fault of the grader is never a zero. Criteria and total are
@@ -26,8 +28,12 @@ def gradebook(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] =
     ----------
     final_grades
         The final grade of each submission, by its id.
+    untimed
+        The hand-ins whose lateness is unknown; None for a class without a late policy.
     """
     columns = _columns(list(final_grades.values()), any(person.section for person in absent))
+    if untimed is not None:
+        columns = _with_lateness(columns, untimed)
     handed_in = [{title: cell(final_grade) for title, cell in columns.items()} for final_grade in final_grades.values()]
     return _table([*handed_in, *_absentees(final_grades, absent, "")], list(columns))
 
@@ -106,6 +112,17 @@ def _middle_columns(final_grades: list[FinalGrade]) -> dict[str, Cell]:
     if "adjusted" in columns or "late" in columns:
         columns["final"] = lambda s: _points(s.final)
     return columns
+
+
+def _with_lateness(columns: Mapping[str, Cell], untimed: Collection[str]) -> dict[str, Cell]:
+    """Return the columns of a class with a late policy, also if nobody is late or no time is known."""
+    status = {"status": columns["status"]}
+    late: dict[str, Cell] = {
+        "late": lambda s: "unknown" if s.id in untimed else _late(s),
+        "late_deduction": lambda s: "" if s.final is None else words.number(s.deduction),
+        "final": lambda s: _points(s.final),
+    }
+    return {**{title: cell for title, cell in columns.items() if title not in ("final", "status")}, **late, **status}
 
 
 def _text(text: str) -> str:
