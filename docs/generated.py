@@ -242,11 +242,11 @@ def system_files() -> str:
     return _code(surroundings.SYSTEM)
 
 
-# --- agreement with people --------------------------------------------------------------------------------------------
+# --- agreement with markers -------------------------------------------------------------------------------------------
 
 
 def agreement() -> str:
-    """Return how far the grader is from two people's marks of twenty submissions; `python -m tests.regenerate` measures it."""
+    """Return how far the grader is from two independent marks of twenty submissions; `python -m tests.regenerate` measures it."""
     return (
         (FOLDER.parent / "tests" / "corpus" / "calibration" / "agreement.txt").read_text(encoding="utf-8").rstrip("\n")
     )

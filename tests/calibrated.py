@@ -32,13 +32,13 @@ def _folders() -> list[Path]:
 
 
 def marks(found: Mapping[str, Result]) -> Sequence[Marks]:
-    """Read what both people gave, independently of each other and before anything graded them."""
+    """Read what both markers gave, independently of each other and before anything graded them."""
     most = comparison.maxima(found)
     return [read_marks(FOLDER / f"marks-{number}.csv", str, most) for number in (1, 2)]
 
 
 def cells() -> list[comparison.ComparedCell]:
-    """Compare the twenty with both people's marks."""
+    """Compare the twenty with both markers' marks."""
     return comparison.compare(results(), marks(results()))
 
 

@@ -1,4 +1,4 @@
-"""The grader agrees with two people who marked twenty submissions by hand: no worse than when this was first measured."""
+"""The grader agrees with two independent markers of twenty submissions: no worse than when this was first measured."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.recordings.marker import without_charts
 
 DISTANCE = 0.30
 OUTSIDE = 3
-"""Points a cell between us and the mean of both people, and cells that neither of them accepts. Lower them when the grader improves."""
+"""Points a cell between us and the mean of both markers, and cells that neither of them accepts. Lower them when the grader improves."""
 
 
 def test_we_are_no_further_from_two_markers_than_before_and_take_nothing_from_sound_work() -> None:
@@ -29,7 +29,7 @@ def test_the_page_on_fairness_quotes_the_present_table() -> None:
         differs(calibrated.TABLE, "the agreement with the twenty marked submissions has changed")
 
 
-def test_the_first_persons_marks_alone_bring_the_grades_closer_to_the_seconds() -> None:
+def test_the_first_markers_points_alone_bring_the_grades_closer_to_the_seconds() -> None:
     results = calibrated.results()
     first, second = calibrated.marks(results)
     final_grades = {id_: FinalGrade(id_, result) for id_, result in results.items()}

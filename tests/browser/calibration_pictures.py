@@ -1,6 +1,6 @@
 """Pictures of *How to check us against yourself*, from a real run: `python -m tests.browser.calibration_pictures`, some minutes.
 
-The class is `submissions_example` with the twenty submissions of `corpus/calibration`, the marks are those of both people.
+The class is `submissions_example` with the twenty submissions of `corpus/calibration`, the marks are those of both markers.
 """
 
 from __future__ import annotations
