@@ -182,6 +182,15 @@ def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:
     assert "imugrade: roster.csv:2: Jane Doe not doejane_101 (doejane): canvas number 103 and 101\n" in err
 
 
+def test_a_number_that_lost_its_zeros_in_a_spreadsheet_gets_that_hint(run: Run) -> None:
+    hand_in(Path("class"), **{"00501": 1})
+    err = graded(run, roster="id,name\n501,Ann Lee\n502,Bob Roe\n")
+    assert (
+        "roster.csv:2: Ann Lee has 501, and a submission 00501: a spreadsheet drops zeros at the start; format" in err
+    )
+    assert "roster.csv:3" not in err
+
+
 def test_a_person_who_stands_twice_in_the_roster_with_other_facts_is_told_with_both_rows(run: Run) -> None:
     hand_in(Path("class"), ann=1)
     rows = ("ann,Ann Lee,A,2026-11-20T12:00Z", "bob,Bob Roe,A,", "ann,Ann Lee,B,2026-11-24T12:00Z", "bob,Bob Roe,A,")

@@ -259,6 +259,17 @@ def test_metadata_that_cannot_be_read_is_no_export(text: str, tmp_path: Path) ->
 # ---- clones ----
 
 
+def test_work_on_another_branch_of_a_clone_is_named(tmp_path: Path) -> None:
+    packed = f"{'0' * 40} refs/remotes/origin/main\n{'1' * 40} refs/remotes/origin/dev\n"
+    refs = {".git/HEAD": "ref: refs/heads/main\n", ".git/packed-refs": packed, ".git/refs/heads/main": "0" * 40}
+    write({"README.md": "# Lab\n", **refs, ".git/refs/heads/ann/filters": "2" * 40}, tmp_path / "lab-ann", "folder")
+    (entry,) = read_class([tmp_path], LAB.files).entries
+    said = (
+        "The checked-out branch main of this git clone has no files of the lab. Its other branches: ann/filters, dev."
+    )
+    assert (entry.read().status, entry.read().notes[-1]) == ("empty", said)
+
+
 def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Path) -> None:
     rows = [
         "username,first_name,last_name,email,section,score,max_score,datetime,submission_tag,submitted_by,review_url,late,override",

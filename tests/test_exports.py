@@ -109,6 +109,10 @@ REFUSED = {
     "name the assignment with --column; columns found: Lab 03 (4700), Lab 04-01 (4711)": (canvas_file(), None),
     "the assignment is out of 50, and the rubric out of 100; add --scale to have the points scaled, or make them equal on the "
     "platform or in rubric.yaml": (canvas_file("D,101,s1,jd,A,,,"), "4700"),
+    "Canvas imports no column with a title such as Final Points lab (9); rename the assignment in Canvas": (
+        b"Student,ID,Section,Final Points lab (9)\nD,101,A,\n",
+        None,
+    ),
     "is not a Canvas gradebook; export one in Canvas with Grades > Export": (b"a,b\n", None),
     "is not CSV here; export the file again": (b'Student,"x\nID', None),
 }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grader.base.text import printable
-from grader.commands.common import console
+from grader.commands.common import console, say
 
 if TYPE_CHECKING:
     from grader.commands.machine import Finding
@@ -28,9 +28,10 @@ def doctor(
       imugrade doctor
       imugrade doctor submissions
     """
+    say("looking at this machine …" if not paths else "reading the submissions …")  # importing takes a second
     from grader.commands import machine  # noqa: PLC0415
 
-    _show(machine.examine() if not paths else [("Packages", machine.packages_of(paths))])
+    _show(machine.examine(say) if not paths else [("Packages", machine.packages_of(paths))])
     return 0
 
 

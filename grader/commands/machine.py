@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import platform
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,9 +32,15 @@ class Finding:
     text: str
 
 
-def examine() -> list[tuple[str, list[Finding]]]:
-    """Return all findings under their headings. Isolation levels and the recording of traces are tried out."""
-    return [("Isolation", _isolation()), ("Versions", _versions()), ("Traces", [_reference()])]
+def examine(tell: Callable[[str], None]) -> list[tuple[str, list[Finding]]]:
+    """Return all findings under their headings. Isolation levels and the recording of traces are tried out.
+
+    `tell` is called with what is tried next, because each takes some seconds.
+    """
+    tell("testing the isolation levels …")
+    isolation = _isolation()
+    tell("recording traces …")
+    return [("Isolation", isolation), ("Versions", _versions()), ("Traces", [_reference()])]
 
 
 def packages_of(paths: Sequence[Path]) -> list[Finding]:

@@ -14,6 +14,7 @@ from typing import Literal
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.archives import foreign, gather_archive
+from grader.intake.clones import branches_note
 from grader.intake.downloads import Sources, gather_sources
 from grader.intake.file_budget import MAX_OPENINGS, FileBudget, Unreadable, listing
 from grader.intake.folders import gather_file, gather_folder
@@ -109,7 +110,9 @@ def read_submission(
     as_programs(budget, required)
     layout = lay_out(budget, required)
     if layout is None:
-        return _nothing_to_mark(id, name, *_nothing_found(budget), budget.files)
+        status, notes = _nothing_found(budget)
+        branches = branches_note(path / sources[0][0] if sources else path)
+        return _nothing_to_mark(id, name, status, (*notes, *filter(None, [branches])), budget.files)
     if broken := _broken_notebooks(budget):
         return _nothing_to_mark(id, name, "empty", (broken, *budget.notes()), budget.files)
     levels = {**dict.fromkeys(layout.inside, 0), **layout.above}

@@ -15,7 +15,8 @@ class Person:
     """A person who handed in. `key` is the platform's identifier: a Canvas user id, a Moodle participant number, a user name.
 
     `platform` says whose name that is; "" where it is the name of a folder or an archive. `sid` is the student number, and `ids`
-    holds every other identifier that the roster has of them: logins, user names, GitHub names.
+    holds every other identifier that the roster has of them: logins, user names, GitHub names. `listed` is the number that the
+    roster has of everybody, from the same column.
     """
 
     name: str
@@ -25,11 +26,12 @@ class Person:
     email: str = ""
     section: str = ""
     ids: tuple[str, ...] = ()
+    listed: str = field(default="", compare=False)
 
     @property
     def number(self) -> str:
-        """The one identifier that stands in every file: the student number, else the platform's, else the e-mail address."""
-        return self.sid or self.key or self.email
+        """The one identifier that stands in every file: the roster's number, else one of the platform, else the e-mail address."""
+        return self.listed or self.sid or self.key or self.email
 
     @property
     def called(self) -> tuple[str, ...]:

@@ -75,7 +75,7 @@ class Listed:
         who = self.who
         number, *others = who.numbers or ("",)
         name = who.name or who.email or number
-        return Person(name, who.key, who.platform, number, who.email, self.section, tuple(others))
+        return Person(name, who.key, who.platform, number, who.email, self.section, tuple(others), number)
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
         theirs = match or shared.get(listed.group.casefold())
         if theirs is None:
             absent.append(listed)
-            why = directory.why_not(listed.who)
+            why = directory.why_not(listed.who) or _lost_zeros(listed.who, placed)
             doubtful += [f"{listed.place}: {listed.who.in_words()} {why}"] if why else []
             continue
         known.add(theirs.id)
@@ -229,6 +229,17 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
             due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
     return RosterMatch(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days, frozenset(late))
+
+
+def _lost_zeros(who: Row, hand_ins: Mapping[str, HandIn]) -> str:
+    """Return that a number of a row equals that of a submission but for zeros at its start; "" if none does."""
+    numbers = {number.lstrip("0"): number for number in who.numbers if number.isdecimal()}
+    for id_, hand_in in hand_ins.items():
+        for theirs in (id_, *(word for person in hand_in.people for word in person.called)):
+            ours = numbers.get(theirs.lstrip("0")) if theirs.isdecimal() else None
+            if ours is not None and ours != theirs:
+                return f"has {ours}, and a submission {theirs}: a spreadsheet drops zeros at the start; format the column as text"
+    return ""
 
 
 def _told_once(roster: Sequence[Listed]) -> tuple[list[Listed], list[str]]:
@@ -297,14 +308,14 @@ def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
 
 
 def _completed(person: Person, listed: Listed) -> Person:
-    """Return a person with the roster's facts. The roster's number counts: it has one of the same kind for all."""
     who = listed.who
-    sid = next(iter(who.numbers), person.sid)
+    sid = person.sid or next((number for number in who.numbers if number != person.key), "")
     return replace(
         person,
         name=who.name or person.name,
         sid=sid,
         email=who.email or person.email,
         section=listed.section or person.section,
-        ids=tuple(dict.fromkeys(each for each in (*who.numbers, person.sid) if each and each not in (sid, person.key))),
+        listed=next(iter(who.numbers), ""),
+        ids=tuple(number for number in who.numbers if number not in (sid, person.key)),
     )

@@ -65,8 +65,13 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
     after = range(section + 1, len(titles))
     found = [i for i in after if _ASSIGNMENT.fullmatch(titles[i]) and not _OF_ALL.search(titles[i])]
     columns = ", ".join(printable(titles[i], 80) for i in found[:20]) or "none"
+    unread = [i for i in after if _ASSIGNMENT.fullmatch(titles[i]) and _OF_ALL.search(titles[i])]
     if wanted is not None:
+        unread = [i for i in unread if wanted in (titles[i], *_ASSIGNMENT.findall(titles[i])[0])]
         found = [i for i in found if wanted in (titles[i], *_ASSIGNMENT.findall(titles[i])[0])]
+    if not found and unread:
+        why = f"Canvas imports no column with a title such as {printable(titles[unread[0]], 80)}; rename the assignment in Canvas"
+        raise RequestError(f"{source}: {why}", option="column", why=why)
     if len(found) != 1:
         ask = "name the assignment" if wanted is None else f"{printable(wanted)} means none or several"
         how = "name the assignment with --column" if wanted is None else f"--column {ask}"
