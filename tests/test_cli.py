@@ -315,7 +315,8 @@ def test_doctor_tells_each_level_with_its_reason_the_one_in_use_and_a_second_cop
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(21_894, ()))
     code, out, err = run("doctor")
     told = [" ".join(line.split()) for line in out.splitlines()]
-    assert (code, err) == (0, "")
+    says = ("looking at this machine …", "testing the isolation levels …", "recording traces …")
+    assert (code, err) == (0, "".join(f"imugrade: {line}\n" for line in says))
     assert told[:4] == ["Isolation", "✗ full no user namespaces", "✓ landlock works here", "✓ in use landlock"]
     assert " ".join(told[4:6]) == "✓ hidden the 21,894 files that code in the sandbox can open contain no grader files"
     assert f"imugrade {grader.__version__}" in told
