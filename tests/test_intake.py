@@ -153,8 +153,9 @@ FOUND: dict[str, tuple[str, Files, Files | str, tuple[str, ...]]] = {
         (f"{ELSEWHERE}filters.py\\x00x.",),
     ),
     "backslashes of Windows": ("file", {"alice.zip": backslashes(0)}, HANDED_IN, ()),
-    "backslashes of POSIX": (
-        "file", {"alice.zip": backslashes(3)}, {}, (NONE, f"{ELSEWHERE}" + ", ".join(f"lab\\{name}" for name in HANDED_IN) + "."),
+    "backslashes of POSIX": ("file", {"alice.zip": backslashes(3)}, HANDED_IN, ()),
+    "a backslash that leads out of the archive": (
+        "file", {"alice.zip": zipped({**HANDED_IN, "..\\out.py": b"A = 1"})}, HANDED_IN, (f"{ELSEWHERE}../out.py.",),
     ),
     "names that differ in case alone": (
         ARCHIVED, {"Filters.py": b"other", **HANDED_IN}, HANDED_IN,

@@ -14,12 +14,13 @@ import subprocess
 import sys
 import textwrap
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
 from grader.base.errors import RequestError
-from grader.engine import rubric
+from grader.engine import class_versions, rubric
 from grader.engine.traces import Traces
 from grader.kit import give, wheel
 from grader.labs.imu.lab import LAB
@@ -68,6 +69,17 @@ def everything(place: Path) -> dict[str, bytes]:
     return found
 
 
+def test_check_names_the_versions_that_differ_from_the_class(tmp_path: Path) -> None:
+    assert class_versions.line(tmp_path) == "", "an instructor's own install knows no class"
+    file = tmp_path / class_versions.FILE
+    file.write_text(class_versions.constraints())
+    assert class_versions.line(tmp_path) == ""
+    here = version("numpy")
+    file.write_text(class_versions.constraints().replace(f"numpy=={here}", "numpy==1.99.0"))
+    said = f"Your versions differ from your class: numpy {here} (class: 1.99.0)."
+    assert class_versions.line(tmp_path) == f"{said} python -m pip install -r constraints.txt installs the same."
+
+
 # --- what is in them, and what is not ---------------------------------------------------------------------------------
 
 
@@ -76,7 +88,7 @@ def test_students_get_starter_files_the_model_at_the_sheets_path_motions_a_readm
     model = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
     editors = {".devcontainer/devcontainer.json", ".vscode/settings.json", ".vscode/tasks.json"}
     motions = {f"traces/{name}.{kind}" for name in ("standing", "push", "tumbling") for kind in ("csv", "png")}
-    assert found == {*VERBATIM, "README.md", model, wheel.name(), *editors, *motions}
+    assert found == {*VERBATIM, "README.md", "constraints.txt", model, wheel.name(), *editors, *motions}
     assert (students / model).read_bytes() == LAB_MODEL.read_bytes()
 
 

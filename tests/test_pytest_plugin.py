@@ -83,6 +83,36 @@ def test_a_worker_of_xdist_tells_the_same_and_lf_asks_for_what_was_lost(lab: Pat
     assert "1/30 tests collected (29 deselected)" in again.stdout
 
 
+TWICE = """
+from _pytest.runner import runtestprotocol
+def pytest_runtest_protocol(item, nextitem):
+    for _ in range(2):
+        for report in runtestprotocol(item, nextitem=nextitem, log=False):
+            item.ihook.pytest_runtest_logreport(report=report)
+    return True
+"""
+
+
+def test_a_check_that_another_plugin_runs_again_counts_once(
+    lab: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    plugin = tmp_path_factory.mktemp("plugin") / "twice.py"
+    plugin.write_text(TWICE)
+    ran = run(
+        lab,
+        "-q",
+        "-p",
+        "twice",
+        "-p",
+        "no:xdist",
+        "sensor_access",
+        "--junitxml=junit.xml",
+        PYTHONPATH=str(plugin.parent),
+    )
+    assert "Sensor access      14 / 20" in ran.stdout, ran.stdout + ran.stderr
+    assert (lab / "junit.xml").read_text().count('name="max_points" value="6.0"') == 2
+
+
 # --- what is found without running anything ---------------------------------------------------------------------------
 
 AS_AN_EDITOR = """

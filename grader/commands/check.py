@@ -66,6 +66,7 @@ def check(
 
     submission = read_apart(path, LAB.files)
     with open_sandbox_for(LAB, submission.files, isolation_level) as sandbox:
+        from grader.engine import class_versions  # noqa: PLC0415
         from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the sandbox warms up
 
         chosen = rubrics.load(LAB, rubric)
@@ -73,6 +74,8 @@ def check(
         ready = submission.status == "ready"
         if ready:
             print(opening.found(LAB, submission), flush=True)
+        if differing := class_versions.line(LAB.folder):
+            print(differing, flush=True)
         from grader.commands import checking  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
         from grader.engine.grader import Stopped  # noqa: PLC0415

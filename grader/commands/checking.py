@@ -19,6 +19,8 @@ from grader.intake.names import is_litter
 from grader.sandbox.sandbox import Sandbox
 
 PAUSE_S = 0.2
+STILL_S = 1.0
+"""Seconds without a change before a save is checked: an editor may empty a file, or remove it, half a second before it writes."""
 
 
 def _nothing() -> None:
@@ -75,13 +77,16 @@ def check_on_save(
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
-    """Yield once at the start, then whenever a file under `path` that is not one of `written` has changed."""
+    """Yield once at the start, then when a file under `path` that is not one of `written` has changed and all are still again."""
     ours = {os.path.realpath(each) for each in written}
-    seen: object = None
+    marked: object = None
+    seen, since = None, 0.0
     while True:
         now = frozenset(stamp for stamp in _stamps(path) if os.path.realpath(stamp[0]) not in ours)
         if now != seen:
-            seen = now
+            seen, since = now, time.monotonic()
+        if now != marked and (marked is None or time.monotonic() - since >= STILL_S):
+            marked = now
             yield
         else:
             waits()

@@ -10,6 +10,7 @@ from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.base.text import printable
 from grader.engine.faults import Mistake
 from grader.engine.findings import Charge, Charged, CheckFailed, Fault, Missing, Raised, Skipped, Unusable, Where
+from grader.engine.load_report import not_handed_in
 from grader.engine.results import Outcome, message_of
 from grader.engine.submission_session import AVAILABLE_PACKAGES
 
@@ -153,6 +154,7 @@ def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Feedback:
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
     if fault.type == "ModuleNotFoundError":
         said += AVAILABLE_PACKAGES
+    said += not_handed_in(fault)
     mistake = mistake_of(fault, mistakes)
     return Feedback(
         "error",

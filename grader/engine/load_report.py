@@ -8,6 +8,7 @@ seen data.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,6 +20,8 @@ from grader.sandbox.wire import Frame
 
 _OVERRAN = "it had not ended when its time was up"
 _ENDED = "it ends the process"
+_NO_FILE = re.compile(r"No such file or directory: '([^']+)'|^(\S+) not found")
+"""File that does not exist, as Python and NumPy name it."""
 _MOST = 24  # most statements to record per submission as ending their process
 
 
@@ -65,7 +68,7 @@ class SteppedOver:
 
     @property
     def why(self) -> str:
-        said = printable(self.fault.message, 200)
+        said = printable(self.fault.message, 200) + not_handed_in(self.fault)
         return f"{self.fault.type}: {said}" if self.fault.type else said
 
 
@@ -111,6 +114,12 @@ def overran(frame: Frame) -> list[SteppedOver]:
 
 def _stepped_over(frame: Frame) -> list[SteppedOver]:
     return [SteppedOver.of(facts) for facts in frame.fields["stepped_over"]]
+
+
+def not_handed_in(fault: Fault) -> str:
+    """Return what to do about a file that the code reads and that was not handed in; "" for any other exception."""
+    name = _NO_FILE.search(fault.message) if fault.type == "FileNotFoundError" else None
+    return f" (hand in {printable(name[1] or name[2], 80)}, too)" if name else ""
 
 
 def mistake_of(each: SteppedOver) -> str:

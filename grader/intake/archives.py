@@ -39,7 +39,6 @@ MAX_HEADER = 16_384  # of a tar's long name or pax record, which tarfile reads w
 MAX_HEADER_WORK = 2_100_000_000
 MAX_IN_VAIN = 100  # reads behind the end of a tar: tarfile looks there for the next file, block by block, wherever it is said to be
 
-_FAT = 0  # "made by" of Windows tools, some of which write backslashes
 _UTF8 = 0x800  # flag: the name is UTF-8
 _TRAILING_BACKSLASH = ("cp932", "gbk", "big5")  # code pages with characters that end in the byte of a backslash
 _HEADERS = (
@@ -209,7 +208,7 @@ def zip_name(entry: zipfile.ZipInfo) -> str:
     name = entry.orig_filename
     if not entry.flag_bits & _UTF8:  # zipfile takes these names for code page 437
         name = _decoded(name.encode("cp437"), name)
-    return name.replace("\\", "/") if entry.create_system == _FAT else name
+    return name.replace("\\", "/")  # whatever tool made it: students have no file with a backslash in its name
 
 
 def _decoded(data: bytes, otherwise: str) -> str:

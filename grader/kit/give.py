@@ -11,6 +11,7 @@ from grader import __version__
 from grader.base.errors import RequestError
 from grader.base.package_data import beside
 from grader.base.text import printable
+from grader.engine import class_versions
 from grader.engine.lab import Handout, Lab, LabFile
 from grader.engine.rubric import load
 from grader.engine.rubric import shipped as shipped_rubric
@@ -78,6 +79,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     handout = lab.handout(brought)
     files = {name: _named_after(handout, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
+    files[class_versions.FILE] = class_versions.constraints().encode()
     files |= {**handout.files, wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), brought)}
     _write(out, files)
     return Kit(out, "students", "public scenarios")

@@ -20,6 +20,7 @@ import yaml
 from grader import __version__
 from grader.base.errors import RequestError
 from grader.base.package_data import beside
+from grader.engine import class_versions
 from grader.engine.lab import Lab, LabFile
 from grader.engine.rubric import CARRIED, own_checks
 from grader.report import truth
@@ -54,6 +55,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
     info = f"imugrade-{__version__}.dist-info"
     place = f"grader/{lab.folder.relative_to(beside('grader', '')).as_posix()}"
     files = {**dict(_package()), f"{place}/rubric.yaml": rubric.read_bytes()}
+    files[f"{place}/{class_versions.FILE}"] = class_versions.constraints().encode()
     files |= {f"{place}/{CARRIED}/{name}": content for name, content in own_checks(lab, rubric.parent)}
     files |= _own(place, rubric, own) if own else {}
     files |= {f"{info}/{path}": text.encode() for path, text in _information().items()}

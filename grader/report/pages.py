@@ -33,6 +33,7 @@ _TOLD = {  # without the seed and without a digest of traces, with which guesses
     "rubric_sha256": "Rubric",
     "submission_sha256": "Submission",
 }
+_LIBRARIES = ("Python", "MuJoCo", "NumPy")
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[st
         request_id=printable(final_grade.id, 200),  # a student's own `check` has none, and no form
         request_checks=[(c.id, printable(c.title, 120)) for part in result.criteria for c in part.checks],
         extra_credit=words.extra_credit(result),
-        notes=words.notes(result),
+        notes=[*words.notes(result), *_versions_of_errors(result)],
         provenance=_provenance(result),
     )
 
@@ -276,6 +277,17 @@ def _folded(heading: str, rows: Rows) -> Markup:
     """Render a folded list. It is cached because most reports of a class contain the same ones."""
     macros: Any = _environment().get_template("checks.html.j2").module
     return Markup(macros.folded(heading, rows))
+
+
+def _versions_of_errors(result: Result) -> list[str]:
+    """Return a note with the versions that code raised an error with: it may run with others. None where no code raised."""
+    checks = [check for part in result.parts for check in part.checks]
+    if not any(check.outcome == "error" or "does-not-import" in check.misconceptions for check in checks):
+        return []
+    told = ", ".join(f"{label} {value}" for label, value in _provenance(result) if label in _LIBRARIES)
+    return [
+        f"Code raised an error here with {told}. If it works on your computer, compare: imugrade doctor lists your versions."
+    ]
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:
