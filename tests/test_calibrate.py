@@ -282,4 +282,7 @@ def test_two_people_mark_the_same_sample_at_the_desk_and_compare(desk: Desk, out
     everybody(17, out / "calibration" / "marks-third.csv")
     preview = re.findall(r'href="(/what-if\?price[^"]+)"', desk.get("/calibrate?compare=yes").text)
     assert "6 of 16 final grades change" in words(desk.get(preview[0].replace("&amp;", "&")).text)
+    desk.post("/calibrate", {"id": first[1], "points:filtering": "19", "do": "full"})
+    rows = list(csv.DictReader(io.StringIO((out / "calibration" / "marks-prof.csv").read_text(encoding="utf-8"))))
+    assert [row["points"] for row in rows if row["id"] == first[1]] == ["20", "20", "20", "20", "19"]
     assert desk.post("/calibrate", {"id": "void", "points:filtering": "1"}).status == 400

@@ -24,13 +24,18 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Save the marks of one submission in the author's table below OUT, and go on to the next without marks."""
+    """Save the marks of one submission in the author's table below OUT, and go on to the next without marks.
+
+    With `do=full`, blank fields get full points.
+    """
     id_, known = web_request.text("id"), _Calibration(book, web_request.author)
     if id_ not in known.ids:
         raise RequestError("this submission is not in the sample; open Calibrate again")
     given, errors = dict(known.own), {}
     for part in known.results[id_].criteria:
         row = {name: web_request.text(f"{name}:{part.id}") for name in ("points", "comment")}
+        if web_request.text("do") == "full":
+            row["points"] = row["points"] or f"{part.max_points:g}"
         given.pop((id_, part.id), None)
         try:
             mark = mark_of(row, part.max_points)
