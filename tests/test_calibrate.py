@@ -270,6 +270,9 @@ def test_two_people_mark_the_same_sample_at_the_desk_and_compare(desk: Desk, out
     id_ = first[0]
     page = words(desk.get(f"/calibrate?id={id_}").text.partition("<main")[2])
     assert [word for word in (id_, "sensor id", "another sensor", "failed", "passed") if word in page] == []
+    assert (
+        f'name="draft" value="/calibrate?id={id_}#marks"' in desk.get(f"/calibrate?id={id_}").text
+    )  # kept until saved
     refused = desk.post("/calibrate", {"id": id_, "points:filtering": "21"})
     assert (refused.status, "points 21: enter a number from 0 to 20" in refused.text) == (400, True)
     saved = desk.post("/calibrate", {"id": id_, "points:filtering": "15", "comment:filtering": "=odd"})
