@@ -27,11 +27,13 @@ def test_what_is_typed_survives_other_pages_a_reload_and_a_restart_until_it_is_s
         page = visit.open("/submission/ada?edit=filters.py")
         page.get_by_role("textbox", name="filters.py").fill(edited)
         page.get_by_role("button", name="Preview grade").click()
-        page.locator("form.editor").get_by_label("Comment", exact=True).fill("x was never set")
+        with page.expect_response("**/draft"):
+            page.locator("form.editor").get_by_label("Comment", exact=True).fill("x was never set")
         page.get_by_role("link", name="Class", exact=True).click()
         page.goto(f"{first.origin}/submission/bob")
         page.locator("#override-filtering summary").click()
-        page.locator(points).fill("7")
+        with page.expect_response("**/draft"):
+            page.locator(points).fill("7")
         page.get_by_role("link", name="Needs review", exact=True).click()
         expect(page.get_by_text("Typed, but not saved yet:")).to_have_text("Typed, but not saved yet: ada, bob")
         visit.close()

@@ -149,8 +149,8 @@ document.addEventListener("DOMContentLoaded", () => {
   for (const { form } of document.querySelectorAll("input[name=draft]")) {
     let timer = 0;
     const draft = drafts[form.elements.draft.value];
-    if ("typed" in form.dataset) keep(form, typed(form));
-    else if (draft) restore(form, draft);
+    if (form.dataset.typed === "keep") keep(form, typed(form));
+    else if (draft && !("typed" in form.dataset)) restore(form, draft);
     form.addEventListener("input", () => {
       unkept.set(form, "soon");
       clearTimeout(timer);
