@@ -182,6 +182,21 @@ def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:
     assert "imugrade: roster.csv:2: Jane Doe not doejane_101 (doejane): canvas number 103 and 101\n" in err
 
 
+def test_a_person_without_a_submission_can_be_given_points_that_stand_in_every_file(run: Run) -> None:
+    hand_in(Path("class"), ann=1)
+    graded(run, roster="id,name\nann,Ann Lee\ns5,Bob Roe\n")
+    oral = ("--criterion", "total", "--points", 61, "--comment", "oral exam")
+    assert run("adjust", "out", "bob roe", *oral)[:2] == (0, "s5 total 61, final 61\n")
+    assert "s5" in run("adjust", "out")[1]
+    assert cells("out/gradebook.csv", "id", "name", "final") == [("ann", "Ann Lee", "100"), ("s5", "Bob Roe", "61")]
+    assert "final 61 = total 61 (set by" in words(Path("out/submissions/s5/report.html").read_text(encoding="utf-8"))
+    graded(run)
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[1] == "marks.csv  2 grades\n"
+    assert cells("marks.csv", "id", "final") == [("ann", "100"), ("s5", "61")]
+    assert run("adjust", "out", "s5", "--criterion", "total", "--withdraw", "--comment", "was Bo")[0] == 0
+    assert cells("out/gradebook.csv", "id", "status") == [("ann", "graded"), ("s5", "no submission")]
+
+
 def test_a_number_that_lost_its_zeros_in_a_spreadsheet_gets_that_hint(run: Run) -> None:
     hand_in(Path("class"), **{"00501": 1})
     err = graded(run, roster="id,name\n501,Ann Lee\n502,Bob Roe\n")

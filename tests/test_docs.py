@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from docs import generated
+from grader import cli
 from grader.engine import rubric
 from grader.labs.imu.lab import LAB
 from tests.documents import ROOT, commands, documents, site
@@ -120,3 +121,14 @@ def test_every_key_of_the_rubric_is_documented() -> None:
     assert used <= set(generated.RUBRIC_KEYS)
     left_out = {key for key in set(generated.RUBRIC_KEYS) - used if key.partition(".")[0] not in commented}
     assert left_out <= {"model.path", "extensions.points"}
+
+
+def test_every_sentence_on_a_grade_that_a_command_changes_stands_in_its_help(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    page = (ROOT / "docs" / "instructors" / "regrade.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(grade|adjust|repair|export)` \|.* \| (.*) \|$", page, re.MULTILINE)
+    assert len(rows) >= 15
+    for command, sentence in rows:
+        assert cli.main([command, "--help"]) == 0
+        assert sentence in " ".join(capsys.readouterr().out.split())

@@ -54,8 +54,9 @@ def adjust(
 ) -> int:
     """Override points, add a bonus or a comment, or list all of them.
 
-    The automatic points stay in the record. An override survives regrades. `grade` lists overrides whose automatic points have
-    changed since. Without --points it is only a comment.
+    An override of the total is final: lateness and repairs are not deducted from it. A person of the roster without a
+    submission can get points, too. The automatic points stay in the record. An override survives regrades. `grade` lists
+    overrides whose automatic points have changed since. Without --points it is only a comment.
 
     \b
     Examples:

@@ -11,6 +11,7 @@ from grader.base import stamps, tables
 from grader.base.errors import RequestError
 from grader.base.files import read_file
 from grader.base.text import decimal, printable
+from grader.course.no_submission import absent_by_id, admit
 from grader.course.publishing import publish_all, write_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
@@ -96,11 +97,11 @@ def adjust(lab: Lab, out: Path, store: Store, requests: Sequence[OverrideRequest
     RequestError
         With a line for each request that cannot be met.
     """
-    before = store.final_grades()
+    before = {**store.final_grades(), **admit(store, {request.id for request in requests})}
     made = decide(store, before, requests, author, what=what)
     said = store.adjustments()
     after = {id_: replace(each, adjustments=said.get(id_, ())) for id_, each in before.items()}
-    write_class(out, after, store, lab)
+    write_class(out, store.final_grades(), store, lab)
     fresh = dict.fromkeys(each.id for each in made if each.fresh)
     publish_all(out, (after[id_] for id_ in fresh), store, lab)
     return [_line_on(each, after[each.id]) for each in made]
@@ -189,8 +190,9 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
 
 
 def person_lookup(store: Store) -> PersonLookup:
-    """Return the resolver of names, e-mail addresses and numbers to the submissions of a class."""
-    return PersonLookup({id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people})
+    """Return the resolver of names, e-mail addresses and numbers to the submissions of a class and to people without one."""
+    handed_in = {id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people}
+    return PersonLookup({**{id_: (person,) for id_, person in absent_by_id(store).items()}, **handed_in})
 
 
 def listing(store: Store) -> Iterator[str]:

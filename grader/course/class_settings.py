@@ -285,7 +285,8 @@ def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> l
     return [
         id_
         for id_, final_grade in final_grades.items()
-        if any(final_grade.result.provenance.get(name) != digest for name, digest in mine.items())
+        if not final_grade.has_no_submission
+        and any(final_grade.result.provenance.get(name) != digest for name, digest in mine.items())
     ]
 
 

@@ -236,6 +236,7 @@ class Store(Decisions, RepairLog, Drafts):
         found = self._final_grades(
             (id_, result, hand_ins.get(id_, NOTHING_KNOWN)) for id_, result in self.present().items()
         )
+        found = {id_: each for id_, each in found.items() if each.adjustments or not each.has_no_submission}
         names = Counter(each.name.casefold() for each in found.values())
         return {
             id_: replace(each, namesake=True) if names[each.name.casefold()] > 1 else each

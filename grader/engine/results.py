@@ -224,7 +224,7 @@ def to_dict(result: Result) -> dict[str, Any]:
 
 def shown_provenance(result: Result) -> dict[str, Any]:
     """Return the provenance without a digest of hidden traces: with it anybody could test guesses of the secret."""
-    left_out = ("traces_sha256", "hidden") if result.provenance.get("hidden") else ()
+    left_out = ("no_submission", *(("traces_sha256", "hidden") if result.provenance.get("hidden") else ()))
     return {key: value for key, value in result.provenance.items() if key not in left_out}
 
 

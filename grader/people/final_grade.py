@@ -186,6 +186,11 @@ class FinalGrade:
         return self.hand_in.late
 
     @property
+    def has_no_submission(self) -> bool:
+        """Return whether the person handed in nothing, so that all points come from a person."""
+        return bool(self.result.provenance.get("no_submission"))
+
+    @property
     def unseen(self) -> bool:
         """Return whether the submission is empty or unreadable, and no person has reviewed or overridden it: its grade is blank."""
         empty = self.result.status in ("empty", "unreadable")
