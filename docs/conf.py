@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from importlib.metadata import version as installed
 
@@ -19,14 +20,20 @@ html_css_files = ["site.css"]
 myst_heading_anchors = 3
 myst_enable_extensions = ["colon_fence"]
 
+# "Edit this page" needs the address of the repository, which only the machine that publishes the site knows.
+_hosted = os.environ.get("READTHEDOCS_GIT_CLONE_URL", "").removesuffix(".git")
+if not _hosted and "GITHUB_REPOSITORY" in os.environ:
+    _hosted = f"{os.environ.get('GITHUB_SERVER_URL', 'https://github.com')}/{os.environ['GITHUB_REPOSITORY']}"
+if _hosted:
+    html_theme_options = {"source_repository": _hosted, "source_branch": "main", "source_directory": "docs/"}
+
 
 def setup(app: Sphinx) -> None:
     """Make the navigation of the site from the lists of links on the index pages, which a repository's web page shows, too."""
 
     def read(_app: Sphinx, page: str, text: list[str]) -> None:
-        if page.rpartition("/")[2] == "index" and (
-            listed := re.findall(r"^- \[[^]]+\]\((\S+)\.md\)", text[0], re.MULTILINE)
-        ):
+        listed = re.findall(r"^- \[[^]]+\]\((\S+)\.md\)", text[0], re.MULTILINE)
+        if page.rpartition("/")[2] == "index" and listed:
             text[0] += "\n```{toctree}\n:hidden:\n" + "\n".join(listed) + "\n```\n"
 
     app.connect("source-read", read)

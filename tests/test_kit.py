@@ -21,8 +21,9 @@ import pytest
 
 from grader.base.errors import RequestError
 from grader.engine import class_versions, rubric
+from grader.engine.faults import catalogue
 from grader.engine.traces import Traces
-from grader.kit import give, wheel
+from grader.kit import give, guide, wheel
 from grader.labs.imu.lab import LAB
 from grader.platforms import github
 from reference.worlds import LAB_MODEL
@@ -88,8 +89,19 @@ def test_students_get_starter_files_the_model_at_the_sheets_path_motions_a_readm
     model = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
     editors = {".devcontainer/devcontainer.json", ".vscode/settings.json", ".vscode/tasks.json"}
     motions = {f"traces/{name}.{kind}" for name in ("standing", "push", "tumbling") for kind in ("csv", "png")}
-    assert found == {*VERBATIM, "README.md", "constraints.txt", model, wheel.name(), *editors, *motions}
+    assert found == {*VERBATIM, "README.md", "constraints.txt", guide.NAME, model, wheel.name(), *editors, *motions}
     assert (students / model).read_bytes() == LAB_MODEL.read_bytes()
+
+
+def test_the_guide_holds_every_student_page_and_works_offline(students: Path) -> None:
+    text = (students / guide.NAME).read_text(encoding="utf-8")
+    titles = [
+        page.read_text(encoding="utf-8").partition("\n")[0][2:] for page in (ROOT / "docs" / "students").glob("*.md")
+    ]
+    assert [title for title in [*titles, "All checks", "All faults"] if f">{title}</h1>" not in text] == []
+    assert {f">{fault}</h3>" for fault in catalogue(LAB)} <= set(re.findall(r">[\w-]+</h3>", text))
+    assert set(re.findall(r'href="#([^"]+)"', text)) <= set(re.findall(r' id="([^"]+)"', text))
+    assert re.findall(r'(?:src|href)="(?!#|data:|https://)[^"]*"|<script|<link', text) == []
 
 
 def test_no_kit_holds_a_piece_of_the_reference(students: Path, autograder: Path) -> None:

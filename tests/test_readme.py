@@ -15,15 +15,14 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_readme_is_short_and_its_first_screen_holds_the_two_commands() -> None:
-    assert len(README.splitlines()) <= 120
-    assert len(re.findall(r"^\|.*\|$", README, re.MULTILINE)) <= 7
-    first_screen = "\n".join(README.splitlines()[:24])
+    assert len(README.splitlines()) <= 80
+    first_screen = "\n".join(README.splitlines()[:30])
     assert "pip install -q . && .venv/bin/imugrade grade submissions_example -o out" in first_screen
-    assert "pip install -q -e '.[test]' && .venv/bin/python -m pytest -m full" in first_screen
+    assert "pip install -q -e '.[test]' && .venv/bin/python -m pytest\n" in first_screen
 
 
 def test_ci_runs_the_test_command_of_the_readme() -> None:
-    (command,) = re.findall(r"^.* && .*python -m pytest -m full$", README, re.MULTILINE)
+    (command,) = re.findall(r"^.* && .*python -m pytest$", README, re.MULTILINE)
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     set_up, install, run = command.split(" && ")
     assert f'"$python" {set_up.removeprefix("python3 ")} && {install}\n' in script

@@ -104,6 +104,7 @@ def test_code_that_does_not_run_comes_first_with_what_it_costs() -> None:
         "\n"
         "Rerun  imugrade check --only sensor_access\n"
         "All lines  imugrade check -v\n"
+        "Help  open guide.html, in your starter files\n"
     )
 
 
@@ -132,7 +133,7 @@ def test_at_84_of_100_the_screen_has_forty_lines_at_most() -> None:
     passed = [check(max_points=84.01, points=84.01)]
     made = replace(result(*passed, *lost_), extensions=())
     assert len(terminal(made, width=100).splitlines()) + len(("checking …", "files", "checks", "")) <= 40
-    assert terminal(made, width=100).endswith("All lines  imugrade check -v\n")
+    assert terminal(made, width=100).endswith("All lines  imugrade check -v\nHelp  open guide.html, in your starter files\n")
     assert "All lines" not in terminal(made, width=100, verbose=True)
 
 

@@ -16,7 +16,7 @@ from grader.engine.lab import Handout, Lab, LabFile
 from grader.engine.rubric import load
 from grader.engine.rubric import shipped as shipped_rubric
 from grader.engine.traces import Traces
-from grader.kit import wheel
+from grader.kit import guide, wheel
 from grader.platforms.github import CHECKOUT, SETUP_PYTHON
 from grader.report import truth
 
@@ -67,7 +67,7 @@ def kits(request: KitRequest) -> Iterator[Kit]:
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Starter files, what the lab hands out beside them, a README and the wheel, in a new folder.
+    """Write starter files, what the lab hands out beside them, a README, the guide and the wheel into a new folder.
 
     Raises
     ------
@@ -80,6 +80,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     files = {name: _named_after(handout, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
     files[class_versions.FILE] = class_versions.constraints().encode()
+    files[guide.NAME] = guide.build(lab, rubric).encode()
     files |= {**handout.files, wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), brought)}
     _write(out, files)
     return Kit(out, "students", "public scenarios")

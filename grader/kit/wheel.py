@@ -23,6 +23,7 @@ from grader.base.package_data import beside
 from grader.engine import class_versions
 from grader.engine.lab import Lab, LabFile
 from grader.engine.rubric import CARRIED, own_checks
+from grader.kit import guide
 from grader.report import truth
 
 _KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".js", ".md", ".svg", ".typed")
@@ -57,6 +58,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
     files = {**dict(_package()), f"{place}/rubric.yaml": rubric.read_bytes()}
     files[f"{place}/{class_versions.FILE}"] = class_versions.constraints().encode()
     files |= {f"{place}/{CARRIED}/{name}": content for name, content in own_checks(lab, rubric.parent)}
+    files |= {f"{place}/guide/{page.name}": page.read_bytes() for page in sorted(guide.pages(lab).iterdir())}
     files |= _own(place, rubric, own) if own else {}
     files |= {f"{info}/{path}": text.encode() for path, text in _information().items()}
     record = "".join(f"{path},{_digest(content)},{len(content)}\n" for path, content in files.items())

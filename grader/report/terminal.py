@@ -81,7 +81,11 @@ def screen(
         _passed(checks, setting, verbose=verbose) if only is not None or verbose else [],
         _closing(result, setting),
         _hand_in(result, lab, setting) if only is None else [],
-        [*_again(found, command, setting), *(_more(command, setting) if len(whole) < len(others) else [])],
+        [
+            *_again(found, command, setting),
+            *(_more(command, setting) if len(whole) < len(others) else []),
+            *(_help(setting) if found else []),
+        ],
     ]
     return [line for block in blocks if block for line in (Text(), *block)][1:]
 
@@ -239,6 +243,11 @@ def _hand_in(result: Result, lab: Lab, setting: Setting) -> list[Text]:
 def _again(found: Sequence[Cause], command: str, setting: Setting) -> list[Text]:
     part = causes.next_part(found)
     return setting.hang(Text("Rerun  ", LABEL), Text(f"{command} --only {part}")) if part else []
+
+
+def _help(setting: Setting) -> list[Text]:
+    """Return the line that names the students' guide, which the kit brings."""
+    return setting.hang(Text("Help  ", LABEL), Text("open guide.html, in your starter files"))
 
 
 def _more(command: str, setting: Setting) -> list[Text]:

@@ -35,7 +35,7 @@ def test_the_sdist_has_the_sources_and_what_the_readme_needs_and_no_junk(deliver
     with tarfile.open(delivered.sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
     assert {name.partition("/")[0] for name in inside} == {
-        ".ci", ".gitignore", "CHANGELOG.md", "LICENSE", "PKG-INFO", "README.md", "SECURITY.md", "docs", "grader", "pyproject.toml", "reference",
+        ".ci", ".gitignore", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "PKG-INFO", "README.md", "SECURITY.md", "docs", "grader", "pyproject.toml", "reference",
         "rubric.yaml", "submissions_example", "tests",
     }  # fmt: skip
     assert not [name for name in inside if "__pycache__" in name or name.startswith(".venv")]
