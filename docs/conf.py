@@ -32,7 +32,7 @@ def setup(app: Sphinx) -> None:
     """Make the navigation of the site from the lists of links on the index pages, which a repository's web page shows, too."""
 
     def read(_app: Sphinx, page: str, text: list[str]) -> None:
-        listed = re.findall(r"^- \[[^]]+\]\((\S+)\.md\)", text[0], re.MULTILINE)
+        listed = re.findall(r"^- \[[^]]+\]\(((?:\w+/index|[\w-]+))\.md\)", text[0], re.MULTILINE)
         if page.rpartition("/")[2] == "index" and listed:
             text[0] += "\n```{toctree}\n:hidden:\n" + "\n".join(listed) + "\n```\n"
 

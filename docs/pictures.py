@@ -1,4 +1,4 @@
-"""Take the pictures of the documentation from the product: `python -m docs.pictures`; two minutes. Look at each before you commit it.
+"""Take the pictures of the documentation from the product: `python -m docs.pictures`, two minutes. Look at each of them.
 
 They show the example class: its page, a report, and the review desk. The browser is Chromium, as in the tests of the pages.
 """

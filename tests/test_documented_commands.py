@@ -60,8 +60,8 @@ PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "C
 CI = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 SAYS = {
-    "adjust": r"^alice .* (\S+, final \d+|by .*)$",
     "calibrate": "^written to ",
+    "adjust": r"^(alice|s06-id-as-address) .* (\S+, final \d+|by .*)$",
     "check": r"public checks[\s\S]* \d+ / (20|100)$|; again on every save, Ctrl-C ends$",
     "ci": r"^<testsuites |^\S+ written: 100 of 100 points$",
     "ci --format github": "^::notice .*100 / 100$",

@@ -133,7 +133,9 @@ def test_at_84_of_100_the_screen_has_forty_lines_at_most() -> None:
     passed = [check(max_points=84.01, points=84.01)]
     made = replace(result(*passed, *lost_), extensions=())
     assert len(terminal(made, width=100).splitlines()) + len(("checking …", "files", "checks", "")) <= 40
-    assert terminal(made, width=100).endswith("All lines  imugrade check -v\nHelp  open guide.html, in your starter files\n")
+    assert terminal(made, width=100).endswith(
+        "All lines  imugrade check -v\nHelp  open guide.html, in your starter files\n"
+    )
     assert "All lines" not in terminal(made, width=100, verbose=True)
 
 
