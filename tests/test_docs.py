@@ -83,7 +83,8 @@ def anchors(page: Path) -> set[str]:
 @pytest.mark.parametrize("page", REPOSITORY_PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_every_link_of_a_page_leads_to_a_file_and_a_heading(page: Path) -> None:
     prose = re.sub(r"^```.*?^```|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
-    links = [link.partition("#") for link in re.findall(r"\]\(([^)\s]+)\)", prose) if not link.startswith("http")]
+    found = re.findall(r"\]\(([^)\s]+)\)|<img src=\"([^\"]+)\"", prose)
+    links = [link.partition("#") for pair in found for link in pair if link and not link.startswith("http")]
     broken = []
     for path, _, anchor in links:
         target = page.parent / path if path else page
