@@ -17,10 +17,15 @@ from typing import Any
 import typer
 
 from grader import cli
+from grader.engine import results
 from grader.engine.faults import catalogue
+from grader.engine.findings import CheckFailed, Fault, Size, raised
 from grader.engine.lab import Part
 from grader.engine.rubric import load, shipped
+from grader.labs.imu import bundles
+from grader.labs.imu.answers import Collection, FilterRun, NoiseRun, Readings
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.student import FilterCase, Student
 from grader.platforms import registry
 from grader.platforms.platform import Platform
 from grader.report import explanations
@@ -252,6 +257,87 @@ def agreement() -> str:
     )
 
 
+# --- what programs and own checks use ---------------------------------------------------------------------------------
+
+_ASKED = (Student.read, Student.simulate, Student.noise, Student.filter)
+_RECORDS = (FilterCase, Readings, Collection, NoiseRun, FilterRun, Fault, Size)
+
+
+def result_json() -> str:
+    """Return the table of the fields of `result.json`, from its schema."""
+    schema = json.loads((Path(results.__file__).parent / "result.schema.json").read_text(encoding="utf-8"))
+    return _table(("Field", "Value", "Meaning"), _fields(schema, schema["$defs"], ""))
+
+
+def _fields(node: Any, known: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str, str]]:
+    for name, given in node["properties"].items():
+        field = _resolved(given, known)
+        inner = _resolved(field.get("items", {}), known)
+        path = f"{prefix}{name}{'[]' if inner.get('properties') else ''}"
+        optional = "" if name in node.get("required", ()) else "Optional. "
+        yield f"`{path}`", _value(field, known), optional + field.get("description", "")
+        for each in (field, inner):
+            if "properties" in each:
+                yield from _fields(each, known, f"{path}.")
+
+
+def _resolved(node: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a node of the schema with the definition that it refers to."""
+    named = known[node["$ref"].rpartition("/")[2]] if "$ref" in node else {}
+    return {**named, **node}
+
+
+def _value(field: Mapping[str, Any], known: Mapping[str, Any]) -> str:
+    if "anyOf" in field:
+        return " or ".join(_value(_resolved(each, known), known) for each in field["anyOf"])
+    if "enum" in field or "const" in field:
+        return ", ".join(f"`{json.dumps(each)}`" for each in field.get("enum", [field.get("const")]))
+    inner = _resolved(field.get("items", {}), known).get("type", "")
+    return f"array of {inner}s" if field["type"] == "array" else str(field["type"])
+
+
+def questions() -> str:
+    """Return what a check of an instructor's own may ask the student's code: each method with its parameters."""
+    return "\n\n".join(_definition(f"student.{each.__name__}", each) for each in _ASKED)
+
+
+def answers() -> str:
+    """Return the records that those methods take and return, with their fields."""
+    return "\n\n".join(_definition(each.__name__, each) for each in _RECORDS)
+
+
+def outcomes() -> str:
+    """Return what ends a check of an instructor's own with fewer points."""
+    return "\n\n".join(_definition(each.__name__, each) for each in (CheckFailed, raised))
+
+
+def _definition(name: str, of: Any) -> str:
+    """Return a heading, the signature and the docstring of a class or a function."""
+    parameters = [each for each in inspect.signature(of).parameters.values() if each.name != "self"]
+    shown = "".join(
+        f"    {each.name}: {each.annotation}{'' if each.default is each.empty else f' = {each.default!r}'},\n"
+        for each in parameters
+    )
+    returns = inspect.signature(of).return_annotation
+    arrow = "" if returns in (inspect.Signature.empty, None, "None") else f" -> {returns}"
+    words = (
+        inspect.cleandoc(of.__doc__ or "")
+        .replace("Attributes\n----------\n", "")
+        .replace("Parameters\n----------\n", "")
+    )
+    first, _, rest = words.partition("\n\n")
+    more = "\n".join(f"- {line}" if re.match(r"\w[\w, ]* : ", line) else line for line in rest.split("\n"))
+    return f"### `{name}`\n\n{first}\n\n```text\n{name}(\n{shown}){arrow}\n```\n\n{more}".rstrip()
+
+
+def public_traces() -> str:
+    """Return the table of the public scenarios and the arrays of each."""
+    rows = []
+    for name, scenario in bundles.shipped().scenarios.items():
+        rows.append((f"`{name}`", ", ".join(f"`{key}` {array.shape}" for key, array in scenario.items())))
+    return _table(("Scenario", "Arrays and shapes"), rows)
+
+
 # --- the code ---------------------------------------------------------------------------------------------------------
 
 
@@ -279,8 +365,9 @@ def _code(names: Iterable[str]) -> str:
 PARTS: Mapping[str, Callable[[], str]] = {
     function.__name__.replace("_", "-"): function
     for function in (
-        agreement, attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels, libraries,
-        library_folders, modules, platform_fields, rubric, rubric_keys, system_files,
+        agreement, answers, attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels,
+        libraries, library_folders, modules, outcomes, platform_fields, public_traces, questions, result_json,
+        rubric, rubric_keys, system_files,
     )
 }  # fmt: skip
 """The parts by the name that a page gives."""

@@ -33,7 +33,15 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class FilterCase:
-    """One filter over one signal; see `worker.filtering.filter_cases` for the ways of handling."""
+    """One filter over one signal.
+
+    Attributes
+    ----------
+    signal : (n, 3) ndarray, the measurements in order
+    alpha : the filter's `alpha`; None leaves out this argument
+    initial : (3,) ndarray, the filter's `initial_value`; None leaves it out
+    handling : what the caller does with the arrays, see `worker.filtering.filter_cases`; "plain" is usual
+    """
 
     signal: Array
     alpha: float | None = None
@@ -45,7 +53,14 @@ class Student(Plotting):
     """Session about one submission. The charts of a report find an answer by the name that its question has in `called`."""
 
     def read(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        """Return the readings of every pair of sensors (p, 2) in every state (k, nq), (k, nv) of a model."""
+        """Return what `get_imu_readings` reads, for every pair of sensors in every state of a model.
+
+        Parameters
+        ----------
+        model : MJCF text of the model
+        qpos, qvel : (k, nq) and (k, nv) ndarrays, the states
+        pairs : (p, 2) ndarray of int, the ids of an accelerometer and a gyroscope in each row
+        """
         becomes = partial(_readings, shape=(len(pairs), len(qpos)))
         arrays = {"qpos": qpos, "qvel": qvel, "pairs": pairs}
         return self.answer(Question("read", "get_imu_readings", becomes, {"model": model}, arrays))
@@ -58,9 +73,16 @@ class Student(Plotting):
     def simulate(self, *, duration_s: float, ids: tuple[int, int], timestep: float | None = None,
                  dirty: tuple[Array, Array, float] | None = None, gravity: Array | None = None,
                  called: str = "") -> Collection:  # fmt: skip
-        """Return what `simulate_and_collect` records on the robot, handed over in the state `dirty` if given.
+        """Return what `simulate_and_collect` records on the robot of the class.
 
-        With `gravity` (3,), the model that is handed over has that one.
+        Parameters
+        ----------
+        duration_s : the duration in seconds
+        ids : the ids of accelerometer and gyroscope
+        timestep : the model's time step in seconds; None leaves that of the model
+        dirty : qpos (nq,), qvel (nv,) and time in seconds that the data hold when they are handed over; None hands over new data
+        gravity : (3,) ndarray in m/s², the model's gravity; None leaves that of the model
+        called : a name by which the charts of a report find the answer; leave it out
         """
         fields = {
             "model": self.robot.xml, "duration_s": duration_s, "timestep": timestep,
@@ -99,7 +121,17 @@ class Student(Plotting):
 
     def noise(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: tuple[float, float],
               biases: tuple[Array, Array] | None, called: str = "") -> NoiseRun:  # fmt: skip
-        """Return many reads of one `NoisyIMU`, in one state after the other."""
+        """Return many reads of one `NoisyIMU`, in one state after the other.
+
+        Parameters
+        ----------
+        qpos, qvel : (k, nq) and (k, nv) ndarrays, the states
+        ids : the ids of accelerometer and gyroscope
+        reads : number of reads in each state
+        stds : standard deviations of the noise in m/s² and rad/s
+        biases : the (3,) biases in m/s² and rad/s; None leaves out these arguments
+        called : a name by which the charts of a report find the answer; leave it out
+        """
         given = {"accel_bias": biases[0], "gyro_bias": biases[1]} if biases else {}
         arrays = {"qpos": qpos, "qvel": qvel, **given}
         return self.answer(
@@ -132,7 +164,13 @@ class Student(Plotting):
         }  # fmt: skip
 
     def filter(self, cases: Sequence[FilterCase], called: str = "") -> list[FilterRun]:
-        """Return the output of `LowPassFilter` for each case."""
+        """Return the output of `LowPassFilter` for each case, in the same order.
+
+        Parameters
+        ----------
+        cases : a new filter is made for each
+        called : a name by which the charts of a report find the answer; leave it out
+        """
         arrays: dict[str, np.ndarray] = {}
         rows = []
         for number, case in enumerate(cases):
