@@ -217,12 +217,15 @@ class _Problem:
 
         return np.array([points(part) for part in self.parts])
 
-    def solved(self, without: str = "") -> Vector:
-        """Return the values, rounded as they are proposed, that fit best the cells of all submissions but one."""
+    def solved(self, without: str = "") -> Vector | None:
+        """Return the values, rounded as they are proposed, that fit best the cells of all submissions but one.
+
+        None where rounded values come no closer than the present points do.
+        """
         now = np.array([each.now for each in self.unknowns])
         used = np.array([cell.id != without for cell in self.cells], dtype=bool)
         if not len(now) or not used.any():
-            return now
+            return None
         wanted = np.array([cell.mean for cell in self.cells])
         pull = np.sqrt([_PULL[each.kind] for each in self.unknowns])
 
@@ -237,12 +240,20 @@ class _Problem:
 
         bounds = [each.least for each in self.unknowns], [each.most for each in self.unknowns]
         found: Vector = optimize.least_squares(residuals, now, jac=slopes, bounds=bounds, xtol=1e-3, ftol=1e-3).x
-        return np.array([_rounded(value, each) for value, each in zip(found, self.unknowns, strict=True)])
+        rounded = np.array([_rounded(value, each) for value, each in zip(found, self.unknowns, strict=True)])
+        errors = [np.sum((points - wanted)[used] ** 2) for points in (self.points(rounded), self.present)]
+        return rounded if errors[0] < errors[1] else None
+
+    @property
+    def present(self) -> Vector:
+        return np.array([part.points for part in self.parts])
 
     def changes(self) -> list[Change]:
         """Return the values that change, and the deductions of faults that share a check with one that does: a check by whose
         faults one has no deduction in the rubric keeps its own points."""
-        values = dict(zip(self.unknowns, self.solved(), strict=True))
+        if (solved := self.solved()) is None:
+            return []
+        values = dict(zip(self.unknowns, solved, strict=True))
         changed = {each.id for each, value in values.items() if value != each.now}
         together = [set(check.misconceptions) for part in self.parts for check in part.checks]
         beside = {id_ for names in together if names & changed for id_ in names}
@@ -257,26 +268,39 @@ class _Problem:
 
     def unseen(self) -> dict[Cell, float]:
         """Return the points of each cell by the values that fit the other submissions."""
-        return {cell.key: float(self.points(self.solved(without=cell.id))[at]) for at, cell in enumerate(self.cells)}
+        found = {}
+        for at, cell in enumerate(self.cells):
+            values = self.solved(without=cell.id)
+            found[cell.key] = float((self.present if values is None else self.points(values))[at])
+        return found
 
 
 def _deductions(rubric: Rubric, criterion: Criterion, parts: Sequence[CriterionResult]) -> list[Unknown]:
-    """Return the faults of a criterion's own that are named in these results. A fault of any file, such as one that does not
-    run, costs whatever needs the file and has no deduction of its own."""
+    """Return the faults of a criterion's own that are named in these results, with what they deduct.
+
+    Left out is a fault of any file, such as one that does not run: it costs whatever needs the file. So is a fault that deducts
+    more in one submission than in another, such as one of a single sensor: one number for all would be wrong for some.
+    """
     table = rows(rubric.lab)
-    lost: dict[str, list[tuple[float, float]]] = {}
+    alone: dict[str, list[float]] = {}
+    shared: dict[str, list[float]] = {}
+    most: dict[str, float] = {}
     for part in parts:
         named = dict.fromkeys(id_ for check in part.checks for id_ in check.misconceptions)
         for id_ in (id_ for id_ in named if id_ in table and table[id_].group == criterion.id):
             its = [check for check in part.checks if id_ in check.misconceptions]
             taken = sum((check.max_points - (check.points or 0.0)) / len(check.misconceptions) for check in its)
-            lost.setdefault(id_, []).append((taken, sum(check.max_points for check in its)))
+            (alone if all(len(check.misconceptions) == 1 for check in its) else shared).setdefault(id_, []).append(
+                taken
+            )
+            most[id_] = max(most.get(id_, 0.0), sum(check.max_points for check in its))
     found = []
-    for id_, pairs in lost.items():
-        now = rubric.mistakes.get(id_, _in_steps(statistics.median(taken for taken, _ in pairs)))
-        most = max(most for _, most in pairs)
-        if (least := min(_LEAST, now)) < most:
-            found.append(Unknown("fault", id_, min(now, most), least, most))
+    for id_, limit in most.items():
+        deducted = alone.get(id_) or shared[id_]
+        now = min(rubric.mistakes.get(id_, round(statistics.median(deducted), 2)), limit)
+        least = min(_LEAST, now)
+        if least < limit and max(deducted) - min(deducted) < _LEAST:
+            found.append(Unknown("fault", id_, now, least, limit))
     return found
 
 
