@@ -22,7 +22,8 @@ def adjust(
     ] = None,
     *,
     criterion: Annotated[
-        str, typer.Option("--criterion", metavar="C", help="A criterion, a check (filtering.titles), total or bonus.")
+        str,
+        typer.Option("--criterion", metavar="C", help="A criterion, a check (visualization.titles), total or bonus."),
     ] = "",
     points: Annotated[
         float | None, typer.Option("--points", metavar="P", help="Points that replace the automatic points.")
