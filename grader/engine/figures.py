@@ -5,19 +5,23 @@ Texts, limits and curves are what the worker claims. The pixels are the evidence
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from pathlib import PurePath
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeAlias
 
+import msgspec
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
+from grader.engine.reply_types import Long, Names, Number, Pair, Short, Whole
 from grader.sandbox.wire import Frame
 
-T = TypeVar("T")
-Array = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
+Pixels: TypeAlias = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
 
 FEWEST_SEEN = 0.12
@@ -56,20 +60,20 @@ _NOT_EXAMINED = VisibleParts(np.ones(PARTS, bool), np.zeros(PARTS, bool))
 class Entry:
     """A legend entry: its text, and the colour (``#rrggbb``), style, marker and stroke of its sample."""
 
-    text: str
-    colour: str
-    style: str
-    marker: str
-    stroke: str
+    text: Short
+    colour: Short
+    style: Short
+    marker: Short
+    stroke: Short
 
 
 @dataclass(frozen=True)
 class Placed:
     """A text in a panel: its position in the units of the panel's axes, and its colour (``#rrggbb``)."""
 
-    text: str
-    place: tuple[float, float]
-    colour: str
+    text: Short
+    place: Pair
+    colour: Short
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,19 +93,19 @@ class Curve:
     visible_parts : its visible parts; none until the pixels were examined
     """
 
-    label: str
-    colour: str
-    kind: str
-    n: int
+    label: Short
+    colour: Short
+    kind: Short
+    n: Whole
     x: Array
     y: Array
-    style: str
-    marker: str
-    stroke: str
-    alpha: float
-    inks: tuple[str, ...]
-    width: float
-    visible_parts: VisibleParts
+    style: Short
+    marker: Short
+    stroke: Short
+    alpha: Number
+    inks: Annotated[tuple[Short, ...], Meta(max_length=16)]
+    width: Number
+    visible_parts: VisibleParts = _NOT_EXAMINED
 
     @property
     def visible(self) -> bool:
@@ -131,16 +135,16 @@ class Axes:
     """
 
     visible: bool
-    position: tuple[float, float, float, float]
-    title: str
-    xlabel: str
-    ylabel: str
-    legend: tuple[Entry, ...]
-    texts: tuple[Placed, ...]
-    curves: tuple[Curve, ...]
-    x_limits: tuple[float, float]
-    y_limits: tuple[float, float]
-    scales: tuple[str, str]
+    position: tuple[Number, Number, Number, Number]
+    title: Short
+    xlabel: Short
+    ylabel: Short
+    legend: Annotated[tuple[Entry, ...], Meta(max_length=64)]
+    texts: Annotated[tuple[Placed, ...], Meta(max_length=64)]
+    curves: Annotated[tuple[Curve, ...], Meta(max_length=64)]
+    x_limits: Pair
+    y_limits: Pair
+    scales: tuple[Short, Short]
     own_ticks: bool
     own_height: bool = False
 
@@ -159,19 +163,19 @@ class Figure:
     pixels : (h, w, 3) ndarray of uint8, the drawn picture in red, green and blue
     """
 
-    event: str
-    path: str | None
-    format: str
-    size_px: tuple[int, int]
-    axes: tuple[Axes, ...] = ()
-    title: str = ""
-    xlabel: str = ""
-    ylabel: str = ""
-    texts: tuple[str, ...] = ()
-    legend: tuple[Entry, ...] = ()
-    extent: tuple[float, float] = (0.0, 0.0)
-    dots: float = 0.0
-    pixels: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
+    event: Short
+    path: Long | None
+    format: Short
+    size_px: tuple[Whole, Whole]
+    axes: Annotated[tuple[Axes, ...], Meta(max_length=24)] = ()
+    title: Short = ""
+    xlabel: Short = ""
+    ylabel: Short = ""
+    texts: Names = ()
+    legend: Annotated[tuple[Entry, ...], Meta(max_length=512)] = ()
+    extent: Pair = (0.0, 0.0)
+    dots: Number = 0.0
+    pixels: Pixels = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
 
     @property
     def file_name(self) -> str:
@@ -205,45 +209,48 @@ class Picture:
     palette: NDArray[np.uint8]
 
 
-# --- records from a reply that passed the rules of `engine.replies` ------------------------------------------------------
+# --- records from a reply ------------------------------------------------------------------------------------------------
 
 
 def figures_of(frame: Frame) -> list[Figure]:
-    """Return the figures of a reply that describes drawings."""
-    return [_figure(facts, frame.arrays) for facts in frame.fields["figures"]]
+    """Return the figures of a reply that passed the rule for drawings."""
+    return decode_figures(frame, lambda _, name: frame.arrays[name])
+
+
+def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Figure]:
+    """Return the figures of a reply; `array_of(type, name)` returns each array that they name.
+
+    Raises
+    ------
+    msgspec.ValidationError, ValueError, TypeError, KeyError
+        If they are not described as figures are.
+    """
+    return [msgspec.convert(_facts(each), Figure, dec_hook=array_of) for each in frame.fields["figures"]]
+
+
+def _facts(told: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is told of a figure by the names of its record; a file that cannot be read has no more than its head."""
+    head = {name: told[name] for name in ("event", "path", "format", "size_px")}
+    if "unreadable" in told:
+        return head
+    axes = [
+        {**each, "legend": each["legend"] or (), "curves": [_unexamined(curve) for curve in each["curves"]]}
+        for each in told["axes"]
+    ]
+    legend = [*chain.from_iterable(told["legends"])]
+    rest = {name: told[name] for name in ("title", "xlabel", "ylabel", "texts", "extent", "dots")}
+    return {**head, **rest, "axes": axes, "legend": legend, "pixels": told["seen"]}
+
+
+def _unexamined(curve: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is told of a curve, without a claim about its visible parts."""
+    return {name: value for name, value in curve.items() if name != "visible_parts"}
 
 
 def picture_of(frame: Frame) -> Picture | None:
     """Return the handed-in picture that a reply describes; None if the picture could not be read."""
-    return _record(Picture, {**frame.fields, **frame.arrays}) if frame.fields["readable"] else None
-
-
-def _record(kind: type[T], facts: Mapping[str, Any], **resolved: Any) -> T:
-    """Make a record: its fields come from `resolved`, else from the facts of the same name."""
-    told = {name: _frozen(facts[name]) for name in kind.__annotations__ if name not in resolved}
-    return kind(**told, **resolved)
-
-
-def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-def _figure(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Figure:
-    if "unreadable" in facts:
-        return Figure(facts["event"], facts["path"], facts["format"], tuple(facts["size_px"]))
-    axes = tuple(_axes(each, arrays) for each in facts["axes"])
-    entries = _entries(entry for legend in facts["legends"] for entry in legend)
-    return _record(Figure, facts, axes=axes, legend=entries, pixels=arrays[facts["seen"]])
-
-
-def _axes(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Axes:
-    curves = tuple(
-        _record(Curve, curve, x=arrays[curve["x"]], y=arrays[curve["y"]], visible_parts=_NOT_EXAMINED)
-        for curve in facts["curves"]
+    if not frame.fields["readable"]:
+        return None
+    return Picture(
+        tuple(frame.fields["size_px"]), frame.fields["ink"], frame.arrays["preview"], frame.arrays["palette"]
     )
-    texts = tuple(_record(Placed, text) for text in facts["texts"])
-    return _record(Axes, facts, legend=_entries(facts["legend"] or ()), texts=texts, curves=curves)
-
-
-def _entries(legend: Iterable[Mapping[str, Any]]) -> tuple[Entry, ...]:
-    return tuple(_record(Entry, entry) for entry in legend)

@@ -10,9 +10,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from msgspec import inspect
 
 from grader.base.errors import Malformed
-from grader.engine import replies
+from grader.engine import figures, replies
 from grader.engine.replies import Answer, Wrong
 from grader.sandbox.wire import Frame
 
@@ -39,11 +40,6 @@ class Drawn(Answer):
     chance: random.Random
     likely: float
 
-    def part(self, name: str, kind: Callable[[Any], Any]) -> Any:
-        if name not in self.frame.fields:
-            self.frame.fields[name] = self._furnished(name, self.value(kind))
-        return super().part(name, kind)
-
     def array(self, name: Any, *shape: int | None) -> np.ndarray:
         if isinstance(name, str) and name not in self.frame.arrays:
             self.frame.arrays[name] = self.numbers(tuple(self._length(name) if n is None else n for n in shape))
@@ -51,25 +47,40 @@ class Drawn(Answer):
 
     # --- values -------------------------------------------------------------------------------------------------------
 
-    def value(self, kind: Callable[[Any], Any]) -> Any:
+    def value(self, of: Any, name: str = "") -> Any:
+        """A value of a declared type; of some names we know what makes sense."""
         chance = self.chance
-        if not isinstance(kind, replies.Kind):
-            return _PLAIN[kind](self) if kind in _PLAIN else None
-        if kind.made is replies.text:
-            return chance.choice(_WORDS)[: kind.of[0]] if chance.random() < 0.97 else "m" * kind.of[0]
-        if kind.made is replies.maybe:
-            return None if chance.random() < 0.3 + 0.6 * self.likely else self.value(kind.of[0])
-        if kind.made is replies.listed:
-            of, most, exactly = kind.of
-            wanted = min(most, chance.choice((0, 1, 2, 3, 6))) if chance.random() < 0.95 else min(most, 64)
-            return [self.value(of) for _ in range(wanted if exactly is None else exactly)]
-        if kind.made is replies.record:
-            return {name: self.value(each) for name, each in kind.of[0].items()}
-        if kind.made is replies.every:
-            return {name: value for each in kind.of for name, value in self.value(each).items()}
-        return self.node(kind.of[1])
+        if isinstance(of, inspect.StrType):
+            most = of.max_length or 200
+            return chance.choice(_WORDS)[:most] if chance.random() < 0.97 else "m" * most
+        if isinstance(of, inspect.LiteralType):
+            return chance.choice(of.values)
+        if isinstance(of, inspect.UnionType):
+            return None if chance.random() < 0.3 + 0.6 * self.likely else self.value(of.types[0])
+        if isinstance(of, inspect.ListType | inspect.VarTupleType):
+            wanted = chance.choice((0, 1, 2, 3, 6)) if chance.random() < 0.95 else 64
+            return [self._item(of.item_type, name) for _ in range(self._exactly(name, min(64 if of.max_length is None else of.max_length, wanted)))]
+        if isinstance(of, inspect.TupleType):
+            return [self.value(each) for each in of.item_types]
+        if isinstance(of, inspect.StructType | inspect.DataclassType):
+            return {each.name: self.value(each.type, each.name) for each in of.fields if each.name not in _LATER}
+        if isinstance(of, inspect.AnyType):
+            return None if name != "node" and chance.random() < 0.3 + 0.6 * self.likely else self.made_node(1)
+        return chance.choice(_PLAIN[type(of)])
 
-    def node(self, depth: int) -> dict[str, Any]:
+    def _item(self, of: Any, name: str) -> Any:
+        if name == "figures":
+            return self.figure()
+        return self.value(of, "node" if name in ("calls", "later") else "")
+
+    def _exactly(self, name: str, wanted: int) -> int:
+        """How many items the rule asks for, where it asks for a number."""
+        if name == "cases":
+            return len(self.fields["cases"])
+        pairs = len(self.asked.get("pairs", "1"))
+        return {"calls": pairs * len(self.asked.get("qpos", ())), "later": pairs}.get(name, wanted)
+
+    def made_node(self, depth: int) -> dict[str, Any]:
         """What a student's function may have returned."""
         chance, inner = self.chance, depth < replies._DEPTH - 3
         kinds = ["array", "array", "number", "list", "none", "text", "too_large", "other", *(["tuple", "dict", "object", "items"] * inner)]
@@ -77,10 +88,10 @@ class Drawn(Answer):
         if kind in ("array", "number", "list"):
             return {"kind": kind, "key": self._new(() if kind == "number" else self._shape())}
         if kind in ("tuple", "items"):
-            return {"kind": "tuple" if kind == "tuple" else "list", "items": [self.node(depth + 1) for _ in range(chance.choice((0, 1, 2, 2, 2, 3)))]}
+            return {"kind": "tuple" if kind == "tuple" else "list", "items": [self.made_node(depth + 1) for _ in range(chance.choice((0, 1, 2, 2, 2, 3)))]}
         if kind in ("dict", "object"):
             names = [chance.choice(_WORDS[:6] if chance.random() < 0.8 else _WORDS)[:200] for _ in range(chance.choice((0, 1, 3, 3, 5)))]
-            return {"kind": kind, "type": "dict", "items": [[name, self.node(depth + 1)] for name in names]}
+            return {"kind": kind, "type": "dict", "items": [[name, self.made_node(depth + 1)] for name in names]}
         return {"kind": kind, "type": "Odd"} if kind == "other" else {"kind": kind}
 
     def numbers(self, shape: tuple[int, ...]) -> np.ndarray:
@@ -129,19 +140,18 @@ class Drawn(Answer):
         return {"x": self._new((rows,)), "y": self._new((rows,))}
 
     def figure(self) -> dict[str, Any]:
-        of = replies.record(**replies._AXES)
-        panels = [{**self.value(of), "curves": self._curves()} for _ in range(self.chance.choice((0, 1, 2, 2, 2, 3, 6)))]
-        head = self.value(replies.record(event=replies.short, path=replies.maybe(replies.long), format=replies.short,
-                                         size_px=replies.listed(replies.whole, 2, 2)))  # fmt: skip
+        panels = [{**self.value(_AXES), "curves": self._curves()} for _ in range(self.chance.choice((0, 1, 2, 2, 2, 3, 6)))]
+        facts = self.value(_FIGURE)
+        head = {name: facts[name] for name in ("event", "path", "format", "size_px")}
         if self.chance.random() < 0.7:
             head |= {"event": "savefig", "path": self.chance.choice(("imu_data.png", "filtered_imu.png")), "format": "png"}
         if self.chance.random() < 0.1:
             return {**head, "unreadable": "OSError", "axes": []}
-        return {**head, **self.value(replies.record(**replies._FIGURE)), "axes": panels}
+        return {**facts, **head, "legends": [self.value(_LEGEND)], "axes": panels}
 
     def _curves(self) -> list[dict[str, Any]]:
         count = self.chance.choice((0, 1, 3, 3, 3, 6))
-        return [{**self.value(replies.record(**replies._CURVE)), **self._points()} for _ in range(count)]
+        return [{**self.value(_CURVE), **self._points()} for _ in range(count)]
 
 
 def _ordinary(noise: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
@@ -159,13 +169,11 @@ _SORTS: tuple[Callable[[np.random.Generator, tuple[int, ...]], Any], ...] = (
     lambda noise, shape: np.cumsum(noise.normal(size=shape), axis=0) if shape else np.array(1.0),
     lambda noise, shape: np.where(noise.random(shape) < 0.5, np.nan, 1.0),
 )
-_PLAIN: dict[Any, Callable[[Drawn], Any]] = {
-    replies.whole: lambda drawn: drawn.chance.choice(_WHOLES),
-    replies.number: lambda drawn: drawn.chance.choice(_NUMBERS),
-    replies.flag: lambda drawn: drawn.chance.random() < 0.5,
-    replies.mapping: lambda drawn: {},
-    replies._figure: Drawn.figure,
-}
+_PLAIN: Mapping[Any, Any] = {inspect.IntType: _WHOLES, inspect.FloatType: _NUMBERS, inspect.BoolType: (False, True), inspect.DictType: ({},)}
+_LATER = frozenset({"visible_parts", "pixels", "x", "y"})
+"""Fields of records that are made from arrays, or by us."""
+_AXES, _FIGURE, _CURVE = (inspect.type_info(of) for of in (figures.Axes, figures.Figure, figures.Curve))
+_LEGEND = inspect.type_info(tuple[figures.Entry, ...])
 
 
 def drawn(
@@ -187,9 +195,11 @@ def drawn(
         elif op == "image":
             _pixels_of(answer)
         try:
-            if like is None and op not in replies._WITHOUT_FAULT:
-                answer.part("error", replies.maybe(replies.fault))
-            {**replies._RULES, **rules}[op](answer)
+            rule = {**replies.RULES, **rules}[op]
+            if like is None:
+                told = answer.value(inspect.type_info(rule.reply))
+                answer.frame.fields.update({name: answer._furnished(name, value) for name, value in told.items()})
+            rule.arrays(answer, replies.converted(answer.frame.fields, rule.reply))
             return replies.checked(op, Frame(answer.frame.fields, answer.frame.arrays), fields, asked, rules)
         except (Wrong, Malformed):
             continue
@@ -202,7 +212,7 @@ def _replace_some(answer: Drawn) -> None:
         if array.dtype == np.float64 and answer.chance.random() > answer.likely:
             answer.frame.arrays[name] = answer.numbers(array.shape)
     if answer.chance.random() > answer.likely and answer.frame.fields.get("error") is None:
-        answer.frame.fields["error"] = answer.value(replies.maybe(replies.fault))
+        answer.frame.fields["error"] = answer.value(inspect.type_info(replies.Fault | None))
 
 
 def _pixels_of(answer: Drawn) -> None:

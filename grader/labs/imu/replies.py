@@ -1,42 +1,33 @@
-"""Rules for the worker's reply to each of the lab's questions."""
+"""Types and rules for the worker's reply to each of the lab's questions."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta, Struct
 
 from grader.engine.replies import (
     Answer,
+    Called,
+    Drawings,
+    Fault,
+    Points,
     Rule,
     Wrong,
     drawings,
-    fault,
-    flag,
-    listed,
-    long,
-    maybe,
-    node,
-    number,
     points,
-    record,
-    short,
 )
+from grader.engine.reply_types import Long, Number, Short
 
-_PARAMETERS = frozenset({
+_Parameter = Literal[
     "model", "data", "accel_sensor_id", "gyro_sensor_id", "accel_id", "gyro_id", "duration_seconds", "accel_noise_std",
     "gyro_noise_std", "accel_bias", "gyro_bias", "alpha", "initial_value", "measurement", "dt", "imu_data", "time",
     "acceleration", "angular_velocity", "file_name", "title", "n_steps", "global model", "global data",
     "global imu_data", "global measurement", "accel", "gyro", "name for accel_sensor_id", "name for gyro_sensor_id",
-})  # fmt: skip
-
-
-def _parameter(value: Any) -> None:
-    """Check a name of a departure: only names that the grader itself uses are accepted."""
-    if value not in _PARAMETERS:
-        raise Wrong("no parameter's name")
-
-
-_departures = listed(_parameter, len(_PARAMETERS))
+]  # fmt: skip
+Departures = Annotated[list[_Parameter], Meta(max_length=29)]
+"""Names of parameters that a call departs from: only those that the grader itself uses."""
 
 
 def _changes(answer: Answer, most: int) -> None:
@@ -47,19 +38,28 @@ def _changes(answer: Answer, most: int) -> None:
 # --- questions about the lab's parts -------------------------------------------------------------------------------------
 
 
-def _read(answer: Answer) -> None:
+class Read(Called, kw_only=True):
+    departs: Departures
+    calls: list[Any]
+    later: list[Any]
+
+
+def _read(answer: Answer, reply: Read) -> None:
     pairs, states = len(answer.asked["pairs"]), len(answer.asked["qpos"])
-    whole = not answer.faulty
-    answer.part("departs", _departures)
-    answer.part("calls", listed(node(answer), pairs * states, pairs * states if whole else None))
-    answer.part("later", listed(node(answer), pairs, pairs if whole else None))
+    whole = reply.error is None
+    answer.nodes(reply.calls, pairs * states, pairs * states if whole else None)
+    answer.nodes(reply.later, pairs, pairs if whole else None)
     _changes(answer, pairs * (states + 1))
 
 
-def _simulate(answer: Answer) -> None:
-    answer.part("value", maybe(node(answer)))
-    answer.part("changed", listed(short, 20))
-    answer.part("departs", _departures)
+class Simulate(Called, kw_only=True):
+    value: Any
+    changed: Annotated[list[Short], Meta(max_length=20)]
+    departs: Departures
+
+
+def _simulate(answer: Answer, reply: Simulate) -> None:
+    answer.node(reply.value)
     for name in answer.frame.arrays:
         if name.startswith("first_set_q") or name == "first_set_force":
             answer.array(name, None, None)
@@ -67,91 +67,130 @@ def _simulate(answer: Answer) -> None:
             answer.array(name, {"first_gravity": 3, "first_timestep": 1, "first_steps": 1}.get(name))
 
 
-def _read_along(answer: Answer) -> None:
+def _read_along(answer: Answer, reply: Called) -> None:
     if len(answer.array("rows", None, 6)) > answer.fields["steps"]:
         raise Wrong("more rows than steps")
 
 
-def _noise(answer: Answer) -> None:
+class Draws(Called, kw_only=True):
+    odd: Any
+    departs: Departures
+
+
+def _noise(answer: Answer, reply: Draws) -> None:
     states = len(answer.asked["qpos"])
-    _draws(answer, states)
+    _draws(answer, reply, states)
     _changes(answer, states)
 
 
-def _default_bias(answer: Answer) -> None:
-    _draws(answer, answer.fields["instances"])
+def _default_bias(answer: Answer, reply: Draws) -> None:
+    _draws(answer, reply, answer.fields["instances"])
 
 
-def _noise_twins(answer: Answer) -> None:
-    _draws(answer, len(answer.fields["twins"]))
+def _noise_twins(answer: Answer, reply: Draws) -> None:
+    _draws(answer, reply, len(answer.fields["twins"]))
 
 
-def _draws(answer: Answer, rows: int) -> None:
-    answer.part("odd", maybe(node(answer)))
-    answer.part("departs", _departures)
+def _draws(answer: Answer, reply: Draws, rows: int) -> None:
+    answer.node(reply.odd)
     for name in ("accel", "gyro"):
         answer.array(name, rows, answer.fields["reads"], 3)
 
 
-def _filter(answer: Answer) -> None:
-    cases = answer.fields["cases"]
-    kinds = record(
-        output=maybe(short), odd=maybe(node(answer)), error=maybe(fault), departs=_departures,
-        input_changed=flag, output_changed=flag,
-    )  # fmt: skip
-    answer.part("cases", listed(kinds, len(cases), len(cases)))
-    for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
-        signal = answer.asked[asked["input"]]
-        _series(answer, case, len(signal), signal.shape[1:])
+class TiltCase(Struct):
+    output: Short | None
+    odd: Any
+    error: Fault | None
 
 
-def _series(answer: Answer, case: Mapping[str, Any], rows: int, row: tuple[int, ...]) -> None:
+class FilterCase(TiltCase):
+    departs: Departures
+    input_changed: bool
+    output_changed: bool
+
+
+class Filter(Called, kw_only=True):
+    cases: list[FilterCase]
+
+
+class Tilt(Called, kw_only=True):
+    cases: list[TiltCase]
+
+
+def _filter(answer: Answer, reply: Filter) -> None:
+    _cases(answer, reply, "input")
+
+
+def _tilt(answer: Answer, reply: Tilt) -> None:
+    _cases(answer, reply, "accel", (2,))
+
+
+def _cases(answer: Answer, reply: Filter | Tilt, signal: str, row: tuple[int, ...] | None = None) -> None:
+    """Check the rows of each case, of this shape or of that of the signal which was asked about."""
+    asked = answer.fields["cases"]
+    if len(reply.cases) != len(asked):
+        raise Wrong(f"{len(reply.cases)} cases for {len(asked)}")
+    for case, each in zip(reply.cases, asked, strict=True):
+        sent = answer.asked[each[signal]]
+        answer.node(case.odd)
+        _series(answer, case, len(sent), sent.shape[1:] if row is None else row)
+
+
+def _series(answer: Answer, case: TiltCase, rows: int, row: tuple[int, ...]) -> None:
     """Check rows for every measurement. Fewer rows are accepted only if the student's code raised."""
-    broke_off = case["error"] is not None
-    if case.get("output") is None and broke_off:
+    broke_off = case.error is not None
+    if case.output is None and broke_off:
         return
-    output = answer.array(case.get("output"), None, *row)
+    output = answer.array(case.output, None, *row)
     if len(output) > rows or (len(output) < rows and not broke_off):
         raise Wrong(f"{len(output)} outputs for {rows} measurements")
 
 
-def _plot(answer: Answer) -> None:
-    drawings(answer)
-    answer.part("departs", _departures)
+class Plot(Drawings, kw_only=True):
+    departs: Departures
 
 
 # --- questions about the extensions --------------------------------------------------------------------------------------
 
 
-def _tilt(answer: Answer) -> None:
-    cases = answer.fields["cases"]
-    kinds = record(output=short, odd=maybe(node(answer)), error=maybe(fault))
-    answer.part("cases", listed(kinds, len(cases), len(cases)))
-    for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
-        _series(answer, case, len(answer.asked[asked["accel"]]), (2,))
+class Allan(Called, kw_only=True):
+    value: Any
 
 
-def _allan(answer: Answer) -> None:
-    answer.part("value", maybe(node(answer)))
+def _allan(answer: Answer, reply: Allan) -> None:
+    answer.node(reply.value)
 
 
-def _imus(answer: Answer) -> None:
+class Imus(Called, kw_only=True):
+    calls: list[Any]
+    later: Any
+
+
+def _imus(answer: Answer, reply: Imus) -> None:
     states = len(answer.asked["qpos"])
-    answer.part("calls", listed(node(answer), states, None if answer.faulty else states))
-    answer.part("later", maybe(node(answer)))
+    answer.nodes(reply.calls, states, None if reply.error else states)
+    answer.node(reply.later)
 
 
-def _live(answer: Answer) -> None:
+class LiveCurve(Points):
+    moment: Number
+    label: Long
+
+
+class Live(Called, kw_only=True):
+    returned: bool
+    simulated: Number
+    curves: Annotated[list[LiveCurve], Meta(max_length=1024)]
+
+
+def _live(answer: Answer, reply: Live) -> None:
     answer.array("events", None, 3)
-    answer.part("returned", flag)
-    answer.part("simulated", number)
-    answer.part("curves", listed(record(moment=number, label=long), 1024))
-    for curve in answer.frame.fields["curves"]:
-        points(answer, curve)
+    points(answer, reply.curves)
 
 
 RULES: Mapping[str, Rule] = {
-    "read": _read, "simulate": _simulate, "read_along": _read_along, "noise": _noise, "noise_twins": _noise_twins,
-    "default_bias": _default_bias, "filter": _filter, "plot": _plot,
-    "tilt": _tilt, "allan": _allan, "imus": _imus, "live": _live,
+    "read": Rule(Read, _read), "simulate": Rule(Simulate, _simulate), "read_along": Rule(Called, _read_along),
+    "noise": Rule(Draws, _noise), "noise_twins": Rule(Draws, _noise_twins), "default_bias": Rule(Draws, _default_bias),
+    "filter": Rule(Filter, _filter), "plot": Rule(Plot, drawings),
+    "tilt": Rule(Tilt, _tilt), "allan": Rule(Allan, _allan), "imus": Rule(Imus, _imus), "live": Rule(Live, _live),
 }  # fmt: skip

@@ -11,7 +11,7 @@ from grader.engine.chart_data import Chart
 from grader.engine.findings import Fault, raised
 from grader.engine.lab import Lab, Part
 from grader.engine.question import Question
-from grader.engine.replies import Answer, checked, maybe, node
+from grader.engine.replies import Answer, Called, Rule, checked
 from grader.engine.submission_session import SubmissionSession
 from grader.engine.traces import Scenario, Traces
 from grader.sandbox.wire import Frame
@@ -31,12 +31,18 @@ class Student(SubmissionSession):
         return frame.arrays[value["key"]] if value and "key" in value else None
 
 
-def _call_rule(answer: Answer) -> None:
-    answer.part("value", maybe(node(answer)))
+class Call(Called, kw_only=True):
+    """What the function returned."""
+
+    value: Any
+
+
+def _call(answer: Answer, reply: Call) -> None:
+    answer.node(reply.value)
 
 
 def _checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> Frame:
-    return checked(op, frame, fields, arrays, {"call": _call_rule})
+    return checked(op, frame, fields, arrays, {"call": Rule(Call, _call)})
 
 
 def _charts(student: SubmissionSession, truth: Traces) -> tuple[Chart, ...]:
