@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from grader.engine import rubric
+from grader.engine.faults import rows
 from grader.engine.grader import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission, read_submission
@@ -25,15 +26,6 @@ from tests.corpus.cases import CRITERIA, Case, of
 from tests.corpus.pieces import LAYOUTS
 from tests.corpus.writing import write
 from tests.recordings import Marking
-
-ONE_FAULT = ("faulty", "lookalikes")
-MORE_THAN_ONE = (
-    "no-imu-reader", "no-imu-reader-sheet", "no-filters",  # the missing file was to hold two parts or more
-    "reader-with-a-syntax-error", "recorder-with-a-syntax-error",  # the file defines three parts, and none of them can run
-    "record-no-gyroscope",  # half of the recording: the key, and the rows under it
-    "accelerometer-panel-only", "saved-before-the-gyroscope",  # half of the picture: the panel, and the three curves in it
-)  # fmt: skip
-"""Single faults that cost more than one check, and why a marker would take both."""
 
 
 @dataclass
@@ -106,10 +98,19 @@ def look_at_fault(verdict: Verdict, result: Result, case: Case) -> None:
     faults = case.faults or {case.fault: case.criterion}
     look_at_points(verdict, result, dict.fromkeys((*faults.values(), *case.elsewhere), math.inf), faults.values())
     inside = [check for check in lost(result) if criterion_of(check) == case.criterion]
-    if case.loses and (more := [check for check in inside if check.id not in case.loses]):
-        verdict.trouble("too much", f"only {', '.join(case.loses)} should be lost, but also {words(more)}")
+    broken = {*case.loses, *breaks(case.fault)}
+    if case.loses and (more := [check for check in inside if check.id not in broken]):
+        verdict.trouble("too much", f"only {', '.join(broken)} should be lost, but also {words(more)}")
     names = named(result, without=case.elsewhere)  # a missing file may be named again where it is missed
     _look_at_names(verdict, result, names, set(faults), {*faults, *case.also}, case.never)
+
+
+def breaks(fault: str) -> list[str]:
+    """Return the checks that a fault costs points at, as the fault table says."""
+    row = rows(LAB).get(fault)
+    return (
+        [name if "." in name else f"{row.group}.{name}" for name, share in row.deducts.items() if share] if row else []
+    )
 
 
 _VECTOR = re.compile(r"\[[^\]]*\.[^\]]*\]")
@@ -124,13 +125,6 @@ def look_at_words(verdict: Verdict) -> None:
             verdict.trouble("no hint", words([check]))
         if expected.strip() == got.strip() or (vectors[0] and vectors[0] == vectors[1]):
             verdict.trouble("same digits", words([check]))
-
-
-def look_at_charges(verdict: Verdict) -> None:
-    """One fault costs one check; what could not be asked then, for want of an answer, belongs to it."""
-    charged = [check for check in verdict.lost if check.outcome != "skipped"]
-    if len(charged) > 1 and verdict.case.name not in MORE_THAN_ONE:
-        verdict.trouble("charged twice", words(charged))
 
 
 def look_at_nothing(verdict: Verdict, result: Result, nothing: Case) -> None:
@@ -227,8 +221,6 @@ def graded_by(marker: Marking, case: Case) -> Verdict:
         return verdict
     if case.part in ("faulty", "lookalikes", "pairs", "broken", "nothing"):
         look_at_words(verdict)
-    if case.part in ONE_FAULT:
-        look_at_charges(verdict)
     _LOOKS[case.part](verdict, verdict.result, case)
     return verdict
 

@@ -1,16 +1,17 @@
-"""From deviations to what each check is charged: reasons of a property's own first, and each fault once."""
+"""From deviations to what each check is charged: all shares of every fault, and what no fault lists."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
 from grader.engine import feedback, hidden_feedback
 from grader.engine.charging import Part
 from grader.engine.faults import Mistake
-from grader.engine.findings import Charge, Charged, Deviation, Size, Skipped
+from grader.engine.findings import Charge, Charged, Cost, Deviation, Size, Skipped
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.lab import LAB
 
@@ -26,8 +27,8 @@ class Facts:
     stopped: Mapping[str, Exception] = field(default_factory=dict)
 
 
-def reason(of: str, cost: int, told: str, *predicts: str) -> Reason[Facts]:
-    return Reason(of, cost, told, lambda facts: told in facts.fits.split(), frozenset(predicts))
+def reason(of: str, cost: int, told: str, *, beside: bool = False) -> Reason[Facts]:
+    return Reason(of, cost, told, lambda facts: told in facts.fits.split(), beside)
 
 
 PART: Part[Facts] = Part(
@@ -35,14 +36,12 @@ PART: Part[Facts] = Part(
     "part",
     lambda student, truth: Facts(),
     (
-        reason("a", 1, "cheap", "b"),
-        reason("a", 2, "dear", "b", "c"),
+        reason("a", 1, "cheap"),
+        reason("a", 2, "dear"),
         reason("a", 2, "as-dear"),
-        reason("a", 9, "part.a", "b"),
+        reason("a", 9, "beside", beside=True),
         reason("b", 1, "precise"),
         reason("b", 1, "cheap"),
-        reason("b", 5, "dear"),
-        reason("c", 1, "nothing-there"),
         reason("form", 1, "odd"),
     ),
     {"form": lambda facts: Deviation() if "form" in facts.off.split() else None},
@@ -72,18 +71,21 @@ def row(id_: str, **more: object) -> tuple[str, Mistake]:
 ROWS = dict(
     [
         row("cheap", explanation="…"),
-        row("dear", explanation="…", deducts={"a": 0.75}),
+        row("dear", explanation="…", deducts={"a": 0.75, "b": 0.5, "c": 0}),
         row("as-dear", explanation="…"),
+        row("beside", explanation="…", deducts={"a": 0.5}),
         row("precise", deducts={"b": 0.25}),
-        row("nothing-there", explanation="…", deducts={"c": 1.0}, takes=("a", "b")),
         row("odd", explanation="…", deducts={"other.x": 1.0, "part.a": 0.25}, expected="{form}"),
-        *(row(f"part.{name}", expected=f"{name} that holds", got="{came}") for name in "abc"),
+        row("part.a", expected="a that holds", got="{came}", deducts={"c": 0}),
+        *(row(f"part.{name}", expected=f"{name} that holds", got="{came}") for name in "bc"),
     ]
 )
+for name in "abc":
+    ROWS[f"part.{name}"] = replace(ROWS[f"part.{name}"], group="checks")
 
 
 def charged(off: str, fits: str = "", **stopped: Exception) -> dict[str, Exception | tuple[float, str]]:
-    """By check: why it is not judged, or what it keeps, and the rows that tell it, or the check that does."""
+    """By check: why it is not judged, or what it keeps, and the rows that cost it points, or the check that tells why."""
     charges = PART.judge(Facts(off, fits, stopped), ROWS)
     return {name.removeprefix("part."): _short(charge) for name, charge in charges.items()}
 
@@ -91,36 +93,47 @@ def charged(off: str, fits: str = "", **stopped: Exception) -> dict[str, Excepti
 def _short(charge: Charge | Exception) -> Exception | tuple[float, str]:
     if isinstance(charge, Exception):
         return charge
-    return charge.keeps, charge.see or " ".join(id_ for id_, _ in charge.found)
+    return charge.keeps, " ".join(cost.row for cost in charge.costs) or charge.see
 
 
 @pytest.mark.parametrize(
     ("off", "fits", "marked"),
     [
         ("", "cheap dear", {}),
+        # a row that lists nothing costs what the checks say that show it; one that lists shares costs all of them
         ("a", "cheap dear", {"a": (0.0, "cheap")}),
-        ("a", "dear", {"a": (0.25, "dear")}),
-        ("a", "dear as-dear", {"a": (0.0, "part.a")}),
-        ("a", "", {"a": (0.0, "part.a")}),
-        ("b", "", {"b": (0.5, "part.b")}),
-        ("b", "precise", {"b": (0.75, "precise")}),
-        ("a b", "cheap", {"a": (0.0, "cheap"), "b": (1.0, "A holds")}),
-        ("a b", "dear precise", {"a": (0.25, "dear"), "b": (0.75, "precise")}),
-        ("a b", "part.a", {"a": (0.0, "part.a"), "b": (1.0, "A holds")}),
+        ("a b", "cheap", {"a": (0.0, "cheap"), "b": (0.5, "cheap")}),
+        ("a", "dear", {"a": (0.25, "dear"), "b": (0.5, "dear")}),
+        ("a b", "dear", {"a": (0.25, "dear"), "b": (0.5, "dear")}),
+        # what a fault lists costs nothing more; what none lists is charged to its own check
+        ("a c", "dear", {"a": (0.25, "dear"), "b": (0.5, "dear"), "c": (1.0, "A holds")}),
         ("a c", "cheap", {"a": (0.0, "cheap"), "c": (0.0, "part.c")}),
-        ("a c", "dear", {"a": (0.25, "dear"), "c": (1.0, "A holds")}),
-        ("c", "nothing-there", {"c": (0.0, "nothing-there"), "a": (0.0, "C holds"), "b": (0.0, "C holds")}),
-        ("a b c", "cheap precise nothing-there", {"c": (0.0, "nothing-there"), "a": (0.0, "C holds"), "b": (0.0, "C holds")}),
+        ("a c", "", {"a": (0.0, "part.a"), "c": (1.0, "A holds")}),
+        ("b", "", {"b": (0.5, "part.b")}),
+        # faults of one cost exclude each other, and none is believed; others add up to the points of the check
+        ("a", "dear as-dear", {"a": (0.0, "part.a")}),
+        ("a", "beside", {"a": (0.5, "beside")}),
+        ("a b", "dear beside precise", {"a": (0.0, "dear beside"), "b": (0.25, "dear precise")}),
         ("form", "odd", {"a": (0.75, "odd")}),
-        ("form a", "odd dear", {"a": (0.0, "dear odd")}),
-        ("form a", "odd cheap", {"a": (0.0, "cheap odd")}),
+        ("form a", "odd dear", {"a": (0.0, "dear odd"), "b": (0.5, "dear")}),
     ],
 )  # fmt: skip
 def test_what_each_check_is_charged(off: str, fits: str, marked: dict[str, tuple[float, str]]) -> None:
     assert charged(off, fits) == marked
 
 
-def test_where_nothing_could_be_measured_nothing_is_charged_and_a_fault_is_charged_to_the_check_that_saw_it() -> None:
+def test_a_second_fault_gives_no_points_back() -> None:
+    shows = {"cheap": "a b", "dear": "a b", "beside": "a", "precise": "b", "odd": "form"}
+
+    def lost(*fits: str) -> float:
+        marked = charged(" ".join(shows[fault] for fault in fits), " ".join(fits))
+        return sum(1 - kept for kept, _ in marked.values())  # type: ignore[misc]
+
+    pairs = list(itertools.permutations(shows, 2))
+    assert [pair for pair in pairs if lost(pair[0]) > lost(*pair)] == []
+
+
+def test_where_nothing_could_be_measured_nothing_is_charged() -> None:
     why = Skipped("an output")
     assert charged("a form", "cheap odd", a=why) == {"a": why}
     assert charged("b c", "dear", a=why) == {"a": why, "b": (0.5, "part.b"), "c": (0.0, "part.c")}
@@ -148,10 +161,18 @@ def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_s
     )  # fmt: skip
 
 
-def test_a_check_that_is_not_charged_says_where_the_fault_is_told() -> None:
-    for off, fits, id_, said in (
-        ("a b", "cheap", "part.b", "No further deduction: the same fault was deducted under “A holds”."),
-        ("c", "nothing-there", "part.a", "Not graded until “C holds” is fixed."),
+def test_a_check_that_lost_nothing_or_does_not_show_the_fault_says_where_it_is_told() -> None:
+    for off, id_, said in (
+        ("a c", "part.c", "No further deduction: the same fault was deducted under “A holds”."),
+        ("a", "part.b", "Broken by the same fault as “A holds”."),
     ):
-        charge = PART.judge(Facts(off, fits), ROWS)[id_]
+        charge = PART.judge(Facts(off, "dear"), ROWS)[id_]
         assert feedback.feedback_on(Charged(charge), None, ROWS).said == said  # type: ignore[arg-type]
+
+
+def test_words_that_cannot_be_formatted_decide_nothing() -> None:
+    lost = Charged(Charge("part.a", (Cost("odd", 0.25, Deviation(), Deviation({"came": 2})),)))
+    told = feedback.feedback_on(lost, None, ROWS)
+    assert (told.keeps, told.expected, told.got) == (0.75, "a that holds", "2")
+    plain = feedback.feedback_on(Charged(Charge("part.a", (Cost("odd", 0.25, Deviation()),))), None, ROWS)
+    assert (plain.keeps, plain.said, plain.mistakes) == (0.75, "It is odd.", ("odd",))

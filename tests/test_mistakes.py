@@ -89,13 +89,20 @@ def test_an_entry_has_all_fields_each_within_its_limits(key: str) -> None:
         assert f"Step {entry.step}" in entry.hint
 
 
-def test_what_a_fault_deducts_and_takes_are_shares_of_checks_that_there_are() -> None:
+def test_what_a_fault_deducts_are_shares_of_checks_that_there_are() -> None:
     known = {weight.id for weight in rubric.load(LAB).checks}
     for key, row in rows(LAB).items():
-        named = {name if "." in name else f"{row.group}.{name}" for name in (*row.deducts, *row.takes)}
-        assert named <= known, key
-        assert all(0 < share <= 1 for share in row.deducts.values()), key
+        group = key.partition(".")[0] if row.group == "checks" else row.group
+        assert {name if "." in name else f"{group}.{name}" for name in row.deducts} <= known, key
+        assert all(0 <= share <= 1 for share in row.deducts.values()), key
         assert row.group != "checks" or key in known, key
+
+
+def test_a_fault_that_costs_points_at_several_checks_has_a_public_name() -> None:
+    """The report puts the checks of one fault together by its name."""
+    for key, row in rows(LAB).items():
+        costs = [name for name, share in row.deducts.items() if share and "." not in name]
+        assert len(costs) < 2 or key in ENTRIES, key
 
 
 # --- what the words and the lines speak of exists ---------------------------------------------------------------------

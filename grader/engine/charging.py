@@ -1,20 +1,20 @@
-"""Diagnosis and deductions of one criterion: find the fault behind each deviation, and charge it to a check once.
+"""Diagnosis and deductions of one criterion: which faults explain what deviates, and what each of them costs.
 
-A check returns how its measured property deviates, or None. Each property is explained by its own cheapest reason that fits. A
-property without one may be predicted by the reason found for another property. A deviation that nothing explains is charged to
-its check with that check's own row. A fault deducts once, however many checks see it.
+The rule: a row of the fault table lists every check of its criterion that the fault breaks, each with its share, and all of them
+are deducted. A deviation that a found fault lists costs nothing more. A deviation that none lists is deducted at its own check.
+Shares on one check add up to at most one. Nothing is deducted in another criterion.
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol, TypeVar
 
 from grader.engine.check_catalog import Check, title_of
 from grader.engine.faults import Mistake, rows
-from grader.engine.findings import Charge, Charged, Deviation
+from grader.engine.findings import Charge, Charged, Cost, Deviation
 from grader.engine.hypothesis import Reason, explain
 from grader.engine.lab import Lab
 from grader.engine.submission_session import SubmissionSession
@@ -31,6 +31,8 @@ class Measurement(Protocol):
 Facts = TypeVar("Facts", bound=Measurement)
 Measure = Callable[[Facts], Deviation | None]
 """Returns how a property deviates from what its check asks, or None if it does not."""
+Seen = Mapping[str, Deviation]
+"""Deviations by property."""
 
 
 @dataclass(frozen=True)
@@ -40,10 +42,8 @@ class Part(Generic[Facts]):
     Attributes
     ----------
     measure : runs the student's code and returns the facts; it judges nothing
-    reasons : the known faults, each with the property that it explains; the reasons of one property are adjacent
+    reasons : the known faults, each with the property in which it shows
     others : properties that no check measures, by name
-    together : ids of faults that do not exclude each other: all that fit are named, and only the cheapest deducts
-    only_names : if True, a fault deducts nothing by itself: each check loses its own share and names the fault
     """
 
     lab: Lab
@@ -52,8 +52,6 @@ class Part(Generic[Facts]):
     reasons: Sequence[Reason[Facts]]
     others: Mapping[str, Measure[Facts]] = field(default_factory=dict)
     checks: dict[str, tuple[Check, Measure[Facts]]] = field(default_factory=dict)
-    together: frozenset[str] = frozenset()
-    only_names: bool = False
 
     def check(self, check_id: str, *, lab_step: int | None = None) -> Callable[[Measure[Facts]], Callable[..., None]]:
         """Return a decorator that makes a function of the facts a check for pytest; students read its docstring as the title."""
@@ -90,83 +88,56 @@ class Part(Generic[Facts]):
                 stopped[name] = fault_of_ours
             else:
                 off |= {} if found is None else {name: found}
-        reasons = self._reasons(off, facts)
-        charges = self._charged(off, reasons, table, stopped)
-        return {**stopped, **{name: self._with_others(charge, facts) for name, charge in charges.items()}}
+        return {**self._charges(off, self._faults(off, facts), table), **stopped}
 
-    def _with_others(self, charge: Charge, facts: Facts) -> Charge:
-        """Add the other faults of `together` that fit to a charge for one of them; they deduct nothing more."""
-        named = {row for row, _ in charge.found}
-        if self.together.isdisjoint(named):
-            return charge
-        own = [r for r in self.reasons if self._full(r.of) == charge.check and r.cause in self.together - named]
-        for row in dict.fromkeys(each.cause for each in own if each.fits(facts)):
-            charge = charge.plus(row, 0.0, charge.found[0][1])
-        return charge
+    def _faults(self, off: Seen, facts: Facts) -> dict[str, Seen]:
+        """Return the faults that explain the deviations, each with those in which it shows.
 
-    def _reasons(self, off: Mapping[str, Deviation], facts: Facts) -> dict[str, Reason[Facts]]:
-        """Return the reason for each deviating property that has reasons of its own.
-
-        If the reasons that fit best disagree, or none fits, the general reason (the one named as the property) is returned.
-        Properties are in the order of `reasons`: a fault is charged to the first of them that shows it.
+        A property has the cheapest of its faults that exclude each other, and all of those that hold beside others.
         """
-        found: dict[str, Reason[Facts]] = {}
-        order = list(dict.fromkeys(self._full(reason.of) for reason in self.reasons))
-        for name in sorted(set(off).intersection(order), key=order.index):
-            own = [reason for reason in self.reasons if self._full(reason.of) == name]
-            general = [reason for reason in own if reason.cause == name]
-            if (reason := explain(own, facts) or next(iter(general), None)) is not None:
-                found[name] = reason
-        return found
+        found: dict[str, dict[str, Deviation]] = {}
+        for name in dict.fromkeys(self._full(reason.of) for reason in self.reasons):
+            own = [reason for reason in self.reasons if name in off and self._full(reason.of) == name]
+            cheapest = explain([reason for reason in own if not reason.beside], facts)
+            beside = [reason for reason in own if reason.beside and reason.fits(facts)]
+            for reason in [*([cheapest] if cheapest else []), *beside]:
+                found.setdefault(reason.cause, {})[name] = off[name]
+        return dict(found)
 
-    def _charged(
-        self,
-        off: Mapping[str, Deviation],
-        reasons: Mapping[str, Reason[Facts]],
-        table: Mapping[str, Mistake],
-        stopped: Collection[str],
-    ) -> Mapping[str, Charge]:
-        """Return the charge of each deviating check: to the fault that explains it, once, or to the check itself."""
-        at: dict[str, str] = {}  # fault -> the check that charges it
+    def _charges(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, Mistake]) -> Mapping[str, Charge]:
+        """Return what each check is charged: every share of every fault, and each deviation that no fault lists."""
+        shares = {fault: self._shares(table[fault], seen) for fault, seen in faults.items()}
+        for name in self.checks:
+            if name in off and not any(name in each for each in shares.values()):
+                faults[name] = {name: off[name]}
+                shares[name] = self._shares(table[name], faults[name])
         charges: dict[str, Charge] = {}
-        taken: dict[str, str] = {}
-        for name, reason in reasons.items():
-            if reason.cause in at and not self.only_names:
-                continue
-            row = table[reason.cause]
-            deducts = {name: off[name].share} if self.only_names else self._deducts(row) or {name: 1.0}
-            place = name if name in deducts else next((each for each in deducts if each in off), next(iter(deducts)))
-            if place in stopped:
-                continue
-            at[reason.cause] = place
-            before = charges.get(place, Charge(place, 1.0))
-            seen = off[name] if name in self.others else off.get(place, off[name])
-            charges[place] = before.plus(reason.cause, deducts[place] * seen.affected, seen)
-            taken |= dict.fromkeys(map(self._full, {*row.takes, *reason.takes}), place)
-        charges |= {name: Charge(name, 0.0, see=self._title(place)) for name, place in taken.items()}
-        for name in [name for name in off if name in self.checks and name not in charges]:
-            place = self._seen_elsewhere(name, reasons, at)
-            charges[name] = Charge(name, 1.0, see=self._title(place)) if place else Charge.of(name, off[name])
+        for fault, seen in faults.items():
+            shown = next(iter(seen.values()))
+            told_at = next((name for name in (*seen, *shares[fault]) if shares[fault].get(name)), "")
+            for name, share in shares[fault].items():
+                before = charges.get(name, Charge(name))
+                see = self.checks[told_at][0].title if told_at not in ("", name) else ""
+                if share:
+                    cost = Cost(fault, share, seen.get(name, shown), off.get(name), see)
+                    charges[name] = Charge(name, (*before.costs, cost))
+                elif name in off:
+                    charges[name] = replace(before, see=see)
         return charges
 
-    def _seen_elsewhere(self, name: str, reasons: Mapping[str, Reason[Facts]], at: Mapping[str, str]) -> str:
-        """Return the check that is already charged for the deviation that this check sees too; "" if there is none.
+    def _shares(self, row: Mistake, seen: Seen) -> Mapping[str, float]:
+        """Return the share of points that a fault costs at each check of this criterion; 0 at one that only shows it.
 
-        A fault that belongs to a stopped check is charged nowhere.
+        A row that lists no share costs what the checks say through which the fault was found.
         """
-        predicting = [each for each in reasons.values() if name in map(self._full, each.predicts)]
-        causes = [reasons[name].cause] if name in reasons else [each.cause for each in predicting]
-        return next((at[cause] for cause in causes if cause in at), "")
-
-    def _deducts(self, row: Mistake) -> Mapping[str, float]:
-        """Return the share of points that a fault deducts from each check of this criterion."""
-        group = row.group if row.group == self.id else ""
-        shares = {name if "." in name else f"{group}.{name}": share for name, share in row.deducts.items()}
-        return {name: share for name, share in shares.items() if name in self.checks}
+        of = self.id if row.group in (self.id, "checks") else row.group
+        full = {name if "." in name else f"{of}.{name}": share for name, share in row.deducts.items()}
+        listed = {name: share for name, share in full.items() if name in self.checks}
+        if not any(listed.values()):
+            listed |= {name: found.share for name, found in seen.items() if name in self.checks}
+        affected = next(iter(seen.values())).affected
+        return {name: share * (seen[name].affected if name in seen else affected) for name, share in listed.items()}
 
     def _full(self, name: str) -> str:
         """Return the full id of a check from its name in the criterion; the names in `others` stay as they are."""
         return name if name in self.others else f"{self.id}.{name}"
-
-    def _title(self, check_id: str) -> str:
-        return self.checks[check_id][0].title

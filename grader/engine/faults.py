@@ -26,9 +26,8 @@ class Mistake:
     ----------
     title, hint : what the code does, and what to do next
     explanation, wrong, right : for `imugrade explain`; a row without an explanation has no public name
-    deducts : the share of its points that each check loses if it shows this fault, by check name
+    deducts : the share of its points that each check loses which this fault breaks, by check name; 0 for one that only shows it
     formerly : ids of faults that this row replaces; a rubric that names one is refused with this row's id
-    takes : checks that cannot be judged if this fault is found, and lose their points with it
     expected, got : templates for the numbers of the deviation; a row without them uses those of the check
     raised : the exceptions that show this fault, see `shown_by`; empty if none does
     """
@@ -45,7 +44,6 @@ class Mistake:
     expected: str = ""
     got: str = ""
     deducts: Mapping[str, float] = field(default_factory=dict)
-    takes: tuple[str, ...] = ()
     formerly: tuple[str, ...] = ()
 
     def shown_by(self, fault: Fault) -> bool:

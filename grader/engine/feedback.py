@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import builtins
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.base.text import printable
 from grader.engine.faults import Mistake
-from grader.engine.findings import Charge, Charged, CheckFailed, Fault, Missing, Raised, Skipped, Unusable, Where
+from grader.engine.findings import Charge, Charged, CheckFailed, Cost, Fault, Missing, Raised, Skipped, Unusable, Where
 from grader.engine.load_report import not_handed_in
 from grader.engine.results import Outcome, message_of
 from grader.engine.submission_session import AVAILABLE_PACKAGES
@@ -88,48 +89,58 @@ STEP_BY_STEP = "Compare this part of your code line by line with the step in the
 """Hint of a finding that names no fault."""
 
 
-def charged_with(title: str) -> Feedback:
-    """Return the feedback of a check that lost points by a fault that another check already charges."""
-    return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{title}”.")
-
-
 def not_reached(title: str) -> Feedback:
     """Return the feedback of a check that could not be judged because of the problem that another check reports."""
     return Feedback("skipped", 0.0, f"Not graded until “{title}” is fixed.")
 
 
-def seen_elsewhere(charge: Charge) -> Feedback | None:
-    """Return the feedback of a check that refers to another check; None if it is charged itself."""
-    if not charge.see:
-        return None
-    return charged_with(charge.see) if charge.keeps else not_reached(charge.see)
+def no_more(charge: Charge) -> Feedback:
+    """Return the feedback of a check that shows a fault which costs nothing there."""
+    return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{charge.see}”.")
 
 
 def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
-    """Return the feedback on a charge: text of the fault's row, or of the check's row if the fault has none."""
-    if (elsewhere := seen_elsewhere(charge)) is not None:
-        return elsewhere
-    told_by, deviation = charge.found[0]
-    words = rows[told_by] if rows[told_by].expected else rows[charge.check]
+    """Return the feedback on a charge, in the words of its first fault."""
+    if not charge.costs:
+        return no_more(charge)
+    said, expected, got = _words(charge.check, charge.costs[0], rows)
+    places = [cost.shown.fault.at for cost in charge.costs if cost.shown.fault]
     return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
-        expected=words.expected.format_map(deviation.numbers),
-        got=words.got.format_map(deviation.numbers),
-        where=deviation.fault.at if deviation.fault else None,
+        said,
+        expected=expected,
+        got=got,
+        where=next(iter(places), None),
         hint=hint_of(charge, rows),
         mistakes=public(charge, rows),
     )
 
 
+def _words(check: str, cost: Cost, rows: Mapping[str, Mistake]) -> tuple[str, str, str]:
+    """Return a sentence, or what was expected and what came: as the fault's row says it, else as the check's does.
+
+    A text that cannot be made of these numbers is left out; it decides nothing.
+    """
+    known = ((rows[cost.row], cost.shown), (rows[check], cost.own))
+    for row, deviation in known:
+        if row.expected and deviation is not None:
+            with suppress(LookupError, ValueError, TypeError):
+                return "", row.expected.format_map(deviation.numbers), row.got.format_map(deviation.numbers)
+    if cost.see:
+        return f"Broken by the same fault as “{cost.see}”.", "", ""
+    title = rows[cost.row].title or "this does not hold"
+    return f"{title[:1].upper()}{title[1:]}.", "", ""
+
+
 def hint_of(charge: Charge, rows: Mapping[str, Mistake]) -> str:
     """Return the hints of the faults in a charge, as one text."""
-    return " ".join(rows[id_].hint for id_, _ in charge.found)
+    return " ".join(dict.fromkeys(rows[cost.row].hint for cost in charge.costs))
 
 
 def public(charge: Charge, rows: Mapping[str, Mistake]) -> tuple[str, ...]:
     """Return the ids of the faults in a charge that have a public name."""
-    return tuple(id_ for id_, _ in charge.found if rows[id_].explanation)
+    return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 
 def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:

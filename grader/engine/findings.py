@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from grader.base.text import printable
@@ -101,8 +101,8 @@ class Deviation:
     Attributes
     ----------
     numbers : values for the templates of the fault table's rows
-    share : share of the check's points that is lost if no fault explains the deviation
-    affected : affected fraction of the property, such as one of two sensors; the deduction of a fault is multiplied by it
+    share : share of the check's points that is lost if no row lists another
+    affected : affected fraction of the property, such as one of two sensors; each share is multiplied by it
     size : size of the error, shown in place of the numbers for a hidden scenario
     fault : the exception that caused it
     """
@@ -115,30 +115,43 @@ class Deviation:
 
 
 @dataclass(frozen=True)
-class Charge:
-    """Charge of one check: the share of points that it keeps, and the faults that cost the rest.
+class Cost:
+    """What one fault costs at one check.
 
     Attributes
     ----------
-    keeps : the share of its points that is earned
-    found : the id of each row of the fault table that gives the reason, with the deviation that it explains
-    see : title of the check that reports the fault instead; if `keeps` is 0, this check could not be judged, else the fault is
-        charged there
+    row : id of the fault's row, or of the check's row if no fault is known
+    share : the share of the check's points
+    shown : the deviation through which the fault was found; it has the numbers of the fault's words
+    own : the deviation of the check itself; None if it does not show the fault
+    see : title of the check that tells about the fault, if that is another one
+    """
+
+    row: str
+    share: float
+    shown: Deviation
+    own: Deviation | None = None
+    see: str = ""
+
+
+@dataclass(frozen=True)
+class Charge:
+    """Charge of one check: what each fault costs there.
+
+    Attributes
+    ----------
+    costs : what is deducted, together at most all points of the check
+    see : title of the check that tells about the fault, if this one only shows it
     """
 
     check: str
-    keeps: float
-    found: tuple[tuple[str, Deviation], ...] = ()
+    costs: tuple[Cost, ...] = ()
     see: str = ""
 
-    def plus(self, row: str, share: float, deviation: Deviation) -> Charge:
-        """Return the charge with one more fault; the deductions add up."""
-        return replace(self, keeps=max(0.0, self.keeps - share), found=(*self.found, (row, deviation)))
-
-    @classmethod
-    def of(cls, check: str, deviation: Deviation) -> Charge:
-        """Return the charge for a deviation that no fault explains, to the check that measures it."""
-        return cls(check, 1.0 - deviation.share * deviation.affected, ((check, deviation),))
+    @property
+    def keeps(self) -> float:
+        """The share of the points that is earned."""
+        return max(0.0, 1.0 - sum(cost.share for cost in self.costs))
 
 
 class Charged(AssertionError):  # noqa: N818 - an outcome

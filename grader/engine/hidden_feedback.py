@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from grader.base.errors import Crashed, NoAnswer, TimedOut
 from grader.engine import feedback
 from grader.engine.faults import Mistake
-from grader.engine.feedback import Feedback, hint_of, mistake_of, no_answer, public, seen_elsewhere
+from grader.engine.feedback import Feedback, hint_of, mistake_of, no_answer, no_more, public
 from grader.engine.findings import Charge, Charged, CheckFailed, GraderText, Missing, Raised, Skipped
 from grader.engine.results import Outcome
 
@@ -90,15 +90,16 @@ def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
 
 def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
     """Return the feedback from the rows' titles and hints; a number appears only as its power of ten."""
-    if (elsewhere := seen_elsewhere(charge)) is not None:
-        return elsewhere
-    sizes = [str(deviation.size) for _, deviation in charge.found if deviation.size]
+    if not charge.costs:
+        return no_more(charge)
+    sizes = [str(cost.shown.size) for cost in charge.costs if cost.shown.size]
+    titles = [rows[cost.row].title for cost in charge.costs if rows[cost.row].title]
     names = public(charge, rows)
     return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
         expected=_HOLDS,
-        got="; ".join([*(rows[id_].title for id_, _ in charge.found if rows[id_].title), *sizes]) or _DOES_NOT,
+        got="; ".join([*titles, *dict.fromkeys(sizes)]) or _DOES_NOT,
         hint=hint_of(charge, rows) if names else f"{hint_of(charge, rows)} {_PUBLIC}",
         mistakes=names,
     )

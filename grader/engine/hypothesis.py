@@ -35,19 +35,17 @@ class Reason(Generic[Seen]):
 
     Attributes
     ----------
-    of : the property that it explains
+    of : the property in which the fault shows
     cause : the id of the fault's row
     holds : tells whether the fault predicts the facts
-    predicts : other properties that deviate through it, unless they have a reason of their own
-    takes : checks that cannot be judged if the fault shows in this property, in addition to those of its row
+    beside : whether it may hold beside other faults of the property; otherwise the cheapest of those that fit counts
     """
 
     of: str
     cost: int
     cause: str
     holds: Callable[[Seen], bool]
-    predicts: frozenset[str] = frozenset()
-    takes: frozenset[str] = frozenset()
+    beside: bool = False
 
     def fits(self, seen: Seen, /) -> bool:
         """Return whether the fault predicts the facts; False if computing with them raises an arithmetic or value error."""

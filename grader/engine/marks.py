@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, Unrepaired
@@ -25,7 +24,8 @@ def marked(found: Result, rubric: Rubric) -> Result:
     attempted = {extension.id: extension.attempted for extension in found.extensions}
 
     def checks(weights: tuple[CheckWeight, ...]) -> tuple[CheckResult, ...]:
-        return tuple(_row(rows[weight.id], weight, rubric.mistakes) for weight in weights)
+        open_ = dict(rubric.mistakes)
+        return tuple(_row(rows[weight.id], weight, open_) for weight in weights)
 
     return replace(
         found,
@@ -54,13 +54,19 @@ def fits(found: Result, rubric: Rubric) -> bool:
     return whole and all(listed.get(id_) == checks for id_, checks in asked.items())
 
 
+<<<<<<< HEAD
 def _row(found: CheckResult, weight: CheckWeight, deductions: Mapping[str, float]) -> CheckResult:
     worth = {"points": earned(found, weight.max_points, deductions), "max_points": weight.max_points}
+=======
+def _row(found: CheckResult, weight: CheckWeight, deductions: dict[str, float]) -> CheckResult:
+    worth = {"points": _points(found, weight.max_points, deductions), "max_points": weight.max_points}
+>>>>>>> 721b0c31 (Deduct for a fault every check that it breaks, and nothing twice)
     return CheckResult(**{**vars(found), **worth})  # half the time of `replace`; matters for thousands of submissions
 
 
 def _score_before(found: Result, rubric: Rubric) -> float:
     """Return the score of the submission before its repairs; a check that was not judged counts as 0."""
+<<<<<<< HEAD
     weights = {check.id: check.max_points for criterion in rubric.criteria for check in criterion.checks}
     known = {id_: each for id_, each in found.unrepaired.items() if id_ in weights}
     return round(sum(earned(each, weights[id_], rubric.mistakes) or 0.0 for id_, each in known.items()), 2)
@@ -68,9 +74,29 @@ def _score_before(found: Result, rubric: Rubric) -> float:
 
 def earned(found: CheckResult | Unrepaired, most: float, deductions: Mapping[str, float]) -> float | None:
     """Return a check's points: its share, or its maximum less the rubric's deductions if all its mistakes have one."""
+=======
+    score = 0.0
+    for criterion in rubric.criteria:
+        open_ = dict(rubric.mistakes)
+        known = [(found.unrepaired[c.id], c.max_points) for c in criterion.checks if c.id in found.unrepaired]
+        score += sum(_points(each, most, open_) or 0.0 for each, most in known)
+    return round(score, 2)
+
+
+def _points(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
+    """Return a check's points: its share, or its maximum less the rubric's deductions if all its mistakes have one.
+
+    A deduction counts once in a criterion: what this check takes of it is taken off `deductions`.
+    """
+>>>>>>> 721b0c31 (Deduct for a fault every check that it breaks, and nothing twice)
     if found.keeps is None:
         return None
     named = found.misconceptions
-    if named and all(mistake in deductions for mistake in named):
-        return round(max(0.0, most - sum(deductions[mistake] for mistake in named)), 2)
-    return round(most * found.keeps, 2)
+    if not named or any(mistake not in deductions for mistake in named):
+        return round(most * found.keeps, 2)
+    points = most
+    for mistake in named:
+        taken = min(points, deductions[mistake])
+        points -= taken
+        deductions[mistake] -= taken
+    return round(points, 2)

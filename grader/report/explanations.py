@@ -65,12 +65,13 @@ def fault(lab: Lab, entry: Mistake, *, level: int = 1) -> str:
 
 
 def _deductions(lab: Lab, entry: Mistake) -> str:
-    """Return what a fault deducts unless the rubric says otherwise."""
+    """Return what a fault deducts unless the rubric says otherwise: all shares of its criterion, and which there are of others."""
     worth = {weight.id: weight.max_points for weight in _rubric(lab).checks}
-    shares = {_full(name, entry): share for name, share in entry.deducts.items()}
-    points = [f"{number(share * worth[name])} points of `{name}`" for name, share in shares.items()]
-    taken = ", ".join(f"`{_full(name, entry)}`" for name in entry.takes)
-    return f"\nDeducts: {' or '.join(points)}{f'; all of {taken}' if taken else ''}.\n" if points else ""
+    shares = {_full(name, entry): share for name, share in entry.deducts.items() if share}
+    points: dict[str, list[str]] = {}
+    for name, share in shares.items():
+        points.setdefault(name.partition(".")[0], []).append(f"{number(share * worth[name])} points of `{name}`")
+    return f"\nDeducts: {' or '.join(' and '.join(each) for each in points.values())}.\n" if points else ""
 
 
 def _full(name: str, entry: Mistake) -> str:

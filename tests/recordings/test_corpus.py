@@ -9,7 +9,7 @@ import pytest
 
 from tests.recordings.losses import disagreements, pinned, pins
 from tests.recordings.marker import recorded_corpus, verdict
-from tests.scoreboard import MORE_THAN_ONE, ONE_FAULT, Case
+from tests.scoreboard import Case
 
 pytestmark = [pytest.mark.quick, pytest.mark.recorded]
 FAULTY = ("faulty", "lookalikes", "pairs")
@@ -44,10 +44,3 @@ def test_the_corpus_is_as_large_as_it_was() -> None:
 
 def test_losses_are_pinned_of_cases_that_there_are() -> None:
     assert set(pinned()) <= {case.id for case in recorded_corpus() if pins(case)}
-
-
-def test_single_faults_that_cost_more_than_one_check_are_few_and_have_a_reason() -> None:
-    single = [case for case in recorded_corpus() if case.part in ONE_FAULT]
-    several = {case.name for case in single if sum(kept is not None for kept in pinned().get(case.id, {}).values()) > 1}
-    assert several == set(MORE_THAN_ONE)
-    assert len(several) <= 0.02 * len(single)

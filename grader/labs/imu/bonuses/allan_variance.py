@@ -268,4 +268,4 @@ _REASONS: tuple[Reason[Allan], ...] = (
         for fault in filter(None, _CURVES)
     ),
 )
-ALLAN: Part[Allan] = Part(LAB, "allan_variance", measure, _REASONS, only_names=True)
+ALLAN: Part[Allan] = Part(LAB, "allan_variance", measure, _REASONS)

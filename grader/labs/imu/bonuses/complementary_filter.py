@@ -285,4 +285,4 @@ _REASONS: tuple[Reason[Tilt], ...] = (
         for cost, (name, holds) in enumerate(FAULTS.items())
     ),
 )
-TILT: Part[Tilt] = Part(LAB, "complementary_filter", measure, _REASONS, only_names=True)
+TILT: Part[Tilt] = Part(LAB, "complementary_filter", measure, _REASONS)

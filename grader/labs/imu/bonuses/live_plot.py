@@ -202,4 +202,4 @@ def measure(student: Student, truth: Traces) -> Live:
 _REASONS: tuple[Reason[Live], ...] = (
     Reason("grows_while_stepping", 1, "plot-not-live", lambda facts: facts.shows_once),
 )
-LIVE: Part[Live] = Part(LAB, "realtime_visualization", measure, _REASONS, only_names=True)
+LIVE: Part[Live] = Part(LAB, "realtime_visualization", measure, _REASONS)

@@ -157,4 +157,4 @@ _REASONS: tuple[Reason[Imus], ...] = (
     Reason(_FINDS, 2, "imu-missing", lambda _: True),
     Reason(_MATCHES, 1, "same-imu-repeated", lambda facts: any(world.repeats_one for world in facts.worlds)),
 )
-IMUS: Part[Imus] = Part(LAB, "multiple_imus", measure, _REASONS, only_names=True)
+IMUS: Part[Imus] = Part(LAB, "multiple_imus", measure, _REASONS)

@@ -35,7 +35,7 @@ def check_time_axis(found: Explained) -> Deviation | None:
     if push.series.time is None:
         return _stamped(push.model_timestep, np.zeros(0))
     if (run := found.keeps_timestep) is not None and run.series.time is not None:
-        return _stamped(run.timestep, run.series.time)
+        return _stamped(run.timestep, run.series.time, 0.5)
     if found.stamps_off <= TIME_ATOL:
         return None
     near = found.stamps_off <= 1.001 * push.model_timestep  # a step early or late

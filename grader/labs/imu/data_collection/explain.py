@@ -166,23 +166,16 @@ def row_fault(found: Explained) -> str:
 
 _FORMS = ("wrong-keys", "wrong-return-type", "arrays-transposed")
 _COUNTS = ("ignores-duration", "hard-coded-timestep", "fixed-rate", "samples-skipped")
-_PREDICTS = {
-    "ends-early": frozenset({COUNT, RESET}),
-    "only-last-row": frozenset({COUNT, TIME, RESET}),
-    "first-steps-missing": frozenset({COUNT}),
-    "starts-over": frozenset({TIME}),
-}
-
 REASONS: tuple[Reason[Explained], ...] = (
     *(
-        Reason(NAMED, n, fault, lambda e, f=fault: f in dict(e.odd_form), frozenset({TIME}))  # type: ignore[misc]
-        for n, fault in enumerate(_FORMS)
+        Reason(NAMED, 1, fault, lambda e, f=fault: f in dict(e.odd_form), beside=True)  # type: ignore[misc]
+        for fault in _FORMS
     ),
     *(
-        Reason(TRUTH, n, fault, lambda e, f=fault: row_fault(e) == f, _PREDICTS.get(fault, frozenset()))  # type: ignore[misc]
+        Reason(TRUTH, n, fault, lambda e, f=fault: row_fault(e) == f)  # type: ignore[misc]
         for n, fault in enumerate(dict(ROW_FAULTS))
     ),
-    Reason(COUNT, 0, "ignores-duration", lambda e: e.second_is_empty and not e.few_rows_follow, frozenset({RESET})),
+    Reason(COUNT, 0, "ignores-duration", lambda e: e.second_is_empty and not e.few_rows_follow),
     *(
         Reason(COUNT, 1 + n, fault, lambda e, f=fault: e.counts_by(f))  # type: ignore[misc]
         for n, fault in enumerate(_COUNTS)
@@ -191,9 +184,9 @@ REASONS: tuple[Reason[Explained], ...] = (
     Reason(RESET, 2, "keeps-old-rows", lambda e: e.rows_left > 0),
     Reason(RESET, 3, "no-reset", lambda e: e.goes_on),
     Reason(PUSH, 0, "starts-over", lambda e: e.starts_over),
-    Reason(PUSH, 1, "random-push", lambda e: e.pushed_apart, frozenset({TIME})),
-    Reason(PUSH, 2, "no-perturbation", lambda e: e.without_push, frozenset({TIME})),
-    Reason(PUSH, 3, "wrong-perturbation", lambda _: True, frozenset({TIME})),
+    Reason(PUSH, 1, "random-push", lambda e: e.pushed_apart),
+    Reason(PUSH, 2, "no-perturbation", lambda e: e.without_push),
+    Reason(PUSH, 3, "wrong-perturbation", lambda _: True),
     Reason(TIME, 1, "not-finite", lambda e: not e.stamps_follow and not np.isfinite(e.stamps).all()),
     Reason(TIME, 2, "hard-coded-timestep", lambda e: not e.stamps_follow and e.keeps_timestep is not None),
     Reason(TIME, 3, "time-axis-wrong", lambda e: not e.stamps_follow),
@@ -207,5 +200,4 @@ PART: Part[Explained] = Part(
     measured,
     REASONS,
     {"parameters": lambda found: departure("simulate_and_collect", found.series.departs)},
-    together=frozenset(_FORMS),
 )

@@ -203,47 +203,42 @@ def _initial_ignored(facts: Facts) -> bool:
 
 
 OF, START, OWN = "follows_recursion", "starts_from_first_measurement", "instances_independent"
-FOLLOWS = frozenset({START, "passes_constant", "reduces_noise", "preserves_signal", OWN})
-"""Checks that an output of another recursion may fail, too."""
-
-
-def _of_recursion(cost: int, fault: str, holds: Callable[[Facts], bool]) -> Reason[Facts]:
-    return Reason(OF, cost, fault, holds, FOLLOWS)
-
-
 REASONS: tuple[Reason[Facts], ...] = (
-    *(_of_recursion(cost, fault, _made_of(weights)) for cost, fault, weights in WEIGHTS),
-    _of_recursion(0, "alpha-default", _default_alone),
-    _of_recursion(1, "output-rounded", lambda f: f.own.remembers and all(map(_rounded, f.runs))),
-    _of_recursion(2, "output-limited", _every(lambda run: run.obeys or _limited(run))),
-    _of_recursion(3, "output-stuck", _every(lambda run: bool(np.ptp(run.y[1:], axis=0).max() <= ATOL))),
-    _of_recursion(3, "state-not-kept", _every(_from_the_first)),
-    Reason(OF, 4, "state-not-kept", _every(_from_one_value), FOLLOWS, FOLLOWS - {OWN}),
-    _of_recursion(5, "does-not-filter", lambda f: not f.own.remembers),
+    *(Reason(OF, cost, fault, _made_of(weights)) for cost, fault, weights in WEIGHTS),
+    Reason(OF, 0, "alpha-default", _default_alone),
+    Reason(OF, 1, "output-rounded", lambda f: f.own.remembers and all(map(_rounded, f.runs))),
+    Reason(OF, 2, "output-limited", _every(lambda run: run.obeys or _limited(run))),
+    Reason(OF, 3, "output-stuck", _every(lambda run: bool(np.ptp(run.y[1:], axis=0).max() <= ATOL))),
+    Reason(OF, 3, "state-not-kept", _every(_from_the_first)),
+    Reason(OF, 4, "state-not-kept", _every(_from_one_value)),
+    Reason(OF, 5, "does-not-filter", lambda f: not f.own.remembers),
     # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
-    _of_recursion(6, "filter-restarts", _restarts),
-    _of_recursion(6, "moving-average", _every(_averages)),
-    _of_recursion(7, "gain-not-one", lambda f: any(abs(a + b - 1) > 1e-6 for a, b in f.weights)),
-    _of_recursion(8, "alpha-ignored", _ignores_alpha),
-    _of_recursion(9, "axes-mixed", _every(_leaves_axes_out)),
-    _of_recursion(10, "axes-mixed", lambda f: not f.weights and _every(_mixes_axes)(f)),
-    _of_recursion(12, "another-weight", lambda f: bool(f.weights)),
-    _of_recursion(14, "stays-at-times", _stays_at_times),
-    _of_recursion(15, "begins-late", _begins_late),
-    _of_recursion(16, "high-pass", _takes_constants_away),
-    _of_recursion(17, "other-low-pass", _low_pass),
-    _of_recursion(99, f"filtering.{OF}", lambda _: True),
-    Reason(START, 1, "wrong-return-type", lambda f: f.nothing_at_first),
+    Reason(OF, 6, "filter-restarts", _restarts),
+    Reason(OF, 6, "moving-average", _every(_averages)),
+    Reason(OF, 7, "gain-not-one", lambda f: any(abs(a + b - 1) > 1e-6 for a, b in f.weights)),
+    Reason(OF, 8, "alpha-ignored", _ignores_alpha),
+    Reason(OF, 9, "axes-mixed", _every(_leaves_axes_out)),
+    Reason(OF, 10, "axes-mixed", lambda f: not f.weights and _every(_mixes_axes)(f)),
+    Reason(OF, 12, "another-weight", lambda f: bool(f.weights)),
+    Reason(OF, 14, "stays-at-times", _stays_at_times),
+    Reason(OF, 15, "begins-late", _begins_late),
+    Reason(OF, 16, "high-pass", _takes_constants_away),
+    Reason(OF, 17, "other-low-pass", _low_pass),
+    Reason(START, 1, "first-output-missing", lambda f: f.nothing_at_first),
     Reason(START, 2, "zero-initial-state", _from_zero),
     Reason(START, 3, "initial-value-ignored", _initial_ignored),
     Reason(
         START, 4, "initial-value-mixed", lambda f: f.runs[0].starts and all(run.obeys for run in f.runs) and _is_own(f)
     ),
-    Reason(OWN, 1, "shared-state", lambda f: f.own.shared and f.own.settles(f.own.again), frozenset({START})),
-    Reason(OWN, 2, "aliased-output", lambda f: _is_own(f) and not same(f.own.spoilt_output, f.own.alone, ATOL)),
-    Reason(OWN, 3, "mutates-input", lambda f: _is_own(f) and f.own.input_changed),
-    Reason(OWN, 4, "aliased-output", lambda f: _is_own(f) and f.own.output_changed),
-    Reason(OWN, 5, "aliased-input", lambda f: _is_own(f) and not same(f.own.spoilt_input, f.own.alone, ATOL)),
+    Reason(OWN, 1, "shared-state", lambda f: f.own.shared and f.own.settles(f.own.again)),
+    Reason(
+        OWN, 2, "aliased-output", lambda f: _is_own(f) and not same(f.own.spoilt_output, f.own.alone, ATOL), beside=True
+    ),
+    Reason(OWN, 3, "mutates-input", lambda f: _is_own(f) and f.own.input_changed, beside=True),
+    Reason(OWN, 4, "aliased-output", lambda f: _is_own(f) and f.own.output_changed, beside=True),
+    Reason(
+        OWN, 5, "aliased-input", lambda f: _is_own(f) and not same(f.own.spoilt_input, f.own.alone, ATOL), beside=True
+    ),
     Reason("handed_out", 1, "aliased-output", lambda _: True),
     Reason("form", 1, "wrong-return-type", lambda _: True),
     Reason("default", 1, "needs-alpha", lambda _: True),
@@ -288,5 +283,4 @@ PART: Part[Facts] = Part(
         "default": _default,
         "parameters": lambda facts: departure("LowPassFilter", facts.departs),
     },
-    together=frozenset({"aliased-output", "mutates-input", "aliased-input"}),
 )

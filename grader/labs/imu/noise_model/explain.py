@@ -306,28 +306,26 @@ def _one_for_axes(facts: Facts) -> bool:
 # ---- the reasons
 
 
-_WITH_DEFAULT = frozenset({DEFAULT})
 _REPEATED = ("frozen-noise", "reseeded")
 REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 0, "reads-no-sensor", lambda f: not f.follows),
     Reason(SIZE, 1, "one-sensor-twice", lambda f: f.one_twice),
     Reason(SIZE, 2, "bias-redrawn", lambda f: f.redrawn),
     Reason(SIZE, 3, "no-noise", no_draw),
-    *(Reason(SIZE, 4, fault, _is(_repeated, fault), frozenset({DEFAULT, APART})) for fault in _REPEATED),
+    *(Reason(SIZE, 4, fault, _is(_repeated, fault)) for fault in _REPEATED),
     Reason(SIZE, 5, "precision-lost", _lost_in_rounding),
     Reason(SIZE, 6, "gyro-not-noisy", lambda f: any(s.noise.still for s in f.sensors)),
     Reason(SIZE, 7, "multiplicative-noise", _any(lambda reads: reads.proportional)),
     Reason(SIZE, 8, "std-ignored", lambda f: any(s.silent.restless and not s.drifts for s in f.sensors)),
     *(Reason(SIZE, 9, fault, _spread_is(fault)) for fault in _SPREADS),
     Reason(GIVEN, 0, "swapped-sensors", lambda f: f.exchanged),
-    Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged, _WITH_DEFAULT),
+    Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged),
     Reason(GIVEN, 0, "precision-lost", _lost_in_rounding),
     Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),
-    Reason(GIVEN, 1, "bias-redrawn", lambda f: f.redrawn and bool(missing_bias(f))),
-    *(Reason(GIVEN, 1 + each.cost, each.cause, _is(offset_fault, each.cause), _WITH_DEFAULT) for each in OFFSETS),
-    Reason(GIVEN, 12, "another-bias-beside", lambda f: bool(_off(f) and bias_beside(f)), _WITH_DEFAULT),
+    Reason(GIVEN, 1, "bias-argument-ignored", lambda f: f.redrawn and bool(missing_bias(f))),
+    *(Reason(GIVEN, 1 + each.cost, each.cause, _is(offset_fault, each.cause)) for each in OFFSETS),
+    Reason(GIVEN, 12, "another-bias-beside", lambda f: bool(_off(f) and bias_beside(f))),
     Reason(GIVEN, 12, "bias-argument-ignored", lambda f: not _off(f)),
-    Reason(GIVEN, 99, f"noise_model.{GIVEN}", lambda _: True, _WITH_DEFAULT),
     Reason(DEFAULT, 1, "bias-drifts", lambda f: bool(drifts(f)) or _gone_after_one_read(f)),
     Reason(DEFAULT, 3, "bias-shared", _moving(lambda bias: np.ptp(bias[:, 1:], axis=(0, 1)).max() <= EXACT)),
     Reason(DEFAULT, 5, "bias-redrawn", _moving(lambda bias: np.median(np.ptp(bias, axis=1).max(axis=1)) > EXACT)),
@@ -336,14 +334,11 @@ REASONS: tuple[Reason[Facts], ...] = (
     *(Reason(LAW, 0, fault, _is(_repeated, fault)) for fault in _REPEATED),
     Reason(LAW, 1, "precision-lost", lambda f: grain(f) > 0),
     Reason(LAW, 2, "noise-accumulates", lambda f: any(sensor.accumulates for sensor in f.sensors)),
-    Reason(LAW, 3, "noise-correlated", _any(lambda reads: reads.memory > 0), frozenset({SIZE})),
+    Reason(LAW, 3, "noise-correlated", _any(lambda reads: reads.memory > 0)),
     Reason(LAW, 4, "noise-not-zero-mean", _any(lambda reads: reads.one_signed)),
     Reason(LAW, 5, "noise-clipped", _any(lambda reads: reads.clipped)),
-    Reason(
-        LAW, 8, "not-gaussian", _any(lambda reads: not reads.is_normal), frozenset({APART})
-    ),  # channels with rare large values correlate by chance
+    Reason(LAW, 8, "not-gaussian", _any(lambda reads: not reads.is_normal)),
     *(Reason(LAW, 9, fault, _is(offset_fault, fault)) for fault in ("noise-not-zero-mean", "stale-clean-reading")),
-    Reason(LAW, 99, f"noise_model.{LAW}", lambda _: True),
     Reason(APART, 0, "one-sensor-twice", lambda f: f.one_twice),
     Reason(APART, 1, "same-noise-on-axes", _one_for_axes),
     Reason(ALONE, 1, "mutates-sensordata", lambda f: not changed(f.disturbance)[:3].any()),

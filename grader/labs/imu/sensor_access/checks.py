@@ -23,9 +23,9 @@ def check_matches_truth(found: Explained) -> Deviation | None:
     """The values are the sensor's own: m/s² and rad/s in the sensor's frame, unaltered"""
     if (wrong := found.altered()) is None:
         return None
-    return _off(
-        *wrong, found.meant(*wrong), {"form": FORM, "came": found.facts.odd}, 0.5 if found.near(wrong[0]) else 1.0
-    )
+    numbers: dict[str, object] = {"form": FORM, "came": found.facts.odd}
+    affected = found.share_altered * (0.5 if found.near(wrong[0]) else 1.0)
+    return _off(*wrong, found.meant(*wrong), numbers, affected, share=1.0 if found.facts.whole else 0.5)
 
 
 @PART.check("sensor_access.follows_address", lab_step=2)
@@ -33,7 +33,7 @@ def check_follows_address(found: Explained) -> Deviation | None:
     """Reads the sensors that the ids name, at any address and in any model"""
     if (wrong := found.misplaced()) is not None:
         visit, sensor = wrong
-        return _off(visit, sensor, visit.scene.true(sensor), {})
+        return _off(visit, sensor, visit.scene.true(sensor), {}, found.share_misplaced)
     if (fault := next((visit.fault for visit in found.facts.others if visit.fault), None)) is None:
         return None
     came = f"{fault.type}: {printable(fault.message, 200)}{f' at {fault.where}' if fault.where else ''}"
@@ -60,7 +60,9 @@ def check_leaves_simulation_alone(found: Explained) -> Deviation | None:
     return Deviation({"came": told}) if told else None
 
 
-def _off(visit: Visit, sensor: int, true: Array, numbers: dict[str, object], affected: float = 1.0) -> Deviation:
+def _off(
+    visit: Visit, sensor: int, true: Array, numbers: dict[str, object], affected: float, *, share: float = 1.0
+) -> Deviation:
     """Describe the row in which a sensor is furthest from what stands where it should be read."""
     got, name, unit = visit.got[sensor], SENSOR_NAMES[sensor], SENSOR_UNITS[sensor]
     gap = deviation(got, true)
@@ -69,4 +71,4 @@ def _off(visit: Visit, sensor: int, true: Array, numbers: dict[str, object], aff
     grain = float(steps.min(initial=np.inf))
     told = {"wanted": f"{name} ≈ {wanted} {unit}", "got": f"{name} = {came}", "grain": grain}
     size = Size(f"the {SENSORS[sensor].replace('_', ' ')} is off", gap.worst, unit)
-    return Deviation({**numbers, **told}, size=size, affected=affected)
+    return Deviation({**numbers, **told}, share, size, affected=affected)

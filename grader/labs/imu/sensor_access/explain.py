@@ -30,6 +30,8 @@ _DECIMALS = range(5)
 """Numbers of decimals to which a reader may round; a finer rounding stays below `ATOL`."""
 _MOST = 0.5
 """Smallest share of right numbers of the other IMUs for a reader that alters only some of them."""
+_ONE_ALTERED = (0.75, 0.5)
+"""Shares of the reading: a wrong acceleration shows in the sheet's own trial, which expects [0, 0, -9.81] at rest."""
 _ALIKE = 0.5
 """Smallest correlation of two visits to the same states for a reading that depends on the state. A reader of the sensors has 1, one
 that smooths over calls nearly 1; 78 random numbers reach 0.5 once in 250,000."""
@@ -96,10 +98,7 @@ _PLACES: tuple[tuple[str, Place], ...] = (
     ("hard-coded-address", lambda scene, sensor: scene.own(0) + 3 if sensor else -1),
     ("off-by-one-address", lambda scene, sensor: scene.own(sensor) - 1),
     ("off-by-one-address", lambda scene, sensor: scene.own(sensor) + 1),
-    (
-        f"sensor_access.{PLACE}",
-        lambda scene, sensor: scene.own(sensor) + 3,
-    ),  # the sizes up to and with the sensor, added up
+    ("end-of-sensor", lambda scene, sensor: scene.own(sensor) + 3),  # the sizes up to and with the sensor, added up
 )
 
 
@@ -108,7 +107,9 @@ def _fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
-            yield Hypothesis(3, "hard-coded-address", (), _fixed(start), _unchanged)
+            right = start == torso.scene.own(sensor)
+            fault = "hard-coded-address" if right else "wrong-fixed-address"
+            yield Hypothesis(3, fault, (), _fixed(start), _unchanged)
 
 
 # ---- values
@@ -219,12 +220,29 @@ class Explained:
         known = self.sensors[sensor]
         return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
 
+    @property
+    def wrong_on_torso(self) -> list[int]:
+        """The sensors whose numbers on the robot itself are not those at the address that is read."""
+        return [i for i in BOTH if (known := self.sensors[i]) is None or known.values or self.lacks_numbers(i)]
+
+    @property
+    def share_altered(self) -> float:
+        """The share of the reading that is altered, if one sensor's is; gravity is in the acceleration alone."""
+        whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
+        return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
+
+    @property
+    def share_misplaced(self) -> float:
+        """The share of the sensors that are read at another address than their own; 1 where the ids are ignored."""
+        computed = {each.place for each in self.sensors if each} - {"", "hard-coded-address", "wrong-fixed-address"}
+        return sum(bool(each and each.place) for each in self.sensors) / len(BOTH) if computed else 1.0
+
     def altered(self) -> tuple[Visit, int] | None:
         """Return a visit and a sensor whose numbers differ from those at the address that is read; None if all agree.
 
         The robot's own IMU comes first, then other IMUs of which most numbers are right.
         """
-        wrong = [i for i in BOTH if (known := self.sensors[i]) is None or known.values or self.lacks_numbers(i)]
+        wrong = self.wrong_on_torso
         others = ((v, i) for v in self.facts.visits[1:] for i in BOTH if self._partly_right(i) and not self._fits(v, i))
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
@@ -348,7 +366,7 @@ def _likeness(first: Array, again: Array) -> float:
 
 
 _NAMED_VALUES = dict.fromkeys(name for name, _ in _changes())
-_NAMED_PLACES = dict.fromkeys(("swapped-sensors", *(name for name, _ in _PLACES if name)))
+_NAMED_PLACES = dict.fromkeys(("swapped-sensors", "wrong-fixed-address", *(name for name, _ in _PLACES if name)))
 
 
 def _lacks_numbers(found: Explained) -> bool:
@@ -359,8 +377,8 @@ REASONS: tuple[Reason[Explained], ...] = (
     Reason(VALUES, 1, "wrong-length", lambda e: not e.facts.whole and (_lacks_numbers(e) or None in e.sensors)),
     Reason(VALUES, 1, "wrong-return-type", lambda e: _lacks_numbers(e) and bool(e.facts.odd) and e.facts.whole),
     Reason(VALUES, 1, "not-finite", lambda e: _lacks_numbers(e) and not e.facts.odd),
-    *(Reason(VALUES, 2 + n, told, lambda e, t=told: t in e.values) for n, told in enumerate(_NAMED_VALUES)),  # type: ignore[misc]
-    *(Reason(PLACE, 1 + n, told, lambda e, t=told: t in e.places) for n, told in enumerate(_NAMED_PLACES)),  # type: ignore[misc]
+    *(Reason(VALUES, 2, told, lambda e, t=told: t in e.values, beside=True) for told in _NAMED_VALUES),  # type: ignore[misc]
+    *(Reason(PLACE, 1, told, lambda e, t=told: t in e.places, beside=True) for told in _NAMED_PLACES),  # type: ignore[misc]
     Reason(FORM, 1, "sensor-id-as-address", lambda e: not e.facts.whole and "sensor-id-as-address" in e.places),
     Reason(FORM, 2, "wrong-length", lambda e: not e.facts.whole),
     Reason(FORM, 3, "wrong-return-type", lambda _: True),
@@ -377,11 +395,4 @@ def _parameters(found: Explained) -> Deviation | None:
     return None if ignores else departure("get_imu_readings", found.facts.departs)
 
 
-PART: Part[Explained] = Part(
-    LAB,
-    "sensor_access",
-    measured,
-    REASONS,
-    {"parameters": _parameters},
-    together=frozenset((*_NAMED_VALUES, *_NAMED_PLACES)),
-)
+PART: Part[Explained] = Part(LAB, "sensor_access", measured, REASONS, {"parameters": _parameters})

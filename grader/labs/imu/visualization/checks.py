@@ -41,11 +41,11 @@ def check_two_labelled_panels(facts: Facts) -> Deviation | None:
 def check_curves_match_data(facts: Facts) -> Deviation | None:
     """Six curves show the six channels of the data against time"""
     if explain.misses_channels(facts):
-        return Deviation({"came": explain.missing_in_words(facts)}, affected=explain.share_missing(facts))
+        return Deviation({"came": explain.missing_in_words(facts)})
     if explain.is_against_no_time(facts):
         return Deviation()
     if came := explain.another_unit(facts):
-        return Deviation({"came": came}, affected=0.5)
+        return Deviation({"came": came})
     if parts := facts.plot.in_part():
         size = Size("curves over only a part of the recorded time")
         return Deviation({"came": explain.part_in_words(parts)}, explain.share_missing(facts), size)
@@ -75,7 +75,7 @@ def check_legend_names_curves(facts: Facts) -> Deviation | None:
 @to_the_end
 def check_titles(facts: Facts) -> Deviation | None:
     """The panels, or the figure, have a title"""
-    untitled = words.share_untitled(facts.plot)
+    untitled = 1.0 if explain.shows_nothing(facts) else words.share_untitled(facts.plot)
     return Deviation(affected=untitled) if untitled else None
 
 
@@ -90,5 +90,5 @@ def check_comparison_plot(facts: Facts) -> Deviation | None:
         numbers = {"came": comparison.in_words, "stop": comparison.stop_in_words}
         return Deviation(numbers, affected=affected, fault=comparison.fault)
     if explain.names_are_exchanged(facts):
-        return Deviation({"came": "the raw curve with the name of the filtered one"})
+        return Deviation({"came": "the raw curve with the name of the filtered one"}, share=0.5)
     return None if comparison.noisy else Deviation(share=0.5)

@@ -22,8 +22,8 @@ SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
 _OTHER_FORMS = frozenset({"pdf", "svg", "svgz", "eps", "ps", "pgf"})
-_MISLEADS = 0.8
-"""Least share lost where curves show other numbers or limits leave curves outside: a reader of the picture is misled."""
+_OTHER_NUMBERS, _OUTSIDE = 0.5, 0.8
+"""Least shares lost where curves show other numbers, and where limits leave curves outside: a reader of the picture is misled."""
 _IN_PART = 0.8
 """Largest share that a channel keeps if some of its rows are not drawn; one that shows less keeps the share that it shows."""
 
@@ -80,16 +80,38 @@ def _shows_others(facts: Facts) -> bool:
     return bool(_missing(facts)) and (bool(plot.strange) or len(plot.shown) > len(plot.drawn))
 
 
-def _is_not_seen(facts: Facts) -> bool:
-    return bool(facts.plot.hidden or facts.cut_off)
-
-
 def share_missing(facts: Facts) -> float:
-    """Return the share of the points that the curves lose: by channel, and most where a reader is misled."""
-    plot, parts = facts.plot, facts.plot.in_part()
-    kept = (min(_IN_PART, parts[c]) if c in parts else 1.0 for c in plot.drawn - set(facts.cut_off))
-    lost = 1 - sum(kept) / len(CHANNELS)
-    return max(lost, _MISLEADS) if facts.cut_off or _shows_others(facts) else lost
+    """Return the share of the curves' points that no fault explains: the rows that are not drawn."""
+    parts = facts.plot.in_part()
+    return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
+
+
+@to_the_end
+def missing_curves(facts: Facts) -> Deviation | None:
+    """Return a deviation if a channel is not drawn; by the number of channels, and more if other numbers take their place."""
+    if not (missing := _missing(facts)):
+        return None
+    affected = max(len(missing) / len(CHANNELS), _OTHER_NUMBERS if _shows_others(facts) else 0)
+    return Deviation({"came": missing_in_words(facts)}, affected=affected)
+
+
+@to_the_end
+def unseen_curves(facts: Facts) -> Deviation | None:
+    """Return a deviation if a channel is drawn where nobody sees it."""
+    if not (facts.plot.hidden or facts.cut_off):
+        return None
+    unseen = len(facts.plot.hidden | set(facts.cut_off)) / len(CHANNELS)
+    return Deviation({"came": missing_in_words(facts)}, affected=max(unseen, _OUTSIDE if facts.cut_off else 0))
+
+
+def label_problem(name: str) -> Callable[[Facts], Deviation | None]:
+    """Return a measure of the labels with this problem; three of them cost everything."""
+
+    def measured(facts: Facts) -> Deviation | None:
+        texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]
+        return Deviation({"came": "; ".join(texts)}, affected=min(1.0, len(texts) / 3)) if texts else None
+
+    return to_the_end(measured)
 
 
 def missing_in_words(facts: Facts) -> str:
@@ -145,36 +167,38 @@ def names_are_exchanged(facts: Facts) -> bool:
     )
 
 
-def _has_problem(name: str) -> Callable[[Facts], bool]:
-    return lambda facts: name in dict(words.label_problems(facts.plot))
+def shows_nothing(facts: Facts) -> bool:
+    """Return whether no picture is left in which somebody could read a title."""
+    file = facts.file
+    return (file.replaced or file.blank or not file.formats) and not file.handed_in
 
 
-def _empty(cost: int, fault: str, holds: Callable[[Facts], bool]) -> tuple[Reason[Facts], ...]:
-    """Return the reasons for a file that shows no plot: nobody reads a title there, unless a picture was handed in."""
+def _in_file(cost: int, fault: str, holds: Callable[[Facts], bool]) -> tuple[Reason[Facts], ...]:
+    """Return the reasons for a file that shows no plot, and so no title."""
     return (
-        Reason(SAVES, cost, fault, lambda f: holds(f) and not f.file.handed_in, takes=frozenset({TITLES})),
-        Reason(SAVES, cost, fault, lambda f: holds(f) and f.file.handed_in),
+        Reason(SAVES, cost, fault, holds),
+        Reason(TITLES, cost, fault, lambda facts: shows_nothing(facts) and holds(facts)),
     )
 
 
+_LABEL_PROBLEMS = ("no-axis-labels", "no-units")
 REASONS: tuple[Reason[Facts], ...] = (
-    *_empty(1, "picture-overwritten", lambda f: f.file.replaced),
-    *_empty(2, "blank-image", lambda f: f.file.blank),
-    *_empty(3, "plot-not-saved", lambda f: not f.file.formats),
+    *_in_file(1, "picture-overwritten", lambda f: f.file.replaced),
+    *_in_file(2, "blank-image", lambda f: f.file.blank),
+    *_in_file(3, "plot-not-saved", lambda f: not f.file.formats),
     Reason(SAVES, 3, "picture-overwritten", lambda f: bool(f.file.lost)),
     Reason(SAVES, 4, "low-resolution", is_small),
     Reason(PANELS, 1, "one-panel", shares_a_panel),
     Reason(PANELS, 2, "panels-swapped", lambda f: words.misnamed(f.plot) is not None),
-    Reason(CURVES, 1, "wrong-data-plotted", _shows_others),
-    Reason(CURVES, 2, "curves-missing", lambda f: bool(_missing(f)) and not _shows_others(f)),
-    Reason(CURVES, 3, "curves-not-seen", _is_not_seen),
+    Reason("missing", 1, "wrong-data-plotted", _shows_others),
+    Reason("missing", 2, "curves-missing", lambda _: True),
+    Reason("unseen", 1, "curves-not-seen", lambda _: True),
     Reason(CURVES, 4, "x-not-time", lambda f: not misses_channels(f) and is_against_no_time(f)),
     Reason(CURVES, 5, "wrong-data-plotted", lambda f: not misses_channels(f) and bool(another_unit(f))),
-    Reason(LABELS, 1, "no-axis-labels", _has_problem("no-axis-labels")),
-    Reason(LABELS, 2, "no-units", _has_problem("no-units")),
+    *(Reason(problem, 1, problem, lambda _: True) for problem in _LABEL_PROBLEMS),
     Reason(LEGEND, 1, "legend-order-wrong", lambda f: bool(words.exchanged_name(f.plot))),
     Reason(LEGEND, 2, "no-legend", lambda f: words.share_nameless(f.plot) > 0),
-    Reason(TITLES, 1, "no-title", lambda _: True),
+    Reason(TITLES, 9, "no-title", lambda facts: words.share_untitled(facts.plot) > 0),
     Reason(COMPARISON, 1, "legend-order-wrong", lambda f: bool(f.comparison.saved) and names_are_exchanged(f)),
     Reason(COMPARISON, 2, "comparison-wrong-data", lambda f: f.comparison.meant[0] > 1 and not f.comparison.drawn),
     Reason(COMPARISON, 3, "script-stops", lambda f: f.comparison.fault is not None and not f.comparison.drawn),
@@ -188,6 +212,10 @@ PART: Part[Facts] = Part(
     "visualization",
     measure,
     REASONS,
-    {"parameters": lambda facts: departure("plot_imu_data", facts.departs)},
-    together=frozenset({"wrong-data-plotted", "curves-missing", "curves-not-seen", "no-axis-labels", "no-units"}),
+    {
+        "missing": missing_curves,
+        "unseen": unseen_curves,
+        **{problem: label_problem(problem) for problem in _LABEL_PROBLEMS},
+        "parameters": lambda facts: departure("plot_imu_data", facts.departs),
+    },
 )

@@ -12,7 +12,18 @@ import numpy as np
 from grader.base.errors import NoAnswer
 from grader.base.text import printable
 from grader.engine.figures import Curve, Figure
-from grader.engine.findings import NEEDS_REVIEW, Charge, Charged, Deviation, Fault, GraderText, Missing, Raised, Skipped
+from grader.engine.findings import (
+    NEEDS_REVIEW,
+    Charge,
+    Charged,
+    Cost,
+    Deviation,
+    Fault,
+    GraderText,
+    Missing,
+    Raised,
+    Skipped,
+)
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
 from grader.labs.imu.robot import torso_ids
@@ -289,8 +300,10 @@ def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
             f"{NEEDS_REVIEW}"
         )
     )
-    row = (("plot-not-drawn", Deviation()),)
-    return {name: Charged(Charge(f"visualization.{name}", kept, row)) for name, kept in _KEEPS.items()}
+    return {
+        name: Charged(Charge(f"visualization.{name}", (Cost("plot-not-drawn", 1 - kept, Deviation()),)))
+        for name, kept in _KEEPS.items()
+    }
 
 
 def _handed_in(student: Student, name: str) -> bool:
