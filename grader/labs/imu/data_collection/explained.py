@@ -167,6 +167,11 @@ class Explained:
         return again and all_alike(self.series.rows(1)) and self.push is not None and not self.push.aliased
 
     @property
+    def driven(self) -> bool:
+        """Return whether the code sets the state again before most of the steps."""
+        return self.push_claim is not None and len(self.push_claim.set_at) > self.facts.push.model_steps // 2
+
+    @property
     def true_rows(self) -> tuple[Array, Array]:
         """Acceleration and angular velocity, each (rows, 3), that right code records in the run of this recording."""
         worlds = self.facts.push.worlds

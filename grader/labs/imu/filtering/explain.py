@@ -26,6 +26,8 @@ _NOTHING_LEFT = 1e-3
 """Largest share of a constant input that a high-pass filter leaves in its output."""
 _WHOLE = 1e-9
 """Largest distance of a number from its rounded value for numbers that are rounded."""
+_UNUSABLE = ("a string", "a number")
+"""Forms of an output that nobody can compute three components with."""
 _DECIMALS = range(5)
 """Numbers of decimals to which a filter may round; a finer rounding stays below `ATOL`."""
 _LONGEST = 100
@@ -146,6 +148,17 @@ def _averages(run: Run) -> bool:
     return any(same(run.y[size:], (sums[size + 1 :] - sums[1:-size]) / size, ATOL) for size in sizes)
 
 
+def _means(run: Run) -> bool:
+    """Return whether each output is the mean of all samples so far."""
+    return same(run.y, np.cumsum(run.x, axis=0) / np.arange(1, len(run.x) + 1)[:, None], ATOL)
+
+
+def _whole(run: Run) -> bool:
+    """Return whether the outputs change, in whole numbers."""
+    y = run.y[1:]
+    return bool(np.ptp(y, axis=0).any() and np.isfinite(y).all() and np.abs(y - y.round()).max() < _WHOLE)
+
+
 def _leaves_axes_out(run: Run) -> bool:
     """Return whether some axes obey the recursion, and the others are returned unfiltered or never change."""
     y = run.y[1:]
@@ -206,6 +219,7 @@ OF, START, OWN = "follows_recursion", "starts_from_first_measurement", "instance
 REASONS: tuple[Reason[Facts], ...] = (
     *(Reason(OF, cost, fault, _made_of(weights)) for cost, fault, weights in WEIGHTS),
     Reason(OF, 0, "alpha-default", _default_alone),
+    Reason(OF, 0, "integer-state", lambda f: f.own.remembers and _every(_whole)(f)),
     Reason(OF, 1, "output-rounded", lambda f: f.own.remembers and all(map(_rounded, f.runs))),
     Reason(OF, 2, "output-limited", _every(lambda run: run.obeys or _limited(run))),
     Reason(OF, 3, "output-stuck", _every(lambda run: bool(np.ptp(run.y[1:], axis=0).max() <= ATOL))),
@@ -215,6 +229,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
     Reason(OF, 6, "filter-restarts", _restarts),
     Reason(OF, 6, "moving-average", _every(_averages)),
+    Reason(OF, 6, "mean-of-all-samples", _every(_means)),
     Reason(OF, 7, "gain-not-one", lambda f: any(abs(a + b - 1) > 1e-6 for a, b in f.weights)),
     Reason(OF, 8, "alpha-ignored", _ignores_alpha),
     Reason(OF, 9, "axes-mixed", _every(_leaves_axes_out)),
@@ -240,7 +255,8 @@ REASONS: tuple[Reason[Facts], ...] = (
         OWN, 5, "aliased-input", lambda f: _is_own(f) and not same(f.own.spoilt_input, f.own.alone, ATOL), beside=True
     ),
     Reason("handed_out", 1, "aliased-output", lambda _: True),
-    Reason("form", 1, "wrong-return-type", lambda _: True),
+    Reason("form", 1, "output-unusable", lambda f: f.odd.startswith(_UNUSABLE)),
+    Reason("form", 2, "wrong-return-type", lambda _: True),
     Reason("default", 1, "needs-alpha", lambda _: True),
     Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
     Reason("parameters", 2, "other-parameters", lambda _: True),

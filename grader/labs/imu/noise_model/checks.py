@@ -27,7 +27,7 @@ def check_noise_size(facts: Facts) -> Deviation | None:
     sensor, unit = facts.sensors[wrong[0]], SENSOR_UNITS[wrong[0]]
     reads = sensor.noise
     came = f"{sensor.twins.noise_size():.3g} {unit}" if sensor.drifts else _spread(reads, unit)
-    affected = len(wrong) / 2 if reads.still else 1.0  # the noise of the other sensor is there
+    affected = len(wrong) / len(BOTH)  # the noise of the other sensor is right
     numbers = {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size, "grain": explain.grain(facts)}
     return _of(wrong[0], affected, numbers)
 

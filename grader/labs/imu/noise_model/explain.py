@@ -50,7 +50,8 @@ def _is(find: Callable[[Facts], str], fault: str) -> Holds:
 
 def sizes_off(facts: Facts) -> list[int]:
     """Return the sensors whose noise does not have the standard deviation that was asked for, whatever its law is."""
-    return which(facts, lambda sensor: not _has_size(sensor))
+    another = any(_spread_is(fault)(facts, BOTH) for fault in _SPREADS) and any(s.law_is_off for s in facts.sensors)
+    return [*BOTH] if another else which(facts, lambda sensor: not _has_size(sensor))
 
 
 def _has_size(sensor: Sensor) -> bool:
@@ -97,11 +98,12 @@ _SPREADS: Mapping[str, Callable[[Reads, Reads, float], Sequence[float]]] = {
 """Standard deviations that a fault predicts, from a sensor's reads, the other sensor's reads and the time step in seconds."""
 
 
-def _spread_is(fault: str) -> Holds:
-    """Return a test that is true if this fault predicts the spread of each sensor whose noise has a wrong size."""
+def _spread_is(fault: str) -> Callable[..., bool]:
+    """Return a test that is true if this fault predicts the spread of each sensor, or of those whose noise has a wrong size."""
 
-    def fits(facts: Facts) -> bool:
-        pairs = [(facts.sensors[i].noise, facts.sensors[1 - i].noise) for i in sizes_off(facts)]
+    def fits(facts: Facts, sensors: Iterable[int] | None = None) -> bool:
+        off = sizes_off(facts) if sensors is None else sensors
+        pairs = [(facts.sensors[i].noise, facts.sensors[1 - i].noise) for i in off]
         predicted = [(reads, _SPREADS[fault](reads, other, facts.timestep)) for reads, other in pairs]
         return all(any(abs(r.pooled_spread / s - 1) < _NEAR for s in spreads) for r, spreads in predicted)
 

@@ -98,6 +98,8 @@ def missing_curves(facts: Facts) -> Deviation | None:
 @to_the_end
 def unseen_curves(facts: Facts) -> Deviation | None:
     """Return a deviation if a channel is drawn where nobody sees it."""
+    if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
+        return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
     if not (facts.plot.hidden or facts.cut_off):
         return None
     unseen = len(facts.plot.hidden | set(facts.cut_off)) / len(CHANNELS)
