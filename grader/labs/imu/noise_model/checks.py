@@ -42,7 +42,8 @@ def check_given_bias(facts: Facts) -> Deviation | None:
     reads, silent = facts.sensors[wrong[0]].reads, facts.sensors[wrong[0]].silent
     gap = np.abs(reads.offset - reads.bias)
     expected, came = distinct_texts(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
-    beside = {"silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias)}
+    beside: dict[str, object] = {"silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias)}
+    beside["grain"] = explain.grain(facts)
     size = Size("the mean of the reads is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
     affected = len(missing) / 2 if missing else 0.5 if all(s.reads.bias_is_right for s in facts.sensors) else 1.0
     return _of(wrong[0], affected, {"wanted": expected, "came": came, **beside}, size=size)

@@ -1,0 +1,67 @@
+"""Two faults at once: no points come back, nothing is lost elsewhere, and no name belongs to neither.
+
+The pairs are made of the corpus' own faults: two patches of one file of the sheet's solution that do not touch the same lines.
+`pytest -m full` tries all of them, a run without it every `_EVERY`th.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from functools import cache
+
+import pytest
+
+from tests.corpus.cases import CRITERIA, patched
+from tests.corpus.pieces import read, verbatim
+from tests.recordings import Marking
+from tests.single_faults import lost_by, marked
+
+Fault = tuple[str, str, str]
+"""The name of a row of the corpus, the file that it patches, and the patch."""
+_EVERY = 200
+
+
+def faults(criterion: str) -> Iterator[Fault]:
+    """Yield the faults of a criterion that patch one file of the sheet's solution."""
+    rows = read(criterion)
+    for name, row in {**rows.get("faulty", {}), **rows.get("lookalikes", {})}.items():
+        files = [path for path in row if path.endswith(".py")]
+        if row.get("base") == "verbatim" and len(files) == 1 and "append" not in row and "files" not in row:
+            yield name, files[0], row[files[0]]
+
+
+def together(*chosen: Fault) -> dict[str, str] | None:
+    """Return the solution with these faults; None if one patch takes the lines of another."""
+    files = verbatim()
+    try:
+        for _, path, patch in chosen:
+            files[path] = patched(files[path], patch)
+    except ValueError:
+        return None
+    return files
+
+
+@cache
+def pairs() -> list[tuple[Fault, Fault]]:
+    both = (pair for criterion in CRITERIA for pair in itertools.combinations(faults(criterion), 2))
+    return [pair for pair in both if together(*pair) is not None and together(*pair[::-1]) is not None]
+
+
+def _marks(number: int) -> list[pytest.MarkDecorator]:
+    return [pytest.mark.slow] if number % _EVERY else []
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [pytest.param(*pair, marks=_marks(n), id=f"{pair[0][0]} and {pair[1][0]}") for n, pair in enumerate(pairs())],
+)
+def test_a_second_fault_gives_nothing_back_and_costs_nothing_elsewhere(
+    first: Fault, second: Fault, player: Marking
+) -> None:
+    alone = [marked(player, together(each) or {}) for each in (first, second)]
+    both = marked(player, together(first, second) or {})
+    lost, costs = lost_by(both), [lost_by(each) for each in alone]
+    assert sum(lost.values()) >= max(sum(each.values()) for each in costs) - 0.01
+    assert {id_.partition(".")[0] for id_ in lost} <= {id_.partition(".")[0] for each in costs for id_ in each}
+    assert set(both.misconceptions) <= {name for each in alone for name in each.misconceptions}
