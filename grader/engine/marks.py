@@ -54,41 +54,26 @@ def fits(found: Result, rubric: Rubric) -> bool:
     return whole and all(listed.get(id_) == checks for id_, checks in asked.items())
 
 
-<<<<<<< HEAD
-def _row(found: CheckResult, weight: CheckWeight, deductions: Mapping[str, float]) -> CheckResult:
-    worth = {"points": earned(found, weight.max_points, deductions), "max_points": weight.max_points}
-=======
 def _row(found: CheckResult, weight: CheckWeight, deductions: dict[str, float]) -> CheckResult:
-    worth = {"points": _points(found, weight.max_points, deductions), "max_points": weight.max_points}
->>>>>>> 721b0c31 (Deduct for a fault every check that it breaks, and nothing twice)
+    worth = {"points": earned(found, weight.max_points, deductions), "max_points": weight.max_points}
     return CheckResult(**{**vars(found), **worth})  # half the time of `replace`; matters for thousands of submissions
 
 
 def _score_before(found: Result, rubric: Rubric) -> float:
     """Return the score of the submission before its repairs; a check that was not judged counts as 0."""
-<<<<<<< HEAD
-    weights = {check.id: check.max_points for criterion in rubric.criteria for check in criterion.checks}
-    known = {id_: each for id_, each in found.unrepaired.items() if id_ in weights}
-    return round(sum(earned(each, weights[id_], rubric.mistakes) or 0.0 for id_, each in known.items()), 2)
-
-
-def earned(found: CheckResult | Unrepaired, most: float, deductions: Mapping[str, float]) -> float | None:
-    """Return a check's points: its share, or its maximum less the rubric's deductions if all its mistakes have one."""
-=======
     score = 0.0
     for criterion in rubric.criteria:
         open_ = dict(rubric.mistakes)
         known = [(found.unrepaired[c.id], c.max_points) for c in criterion.checks if c.id in found.unrepaired]
-        score += sum(_points(each, most, open_) or 0.0 for each, most in known)
+        score += sum(earned(each, most, open_) or 0.0 for each, most in known)
     return round(score, 2)
 
 
-def _points(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
+def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
     """Return a check's points: its share, or its maximum less the rubric's deductions if all its mistakes have one.
 
     A deduction counts once in a criterion: what this check takes of it is taken off `deductions`.
     """
->>>>>>> 721b0c31 (Deduct for a fault every check that it breaks, and nothing twice)
     if found.keeps is None:
         return None
     named = found.misconceptions
