@@ -224,7 +224,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(OF, 2, "output-limited", _every(lambda run: run.obeys or _limited(run))),
     Reason(OF, 3, "output-stuck", _every(lambda run: bool(np.ptp(run.y[1:], axis=0).max() <= ATOL))),
     Reason(OF, 3, "state-not-kept", _every(_from_the_first)),
-    Reason(OF, 4, "state-not-kept", _every(_from_one_value)),
+    Reason(OF, 4, "does-not-filter", _every(_from_one_value)),
     Reason(OF, 5, "does-not-filter", lambda f: not f.own.remembers),
     # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
     Reason(OF, 6, "filter-restarts", _restarts),
