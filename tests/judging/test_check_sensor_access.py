@@ -101,8 +101,8 @@ READERS: list[tuple[str, Any, dict[Any, Marked]]] = [
     ("raises", _raises(ValueError), dict.fromkeys(CHECKS, "raised")),
     ("nothing", lambda *_: None, dict.fromkeys(CHECKS, (0.0, ["wrong-return-type"]))),
     ("in another order", lambda accel_sensor_id, gyro_sensor_id, data, model: sound(model, data, accel_sensor_id, gyro_sensor_id), {RETURNS: (0.0, ["other-parameters"])}),
-    ("one of them short", altered(gyro=lambda x: x[:2]), {MATCHES: (0.0, ["wrong-length"])}),
-    ("the accelerometer alone", lambda *s: sound(*s)[0], {MATCHES: (0.0, ["wrong-return-type"])}),
+    ("one of them short", altered(gyro=lambda x: x[:2]), {RETURNS: (0.0, ["wrong-length"]), MATCHES: (0.75, ["wrong-length"])}),
+    ("the accelerometer alone", lambda *s: sound(*s)[0], {RETURNS: (0.0, ["wrong-return-type"]), MATCHES: (0.5, ["wrong-return-type"])}),
     # what is read
     ("no numbers", altered(lambda x: x * np.nan, lambda x: x * np.nan), {MATCHES: (0.0, ["not-finite"])} | _UNKNOWN),
     ("what was read before", _Late(), _STRANGE),

@@ -271,7 +271,7 @@ KINDS: list[Kind] = [
     drawn("the last rows left out", {CURVES: (0.8, [])}, each_curve(lambda c: replace(c, x=c.x[:-100], y=c.y[:-100]))),
     drawn("none to be seen", {**_NOT_READ, CURVES: (0.0, ["curves-not-seen"])}, seen(visible(seen=slice(0)))),
     drawn("half outside", {}, seen(visible(slice(0, 50)), (0, 0))),
-    drawn("outside, one behind another and one missing", {CURVES: (0.2, ["curves-missing", "curves-not-seen"])}, seen(visible(slice(0, 45)), (0, 0)), seen(visible(seen=slice(0)), (0, 1)), each_curve(lambda _: None, (1, 2))),
+    drawn("outside, one behind another and one missing", {CURVES: (0.0333, ["curves-missing", "curves-not-seen"])}, seen(visible(slice(0, 45)), (0, 0)), seen(visible(seen=slice(0)), (0, 1)), each_curve(lambda _: None, (1, 2))),
     drawn("of one curve some rows", {CURVES: (0.9167, [])}, each_curve(lambda c: replace(c, x=c.x[:300], y=c.y[:300]), (1, 0))),
     drawn("g without a unit", {CURVES: (0.0, ["wrong-data-plotted"]), LABELS: (0.6667, ["no-units"])}, each_curve(lambda c: replace(c, y=c.y / 9.81), *ACCEL), panel(0, ylabel="Acceleration")),
     drawn("another label over what is recorded", {CURVES: (0.0, ["wrong-data-plotted"])}, panel(0, ylabel="Acceleration (g)")),
