@@ -42,3 +42,16 @@ def test_a_check_marks_as_it_does_on_linux(lab: Path, system: str) -> None:
     assert result["score"] == 80.0
     assert "may grade with hidden scenarios" in done.stdout
     assert "<html" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "arguments", [["grader", "repro", "sensor_access.follows_address", "."], ["pytest", "--imugrade", "-q", "."]]
+)
+def test_a_student_can_repeat_a_check_without_what_windows_lacks(lab: Path, arguments: list[str]) -> None:
+    command = [sys.executable, str(ROOT / "tests" / "other_systems.py"), "win32", "-m", *arguments]
+    done = subprocess.run(
+        command, cwd=lab, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False, timeout=300
+    )  # fmt: skip
+    said = done.stdout + done.stderr
+    assert "Traceback" not in said
+    assert ("python .imugrade/repro.py" in said.replace(os.sep, "/")) if "repro" in arguments else ("80 / 100" in said)
