@@ -160,7 +160,7 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     assert "Cy Moe B – – – – – – no submission" in words(Path("out/index.html").read_text(encoding="utf-8"))
     with desk_over(Path("out").absolute()) as desk:
         page = words(desk.get("/class?find=Cy").text)
-        assert "Bob Roe bob A – – empty 1 Cy Moe B – – no submission" in page
+        assert "Bob Roe bob A – – empty 1 Cy Moe cy B – – no submission" in page
         assert "no submission (1)" in page
     for more, empty in ((), ""), (("--unreadable", "0"), "0"):
         assert run("export", "out", "-f", "csv", "-o", "marks.csv", *more)[0] == 0
@@ -195,6 +195,49 @@ def test_a_person_without_a_submission_can_be_given_points_that_stand_in_every_f
     assert cells("marks.csv", "id", "final") == [("ann", "100"), ("s5", "61")]
     assert run("adjust", "out", "s5", "--criterion", "total", "--withdraw", "--comment", "was Bo")[0] == 0
     assert cells("out/gradebook.csv", "id", "status") == [("ann", "graded"), ("s5", "no submission")]
+
+
+BOTH = "Bob Roe has two grades, 61 without a submission (s5), and 94 for bob_roe; withdraw the points of s5"
+
+
+def test_points_without_a_submission_and_a_later_hand_in_stop_the_export_until_one_is_withdrawn(run: Run) -> None:
+    hand_in(Path("class"), ann=1)
+    graded(run, roster="id,name\nann,Ann Lee\ns5,Bob Roe\n")
+    oral = ("adjust", "out", "s5", "--criterion", "total", "--comment", "oral exam")
+    assert run(*oral, "--points", 61)[0] == 0
+    hand_in(Path("class"), bob_roe=0)
+    assert f"imugrade: {BOTH}\n" in graded(run)
+    assert cells("out/gradebook.csv", "id", "final") == [("ann", "100"), ("bob_roe", "94"), ("s5", "61")]
+    code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv")
+    assert (code, f"{BOTH}\n" in err) == (2, True)
+    with desk_over(Path("out")) as desk:
+        assert f"Two grades Bob Roe (s5) l 61 {BOTH}" in words(desk.get("/").text)
+    assert run(*oral, "--withdraw")[0] == 0
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[:2] == (0, "marks.csv  2 grades\n")
+
+
+def test_the_desk_gives_points_to_a_person_without_a_submission_and_withdraws_them(run: Run) -> None:
+    hand_in(Path("class"), ann=1)
+    graded(run, roster="id,name\nann,Ann Lee\ns5,Bob Roe\n")
+    with desk_over(Path("out")) as desk:
+        for page in ("/", "/class"):
+            assert '<a href="/submission/s5">Bob Roe</a>' in desk.get(page).text
+        assert "No submission. Points that you give here" in words(desk.get("/submission/s5").text)
+        assert desk.book.on_thread(desk.book.store.present).keys() == {"ann"}  # looking records nothing
+        oral = {"target": "total", "points": 61, "comment": "oral exam", "seen": 0}
+        assert desk.post("/submission/s5/override", oral).status == 303
+        desk.book.settled()
+        assert cells("out/gradebook.csv", "id", "final") == [("ann", "100"), ("s5", "61")]
+        assert "No submission Bob Roe" not in words(desk.get("/").text)
+        assert "Bob Roe s5 – 61 no submission, adjusted" in words(desk.get("/class").text)
+        assert desk.post("/submission/s5/override", {"target": "total", "do": "withdraw", "seen": 1}).status == 303
+        desk.book.settled()
+        assert "Bob Roe s5 – – no submission" in words(desk.get("/class").text)
+        assert desk.book.trouble == ""
+    assert cells("out/gradebook.csv", "id", "status") == [("ann", "graded"), ("s5", "no submission")]
+    assert (
+        "61" not in words(Path("out/submissions/s5/report.html").read_text(encoding="utf-8")).partition("oral exam")[0]
+    )
 
 
 def test_a_number_that_lost_its_zeros_in_a_spreadsheet_gets_that_hint(run: Run) -> None:

@@ -133,8 +133,12 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
 
 
 def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
-    """Return the people of the roster who have no submission on record."""
-    return [listed.person for listed in roster.place(roster_of(settings).people, hand_ins).absent]
+    """Return the people of the roster who have no submission and no points on record."""
+    known = {person for hand_in in hand_ins.values() for person in hand_in.people}
+    unplaced = roster.place(
+        roster_of(settings).people, hand_ins
+    ).absent  # also a person with points and a later hand-in
+    return [listed.person for listed in unplaced if listed.person not in known]
 
 
 def roster_of(settings: ClassSettings | None, path: Path | None = None, zone: tzinfo | None = None) -> Roster:

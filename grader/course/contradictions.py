@@ -9,12 +9,13 @@ from typing import Literal
 from grader.base.text import printable, some
 from grader.course.class_settings import ClassSettings
 from grader.people.final_grade import Adjustment, FinalGrade, maximum_points
+from grader.people.identity import Directory, Row
 from grader.report import words
 from grader.report.adjusted import explained
 
 _A_FEW = 20  # names
 
-Kind = Literal["above maximum", "not judged", "no row", "unknown lateness"]
+Kind = Literal["above maximum", "two grades", "not judged", "no row", "unknown lateness"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ def contradictions(
         Graded submissions without a row in the file that is exported, each with what is missing there.
     """
     found = [each for final_grade in final_grades.values() for each in _of_submission(final_grade)]
+    found += _two_grades(final_grades)
     found += [Contradiction("no row", id_, text) for id_, text in (without_row or {}).items()]
     return [*found, *_unknown_lateness(final_grades, settings)]
 
@@ -65,6 +67,29 @@ def _of_submission(final_grade: FinalGrade) -> Iterator[Contradiction]:
         yield Contradiction("above maximum", id_, f"{name}: {_above_its_maximum(final_grade, each)}")
     if not above and final_grade.final is not None and final_grade.final > final_grade.maximum:
         yield Contradiction("above maximum", id_, f"{name}: {explained(final_grade)}")
+
+
+def _two_grades(final_grades: Mapping[str, FinalGrade]) -> Iterator[Contradiction]:
+    """Yield the people who were given points without a submission, and whose submission came later."""
+    given = [each for each in final_grades.values() if each.has_no_submission]
+    if not given:
+        return
+    handed_in = Directory({id_: each.people for id_, each in final_grades.items() if not each.has_no_submission})
+    for each in given:
+        (person,) = each.people
+        numbers = tuple(filter(None, (person.sid, *person.ids)))
+        match = handed_in.find(Row(person.platform, person.key, numbers, person.email, person.name))
+        if match is not None:
+            points, theirs = (_points(final_grades[id_]) for id_ in (each.id, match.id))
+            two = (
+                f"{points} without a submission ({printable(each.id, 80)}), and {theirs} for {printable(match.id, 80)}"
+            )
+            text = f"{words.person(each)} has two grades, {two}; withdraw the points of {printable(each.id, 80)}"
+            yield Contradiction("two grades", each.id, text)
+
+
+def _points(final_grade: FinalGrade) -> str:
+    return "a blank" if final_grade.final is None else words.number(final_grade.final)
 
 
 def _above_its_maximum(final_grade: FinalGrade, override: Adjustment) -> str:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection
+from collections import Counter
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from grader import __version__
 from grader.course import class_settings
+from grader.course.class_settings import ClassSettings
 from grader.course.record import Key, Store
 from grader.engine.results import CheckResult, ExtensionResult, Result
 from grader.intake.names import safe_id
@@ -18,10 +20,31 @@ _NOTE = "There is no submission. A person gave the points."
 
 def absent_by_id(store: Store) -> dict[str, Person]:
     """Return the people of the roster without a submission, by the id that their points are recorded under."""
-    final_grades = store.final_grades()
-    people = class_settings.absent(store.settings(), {id_: each.hand_in for id_, each in final_grades.items()})
+    return _by_id(store.settings(), store.final_grades())
+
+
+def _by_id(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade]) -> dict[str, Person]:
+    people = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
     named = {safe_id(person.number or person.name): person for person in people}
     return {id_: person for id_, person in named.items() if id_ not in final_grades}
+
+
+def blank_grades(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:
+    """Return a blank final grade, which is not on record, for each person of the roster without a submission, by id.
+
+    `final_grades` holds every submission on record; a class without any has no blank grades.
+    """
+    if not final_grades:
+        return {}
+    like = next(iter(final_grades.values())).result
+    absent = _by_id(settings, final_grades)
+    names = Counter(
+        name.casefold() for name in (*(e.name for e in final_grades.values()), *(p.name for p in absent.values()))
+    )
+    return {
+        id_: FinalGrade(id_, _result(id_, person, like), HandIn((person,)), namesake=names[person.name.casefold()] > 1)
+        for id_, person in absent.items()
+    }
 
 
 def admit(store: Store, ids: Collection[str]) -> dict[str, FinalGrade]:
@@ -29,19 +52,15 @@ def admit(store: Store, ids: Collection[str]) -> dict[str, FinalGrade]:
 
     The grade is blank, and the class shows the person as without a submission, until there is an override.
     """
-    absent, settings, known = absent_by_id(store), store.settings(), store.present()
-    wanted = [id_ for id_ in ids if id_ in absent]
-    if settings is None or not known or not wanted:
+    settings = store.settings()
+    if settings is None:
         return {}
-    like = next(iter(known.values()))
-    admitted = {}
-    for id_ in wanted:
-        person = absent[id_]
-        sha256 = hashlib.sha256(f"no submission of {id_}".encode()).hexdigest()
-        result = _result(person.name or id_, sha256, like)
-        store.keep(Key(id_, sha256, settings.rubric_sha256, settings.traces_sha256, __version__), result)
-        store.keep_hand_in(id_, HandIn((person,)))
-        admitted[id_] = FinalGrade(id_, result, HandIn((person,)), store.adjustments().get(id_, ()))
+    blank = blank_grades(settings, store.final_grades())
+    admitted = {id_: blank[id_] for id_ in ids if id_ in blank}
+    for id_, each in admitted.items():
+        sha256 = str(each.result.provenance["submission_sha256"])
+        store.keep(Key(id_, sha256, settings.rubric_sha256, settings.traces_sha256, __version__), each.result)
+        store.keep_hand_in(id_, each.hand_in)
     return admitted
 
 
@@ -52,17 +71,20 @@ def _row(check: CheckResult) -> CheckResult:
     )
 
 
-def _result(name: str, sha256: str, like: Result) -> Result:
+def _result(id_: str, person: Person, like: Result) -> Result:
     """Return a result without points, with the criteria of another result of the class."""
     criteria = tuple(replace(part, checks=tuple(map(_row, part.checks))) for part in like.criteria)
     return replace(
         like,
-        submission=name,
+        submission=person.name or id_,
         status="empty",
         criteria=criteria,
         extensions=tuple(ExtensionResult(each.id, False, each.max_points) for each in like.extensions),
         notes=(_NOTE,),
-        provenance={"submission_sha256": sha256, "no_submission": True},
+        provenance={
+            "submission_sha256": hashlib.sha256(f"no submission of {id_}".encode()).hexdigest(),
+            "no_submission": True,
+        },
         repairs=(),
         unrepaired={},
     )

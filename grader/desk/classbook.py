@@ -15,6 +15,7 @@ from grader.base.stamps import now
 from grader.course import class_grading, class_settings
 from grader.course.adjusting import OverrideRequest, RecordedOverride, decide
 from grader.course.decisions import Review
+from grader.course.no_submission import admit, blank_grades
 from grader.course.publishing import publish_all, publish_class
 from grader.course.record import Store
 from grader.course.regrade import remark
@@ -98,6 +99,11 @@ class Classbook:
             self._marked = {id_: replace(s, adjustments=adjustments.get(id_, ())) for id_, s in self._marked.items()}
         return self._marked
 
+    def absent(self) -> dict[str, FinalGrade]:
+        """Return a blank final grade for each person of the roster without a submission, by id."""
+        facts = (self._store.settings(), self.final_grades())
+        return self.once("absent", facts, lambda: blank_grades(*facts))
+
     def once(self, name: str, facts: object, make: Callable[[], T]) -> T:
         """Return `make()`, or the cached value if the facts are the same as in the last call."""
         known = self._made.get(name)
@@ -133,7 +139,12 @@ class Classbook:
         self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
     ) -> list[RecordedOverride]:
         """Record overrides as `adjusting.decide` does, and update the files of OUT."""
-        made = decide(self._store, self.final_grades(), overrides, author, seen=seen, what=what)
+        known = {**self.final_grades(), **admit(self._store, {each.id for each in overrides})}
+        made = decide(self._store, known, overrides, author, seen=seen, what=what)
+        if any(
+            known[each.id].has_no_submission for each in made
+        ):  # the first points admit, the last withdrawal removes
+            self._seen = -1
         self._publisher.changed(each.id for each in made if each.fresh)
         return made
 
@@ -234,4 +245,6 @@ class _Publisher:
     def _publish(self, ids: set[str]) -> None:
         with _ReadingStore(self._out, self._keep) as store:
             final_grades = publish_class(self._out, store, self._lab)
+            if ids - final_grades.keys():  # points without a submission that were withdrawn
+                final_grades |= blank_grades(store.settings(), final_grades)
             publish_all(self._out, (final_grades[id_] for id_ in sorted(ids)), store, self._lab)

@@ -9,7 +9,7 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course import class_settings, repairs
+from grader.course import repairs
 from grader.course.contradictions import contradictions
 from grader.desk import drafts
 from grader.desk import review_queue as queue_of
@@ -48,7 +48,7 @@ def review_queue(book: Classbook, web_request: WebRequest) -> Response:
         kind=kind,
         kinds=KINDS,
         counts=Counter(each.reason.kind for each in open_),
-        absent=book.store.notices().get("absent", []),
+        absent=list(book.absent().values()),
         unsaved=drafts.unsaved(book, web_request),
         no_repairs=book.no_repairs,
     )
@@ -58,10 +58,9 @@ def class_page(book: Classbook, web_request: WebRequest) -> Response:
     """Return the class page of the desk."""
     waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
     everybody = book.final_grades().values()
-    absent = class_settings.absent(book.store.settings(), {each.id: each.hand_in for each in everybody})
     results = [each.result for each in everybody]
     top = max((result.max_score for result in results), default=100.0)
-    entries = overview.entries(everybody, absent, (), top)
+    entries = overview.entries([*everybody, *book.absent().values()], (), (), top)
     checks = overview.checks(results, overview.columns(results))
     return framed(
         book,
@@ -79,7 +78,7 @@ def class_page(book: Classbook, web_request: WebRequest) -> Response:
 def find(book: Classbook, web_request: WebRequest) -> Response:
     """Open the submission with this id, or the class page with the rows that match."""
     who = web_request.text("who")
-    if who in book.final_grades():
+    if who in book.final_grades() or who in book.absent():
         return RedirectResponse(f"/submission/{quote(who, safe='')}", 303)
     return RedirectResponse(f"/class?find={quote(who, safe='')}", 303)
 

@@ -23,6 +23,7 @@ from grader.report.causes import stops
 
 KINDS = {
     "above": "Above the maximum",
+    "two-grades": "Two grades",
     "does-not-run": "Does not run",
     "missing-package": "Package not installed",
     "repaired": "Repaired automatically",
@@ -44,6 +45,8 @@ KINDS = {
     "boundary": "Near a grade boundary",
 }
 """Titles of the reasons, in the order of the queue."""
+_OF = {"above maximum": "above", "two grades": "two-grades"}
+"""Reasons that contradictions of a submission give."""
 _NAMED = 8  # checks
 _STEP = 10
 """Number of grade steps: a boundary is at every tenth of the maximum."""
@@ -119,7 +122,7 @@ def items(
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]
     found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each, lab)]
     found += _of_several(final_grades, groups)
-    found += [((each.id,), Reason("above", each.text)) for each in contradictions if each.kind == "above maximum"]
+    found += [((each.id,), Reason(_OF[each.kind], each.text)) for each in contradictions if each.kind in _OF]
     if not any(each.hand_in.marked_late for each in final_grades.values()):  # else each of them has a reason of its own
         found += [(("",), Reason("lateness", each.text)) for each in contradictions if each.kind == "unknown lateness"]
     found += [((each.id,), _lapsed(each)) for each in lapsed if each.id in final_grades]
@@ -156,7 +159,7 @@ def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
         yield Reason(
             "not-judged", f"The grader failed on these checks, so their points are open: {some(open_, _NAMED)}"
         )
-    if result.status in ("empty", "unreadable"):
+    if result.status in ("empty", "unreadable") and not final_grade.has_no_submission:
         yield Reason(result.status, why_empty(result))
     if result.status == "graded" and not result.score:
         yield Reason("nothing", "The submission has no points. Check whether it belongs to another lab.")

@@ -33,6 +33,9 @@ from grader.report.adjusted import explained, is_composed, repaired_file
 from grader.report.pages import Figure
 
 _MOST_COMMENTS = 30
+_WITHOUT = (
+    "No submission. Points that you give here, for example for an oral exam, are the grade. Without them it is blank."
+)
 
 
 @dataclass(frozen=True)
@@ -168,7 +171,7 @@ def _page(
         editable=[path for path in kept.files if not editable(path, kept.files[path]).why],
         final_grade=final_grade,
         explained=explained(final_grade) if is_composed(final_grade) else "",
-        status=words.STATUS[result.status],
+        status=_WITHOUT if final_grade.has_no_submission else words.STATUS[result.status],
         late=words.late(final_grade),
         notes=words.notes(result),
         mistakes=[words.misconception(id_) for id_ in result.misconceptions],
@@ -183,7 +186,9 @@ def _page(
         describe=adjusting.said,
         decisions=book.store.decisions(),
         seen=max((each.number for each in history), default=0),
-        neighbours=_neighbours(list(book.final_grades()), final_grade.id, items),
+        neighbours=_neighbours(
+            list(book.final_grades() if final_grade.id in book.final_grades() else book.absent()), final_grade.id, items
+        ),
     )
 
 
@@ -233,7 +238,9 @@ def _comments(book: Classbook) -> list[str]:
 
 
 def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
-    final_grade = book.final_grades().get(web_request.path["id"])
+    """Return the submission in the address, or the blank grade of a person without one."""
+    id_ = web_request.path["id"]
+    final_grade = book.final_grades().get(id_) or book.absent().get(id_)
     if final_grade is None:
         raise RequestError("This submission does not exist")
     return final_grade

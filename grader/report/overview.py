@@ -170,7 +170,8 @@ def _nobody(name: str, person: Person, criteria: Collection[str]) -> Entry:
 def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry:
     result, late = final_grade.result, final_grade.late
     points = {criterion.id: final_grade.points(criterion) for criterion in result.criteria}
-    score = None if result.status == "incomplete" or final_grade.unseen else result.score
+    open_ = result.status == "incomplete" or final_grade.unseen or final_grade.has_no_submission
+    score = None if open_ else result.score
     return Entry(
         id=final_grade.id,
         name=words.distinct(final_grade),
@@ -184,7 +185,7 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
         explained=explained(final_grade) if is_composed(final_grade) else "",
         status=", ".join(
             [
-                result.status,
+                _status(final_grade),
                 *(["repaired"] if result.repairs else []),
                 *(["adjusted"] if final_grade.adjustments else []),
             ]
@@ -193,13 +194,17 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
     )
 
 
+def _status(final_grade: FinalGrade) -> str:
+    return words.NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
+
+
 def _cell(points: float | None) -> Cell:
     return Cell("–", -1.0) if points is None else Cell(words.number(points), points)
 
 
 def _tags(final_grade: FinalGrade) -> Iterable[str]:
     """Return the filter tags of a submission. They contain no text from outside the grader."""
-    yield f"status:{final_grade.result.status}"
+    yield f"status:{_status(final_grade)}"
     if final_grade.late is not None:
         yield "status:late"
     if final_grade.result.repairs:
