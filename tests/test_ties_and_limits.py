@@ -1,0 +1,104 @@
+"""Ties, limits and refusals: of two that fit none is taken, what is refused uses nothing up, and one worse check outweighs a gain."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader.engine.check_catalog import Check
+from grader.engine.check_runner import CheckRun, Judgement
+from grader.engine.feedback import Feedback
+from grader.engine.rubric import LatePolicy
+from grader.intake.downloads import Download
+from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
+from grader.people.final_grade import HandIn, Person
+from grader.people.late_policy import judged
+from grader.platforms import canvas
+from grader.platforms.found import AMBIGUOUS
+
+DUE = datetime(2026, 11, 20, 12, tzinfo=timezone.utc)
+
+
+@pytest.mark.parametrize(("day", "refused", "used"), [(22, False, 2), (27, False, 3), (28, True, 0)])
+def test_a_refused_hand_in_uses_up_no_grace_days(day: int, refused: bool, used: int) -> None:
+    policy = LatePolicy(DUE, grace_minutes=0, per_day=10.0, cut_off_days=7)
+    late = judged(HandIn((Person("Ann"),), submitted=f"2026-11-{day}T12:00+00:00", grace_days=3), policy, ()).late
+    assert late is not None
+    assert (late.refused, late.grace_days) == (refused, used)
+
+
+def test_a_canvas_name_whose_two_readings_both_agree_with_the_roster_is_ambiguous(tmp_path: Path) -> None:
+    name = "a_1_2_3_filters.py"  # A's attachment 2 of "3_filters.py", or A 1's attachment 3 of "filters.py"
+    both = canvas.read(Download(tmp_path, "", {name: False}, known={"1": "A", "2": "A 1"}))
+    one = canvas.read(Download(tmp_path, "", {name: False}, known={"1": "B", "2": "A 1"}))
+    assert both is not None
+    assert one is not None
+    assert (both.found, both.left) == ((), ((name, AMBIGUOUS),))
+    assert [each.sources for each in one.found] == [((name, "filters.py"),)]
+
+
+def test_the_newest_attachment_is_told_by_all_of_its_digits(tmp_path: Path) -> None:
+    names = ["li_7_123456_filters.py", "li_7_123455_filters.py"]
+    shape = canvas.read(Download(tmp_path, "", dict.fromkeys(names, False)))
+    assert shape is not None
+    assert [each.sources for each in shape.found] == [((names[0], "filters.py"),)]
+
+
+class _Student:
+    """Stands for the session about a submission: keeps what it is told to replace or to remember."""
+
+    def __init__(self) -> None:
+        self.files: dict[str, bytes] = {}
+        self.broken: set[str] = set()
+        self.remembered: list[dict[Any, Any]] = []
+
+    def account_to(self, part: str) -> None: ...
+
+    def replace_broken(self, names: Sequence[str]) -> None:
+        self.broken |= set(names)
+
+    @contextmanager
+    def beside(self, standins: Collection[str]) -> Iterator[dict[Any, Any]]:
+        yield {}
+
+    def remember(self, answers: dict[Any, Any]) -> None:
+        self.remembered.append(answers)
+
+
+def _run() -> CheckRun:
+    return CheckRun(LAB, _Student(), bundles.shipped(), None)  # type: ignore[arg-type] # as far as it is used
+
+
+def _judged(**keeps: float) -> dict[str, Judgement]:
+    checks = [Check(f"noise_model.{name}", name, 5) for name in keeps]
+    outcomes = ("failed" if kept == 0 else "partial" if kept < 1 else "passed" for kept in keeps.values())
+    texts = (Feedback(outcome, kept) for outcome, kept in zip(outcomes, keeps.values(), strict=True))  # type: ignore[arg-type]
+    return {check.id: Judgement(check, text, "", 0.0) for check, text in zip(checks, texts, strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("again", "counts"), [({"a": 1.0, "b": 1.0}, True), ({"a": 1.0, "b": 0.9}, False), ({"a": 0.0, "b": 1.0}, False)]
+)
+def test_a_second_run_beside_other_stand_ins_counts_if_a_check_gets_better_and_none_worse(
+    again: dict[str, float], counts: bool
+) -> None:
+    run = _run()
+    run.judgements = first = _judged(a=0.0, b=1.0)
+    second = _judged(**again)
+    with run.rerun_beside((), "noise_model"):
+        run.judgements = dict(second)
+    assert run.judgements == (second if counts else first)
+    assert run.student.remembered == ([{}] if counts else [])  # type: ignore[attr-defined]
+
+
+def test_a_part_with_a_check_that_the_grader_could_not_judge_is_replaced_for_the_parts_that_follow() -> None:
+    run = _run()
+    run.end(Check("sensor_access.matches_truth", "title", 2), ZeroDivisionError("a fault of ours"), 0.0)
+    run.begin(Check("noise_model.noise_size", "title", 5))
+    assert run.student.broken == {"get_imu_readings"}
