@@ -1,7 +1,7 @@
 """Two faults at once: no points come back, nothing is lost elsewhere, and no name belongs to neither.
 
 The pairs are made of the corpus' own faults: two patches of one file of the sheet's solution that do not touch the same lines.
-`pytest -m full` tries all of them, a run without it every `_EVERY`th.
+`-m full` tries every `_EVERY`th of them, `-m weekly` the others.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def pairs() -> list[tuple[Fault, Fault]]:
 
 
 def _marks(number: int) -> list[pytest.MarkDecorator]:
-    return [pytest.mark.slow] if number % _EVERY else []
+    return [pytest.mark.slow] if number % _EVERY == 0 else [pytest.mark.slow, pytest.mark.weekly]
 
 
 @pytest.mark.parametrize(
