@@ -154,9 +154,14 @@ def _means(run: Run) -> bool:
 
 
 def _whole(run: Run) -> bool:
-    """Return whether the outputs change, in whole numbers."""
+    """Return whether the outputs change, and each is the recursion from the one before, cut off or rounded to whole numbers.
+
+    A state of real numbers whose output alone is cut off goes on from numbers that are not shown.
+    """
     y = run.y[1:]
-    return bool(np.ptp(y, axis=0).any() and np.isfinite(y).all() and np.abs(y - y.round()).max() < _WHOLE)
+    return bool(np.ptp(y, axis=0).any()) and any(
+        np.all(np.abs(whole(run.wanted) - y) <= _WHOLE) for whole in (np.trunc, np.floor, np.rint)
+    )
 
 
 def _leaves_axes_out(run: Run) -> bool:

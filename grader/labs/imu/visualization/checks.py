@@ -16,7 +16,7 @@ def check_saves_image(facts: Facts) -> Deviation | None:
     width, height = facts.file.size_px
     numbers = {"width": width, "height": height, "form": " and ".join(sorted(facts.file.formats)).upper()}
     if explain.is_lost(facts) or explain.is_small(facts):
-        return Deviation(numbers)
+        return Deviation(numbers, affected=len(facts.file.lost) / len(curves.CHANNELS) or 1.0)
     return Deviation(numbers, share=0.2) if explain.is_no_png(facts) else None
 
 
