@@ -253,7 +253,7 @@ KINDS: list[Kind] = [
     drawn("blank", {**_NOT_READ, SAVES: (0.0, ["blank-image"]), CURVES: "skipped"}, says(axes=())),
     figures("nothing drawn", {**_NOT_READ, SAVES: (0.0, ["plot-not-saved"]), CURVES: "skipped"}),
     ("broken off before it", lambda: Plotted(Drawing((), _BROKEN)), dict.fromkeys((SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES), "raised")),
-    figures("a second picture over the first", {SAVES: (0.0, ["picture-overwritten"])}, alone(0, event="overwritten"), alone(1)),
+    figures("a second picture over the first", {SAVES: (0.5, ["picture-overwritten"])}, alone(0, event="overwritten"), alone(1)),
     figures("two figures, of which one shows two channels and one hides six", {SAVES: (0.0, ["plot-not-saved"]), CURVES: (0.3333, ["curves-missing"]), TITLES: (0.0, ["plot-not-saved"])}, changed(each_curve(lambda _: None, (0, 0), *GYRO), says(event="shown")), changed(seen(visible(seen=slice(0))), says(event="shown"))),
     # the panels
     drawn("names exchanged", {PANELS: (0.0, ["panels-swapped"])}, showing(GYRO, ACCEL)),
