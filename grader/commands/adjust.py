@@ -69,8 +69,8 @@ def adjust(
       imugrade adjust out
     """
     from grader.course import adjusting, groups  # noqa: PLC0415
+    from grader.course.classroom import lab_on_record  # noqa: PLC0415
     from grader.course.record import Store  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if sum(each is not None for each in (id_, table, having, take_back)) > 1:
         raise RequestError("adjust: give exactly one of ID, --csv, --having and --take-back")
@@ -90,7 +90,7 @@ def adjust(
             said = "" if points is None else repr(points)
             requests = [adjusting.OverrideRequest(each, criterion, said, comment, alone=alone) for each in ids]
         lines = (
-            adjusting.adjust(LAB, out, store, requests, author or login(), what)
+            adjusting.adjust(lab_on_record(out), out, store, requests, author or login(), what)
             if requests
             else adjusting.listing(store)
         )

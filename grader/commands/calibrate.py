@@ -43,15 +43,15 @@ def calibrate(
       imugrade calibrate out --marks marks-a.csv --marks marks-b.csv
     """
     from grader.course.calibration import calibrating  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.course.classroom import lab_on_record  # noqa: PLC0415
 
     if (sample is None) == (not marks):
         raise RequestError("calibrate: give --sample N to draw submissions, or --marks FILE to compare")
     where = folder or out / calibrating.FOLDER
     if sample is not None:
-        lines = calibrating.write_sample(LAB, out, where, sample)
+        lines = calibrating.write_sample(lab_on_record(out), out, where, sample)
     else:
-        lines = calibrating.write_comparison(LAB, out, where, marks or [], rubric)
+        lines = calibrating.write_comparison(lab_on_record(out), out, where, marks or [], rubric)
     for line in lines:
         print(line)
     print(f"written to {shown_path(where)}")

@@ -60,28 +60,29 @@ def check(
 
     if path.exists():
         print(opening.checking_line(path), flush=True)  # at once: the rest takes seconds on a cold machine
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415
     from grader.engine.reading import read_apart  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    submission = read_apart(path, LAB.files)
-    with open_sandbox_for(LAB, submission.files, isolation_level) as sandbox:
+    lab = chosen_lab()
+    submission = read_apart(path, lab.files)
+    with open_sandbox_for(lab, submission.files, isolation_level) as sandbox:
         from grader.engine import class_versions  # noqa: PLC0415
         from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the sandbox warms up
 
-        chosen = rubrics.load(LAB, rubric)
+        chosen = rubrics.load(lab, rubric)
         rubrics.know_part(chosen, only)
         ready = submission.status == "ready"
         if ready:
-            print(opening.found(LAB, submission), flush=True)
-        if differing := class_versions.line(LAB.folder):
+            print(opening.found(lab, submission), flush=True)
+        if differing := class_versions.line(lab.folder):
             print(differing, flush=True)
         from grader.commands import checking  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
         from grader.engine.grader import Stopped  # noqa: PLC0415
         from grader.report import terminal  # noqa: F401, PLC0415
 
-        bundle = LAB.truth(None, chosen.settings)
+        bundle = lab.truth(None, chosen.settings)
         if ready:
             print(opening.waiting(submission, chosen, bundle, only, secret=_has_secret()) + "\n", flush=True)
         printed = Prints()
@@ -137,10 +138,11 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
     """Check the submission on every save and show the result until Ctrl-C; return the exit code."""
     from grader.commands.watching import View  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.intake.submission import original_name  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    chosen = rubrics.load(LAB, rubric)
+    lab = chosen_lab()
+    chosen = rubrics.load(lab, rubric)
     rubrics.know_part(chosen, arguments.only)
     screen = console()
     view = View(screen, original_name(arguments.path), arguments.command)
@@ -148,7 +150,7 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
     from grader.commands import checking  # noqa: PLC0415
     from grader.commands.prints import Prints  # noqa: PLC0415
 
-    bundle = LAB.truth(None, chosen.settings)
+    bundle = lab.truth(None, chosen.settings)
     written = [each for each in (arguments.html, arguments.json) if each is not None]
     before: dict[str, float] = {}
     printed = Prints()
@@ -163,7 +165,7 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
             begins=begins, waits=view.refit,
             waiting=view.tell, listen=printed.add,
         ):  # fmt: skip
-            prints = printed.lines(LAB) if arguments.prints else []
+            prints = printed.lines(chosen_lab()) if arguments.prints else []
             view.show(partial(_lines, result, arguments, screen, before, prints), _checked_at())
             _write(result, arguments)
             checks = [check for part in result.parts for check in part.checks]
@@ -182,11 +184,11 @@ def _has_secret() -> bool:
 
 
 def _show(result: Result, arguments: _Arguments, printed: Prints) -> None:
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
     screen = console()
-    for line in _lines(result, arguments, screen, {}, printed.lines(LAB) if arguments.prints else []):
+    for line in _lines(result, arguments, screen, {}, printed.lines(chosen_lab()) if arguments.prints else []):
         terminal.show_line(line, screen)
 
 
@@ -194,11 +196,11 @@ def _lines(
     result: Result, arguments: _Arguments, screen: Console, before: Mapping[str, float], prints: Sequence[Text]
 ) -> list[Text]:
     """Return the lines of the report for the terminal, with what the student's code printed."""
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
     lines = terminal.screen(
-        result, screen, LAB, only=arguments.only, before=before, command=arguments.command, repeat=arguments.repeat,
+        result, screen, chosen_lab(), only=arguments.only, before=before, command=arguments.command, repeat=arguments.repeat,
         verbose=arguments.verbose,
     )  # fmt: skip
     return [*lines, *prints]
@@ -211,13 +213,15 @@ def _write(result: Result, arguments: _Arguments) -> None:
     if arguments.html is not None:
         from grader.engine.chart_data import unpacked  # noqa: PLC0415
         from grader.engine.faults import catalogue  # noqa: PLC0415
-        from grader.labs.imu.lab import LAB  # noqa: PLC0415
+        from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
         from grader.people.final_grade import FinalGrade  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
         write_whole(
             arguments.html,
-            report_page(FinalGrade("", result, reviewed=True), unpacked(result.evidence.charts), catalogue(LAB)),
+            report_page(
+                FinalGrade("", result, reviewed=True), unpacked(result.evidence.charts), catalogue(chosen_lab())
+            ),
         )
     if arguments.json is not None:
         from grader.engine.results import to_json  # noqa: PLC0415

@@ -62,11 +62,12 @@ def ci(
     """
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine import traces  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.platforms import job  # noqa: PLC0415
 
-    chosen = rubrics.load(LAB, rubric)
-    bundle = LAB.truth(None, chosen.settings) if traces_ is None else traces.load(traces_)
+    lab = chosen_lab()
+    chosen = rubrics.load(lab, rubric)
+    bundle = lab.truth(None, chosen.settings) if traces_ is None else traces.load(traces_)
     order = job.Job(
         job.named(format_), chosen, bundle, path, out,
         job.visible(visibility), trust, min_score, isolation_level, private=private,

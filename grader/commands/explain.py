@@ -27,13 +27,13 @@ def explain(
       imugrade explain sensor-id-as-address
       imugrade explain filtering.follows_recursion
     """
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.report import explanations  # noqa: PLC0415
 
     if id_ is None:
-        print(explanations.listing(LAB), end="")
+        print(explanations.listing(chosen_lab()), end="")
     else:
-        _show_markdown(explanations.explain(LAB, id_))
+        _show_markdown(explanations.explain(chosen_lab(), id_))
     return 0
 
 

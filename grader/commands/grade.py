@@ -94,8 +94,7 @@ def grade(
 
     from grader.course import class_settings, classroom, secret_strength, submissions  # noqa: PLC0415
     from grader.course.grade_request import GradeRequest  # noqa: PLC0415
-    from grader.labs.imu.hidden_coverage import blind_spot  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.people import late_policy  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
     from grader.report import progress  # noqa: PLC0415
@@ -106,8 +105,9 @@ def grade(
     class_settings.refuse_without_secret(None if list_ else known, seed)
     if not weak_secret and (known is None or not known.hidden):
         secret_strength.refuse_guessable(seed)
-    chosen = class_settings.rubric_of(LAB, known, rubric)
-    bundle = LAB.truth(seed, chosen.settings)
+    lab = chosen_lab(known.lab if known else "")
+    chosen = class_settings.rubric_of(lab, known, rubric)
+    bundle = lab.truth(seed, chosen.settings)
     which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
     people = class_settings.roster_of(known, roster, late_policy.zone_of(chosen.late))
     request = GradeRequest(
@@ -133,7 +133,7 @@ def grade(
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as listener:
         outcome = classroom.grade_class(request, found, listener)
     screen.print(Text("\n".join(_summary(outcome, shown_path(out / "index.html")))), soft_wrap=True)
-    for line in (blind_spot(bundle), *_notices(outcome, secret=seed is not None)):
+    for line in (lab.blind_spot(bundle), *_notices(outcome, secret=seed is not None)):
         if line:
             say(line)
     below = min_score is not None and bool(outcome.below(min_score))

@@ -42,13 +42,14 @@ def kit(
       imugrade kit --github starter-repository
     """
     from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.kit import give  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if all(place is None for place in (out, gradescope, classroom50, github, gitlab)):
         raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50, --github or --gitlab")
-    settings = rubrics.load(LAB, rubric).settings
-    hidden = LAB.truth(seed, settings) if gradescope and seed is not None else None
-    for each in give.kits(give.KitRequest(LAB, out, gradescope, classroom50, github, gitlab, rubric, hidden)):
+    lab = chosen_lab()
+    settings = rubrics.load(lab, rubric).settings
+    hidden = lab.truth(seed, settings) if gradescope and seed is not None else None
+    for each in give.kits(give.KitRequest(lab, out, gradescope, classroom50, github, gitlab, rubric, hidden)):
         print(f"{each.place}  for {each.title}; {each.scenarios}")
     return 0

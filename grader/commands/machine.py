@@ -11,9 +11,9 @@ from pathlib import Path
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
 from grader.course import missing_packages
+from grader.engine.lab_registry import chosen_lab
 from grader.engine.reading import Reader
 from grader.engine.recording import try_recording
-from grader.labs.imu.lab import LAB
 from grader.platforms.classes import read_class
 from grader.sandbox import one_copy
 from grader.sandbox.isolation_levels import IsolationLevel
@@ -47,7 +47,7 @@ def packages_of(paths: Sequence[Path]) -> list[Finding]:
     """Return which packages these submissions import that student code cannot import here. No code is run."""
     there, missing = missing_packages.available(), {}
     with Reader() as reader:
-        for entry, submission in reader.each(read_class(paths, LAB.files).entries):
+        for entry, submission in reader.each(read_class(paths, chosen_lab().files).entries):
             missing[entry.id] = missing_packages.imported(submission) - there
     lines = missing_packages.lines(missing)
     none = f"{len(missing)} submissions import no known package that is missing here"
@@ -101,7 +101,7 @@ def _version(package: str) -> tuple[bool | None, str]:
 def _reference() -> Finding:
     """Return whether a secret can record hidden scenarios here, tested with a throw-away secret."""
     try:
-        recorded = try_recording(LAB)
+        recorded = try_recording(chosen_lab())
     except (GraderError, RequestError, OSError) as problem:
         return Finding("reference", False, str(problem))
     if recorded is None:

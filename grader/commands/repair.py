@@ -54,7 +54,7 @@ def repair(
       imugrade repair out --list
     """
     from grader.course import class_grading, repairs  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.course.classroom import lab_on_record  # noqa: PLC0415
 
     if list_ or id_ is None:
         for line in repairs.listing(out):
@@ -62,7 +62,7 @@ def repair(
         return 0
     if not (undo or suggest) and file is None:
         raise RequestError("repair: say which FILE; the report of the submission names it")
-    with class_grading.settings_on_record(LAB, out, seed, trusted=trust).opened() as by:
+    with class_grading.settings_on_record(lab_on_record(out), out, seed, trusted=trust).opened() as by:
         if undo:
             print(repairs.take_back(out, id_, file or "", author or login(), by))
             repairs.publish(out, id_, by)

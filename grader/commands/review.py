@@ -48,9 +48,9 @@ def review(
         from grader.desk import classbook, regrade_requests, serving  # noqa: PLC0415
     except ModuleNotFoundError as missing:
         raise RequestError(f"review needs {missing.name}, which comes with: pip install 'imugrade[desk]'") from missing
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.course.classroom import lab_on_record  # noqa: PLC0415
 
-    with closing(classbook.Classbook(LAB, out, rubric, seed, trusted=trust)) as book:
+    with closing(classbook.Classbook(lab_on_record(out), out, rubric, seed, trusted=trust)) as book:
         for file in read_in or ():
             for line in regrade_requests.read_in(book, file):
                 print(f"{file}: {line}")

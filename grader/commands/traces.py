@@ -108,6 +108,7 @@ def record(
 def _obtained(seed: str | None, rubric: Path | None) -> Traces:
     """Obtain the traces of the robot that the rubric names."""
     from grader.engine import rubric as rubrics  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
 
-    return LAB.truth(seed, rubrics.load(LAB, rubric).settings)
+    lab = chosen_lab()
+    return lab.truth(seed, rubrics.load(lab, rubric).settings)

@@ -17,6 +17,7 @@ from typing import Any
 from grader import __version__
 from grader.base.errors import RequestError
 from grader.engine.lab import Lab
+from grader.engine.lab_registry import DEFAULT
 from grader.engine.marks import fits, marked
 from grader.engine.rubric import OwnChecks, Rubric, load, parse
 from grader.engine.traces import Traces
@@ -53,6 +54,8 @@ class ClassSettings:
         Weakest isolation level that a submission of the class was graded at; "" before the first one.
     repairs
         Whether `grade` applies suggested repairs.
+    lab
+        Id of the lab.
     """
 
     rubric: str
@@ -69,6 +72,7 @@ class ClassSettings:
     grader: str = __version__
     isolation: str = ""
     repairs: bool = False
+    lab: str = DEFAULT
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
@@ -80,6 +84,7 @@ class ClassSettings:
             attempts=attempts,
             traces_sha256=traces.sha256,
             hidden=traces.name != "public",
+            lab=rubric.lab.id,
         )
 
     @property

@@ -29,6 +29,8 @@ from grader.course.unmarked import stopped, unjudged
 from grader.course.warnings import gone, named_lines, of_policy, outdated, remarks, replaced
 from grader.engine.chart_data import Evidence, unpacked
 from grader.engine.grader import Marker
+from grader.engine.lab import Lab
+from grader.engine.lab_registry import chosen_lab
 from grader.engine.reading import Reader
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
@@ -86,6 +88,12 @@ def on_record(out: Path) -> ClassSettings | None:
         return None
     with Store.existing(out) as store:
         return store.settings()
+
+
+def lab_on_record(out: Path) -> Lab:
+    """Return the lab that the class in OUT was graded as."""
+    settings = on_record(out)
+    return chosen_lab(settings.lab if settings else "")
 
 
 def change(request: GradeRequest, found: Class) -> Change | None:

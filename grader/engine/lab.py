@@ -88,6 +88,11 @@ def _no_file(settings: Mapping[str, Any]) -> None:
     """Supply no files: the default of `Lab.brought`."""
 
 
+def _no_blind_spot(traces: Traces) -> str:
+    """Return no warning: the default of `Lab.blind_spot`."""
+    return ""
+
+
 def _no_handout(own: LabFile | None) -> Handout:
     return Handout()
 
@@ -135,6 +140,8 @@ class Lab:
         Raises RubricError for traces that do not belong to the settings.
     brought
         Returns the file that the settings name in place of one of the lab's, which a kit must include; None if there is none.
+    blind_spot
+        Returns what grading with these traces cannot test, in a sentence; "" for nothing.
     handout
         Makes the extra files for students from that file; None stands for the lab's own.
     """
@@ -152,6 +159,7 @@ class Lab:
     match: Callable[[Mapping[str, Any], Traces], None] = _accept_all
     brought: Callable[[Mapping[str, Any]], LabFile | None] = _no_file
     handout: Callable[[LabFile | None], Handout] = _no_handout
+    blind_spot: Callable[[Traces], str] = _no_blind_spot
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)

@@ -21,10 +21,10 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.engine import rubric as rubrics
 from grader.engine.lab import Part
+from grader.engine.lab_registry import chosen_lab
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
 from grader.engine.rubric import Rubric
 from grader.intake import Submission, read_submission
-from grader.labs.imu.lab import LAB
 from grader.platforms.places import Place, find_places
 from grader.pytest_plugin.options import PluginOptions, options_of
 from grader.pytest_plugin.reporting import Finding, NotJudgedError
@@ -38,11 +38,12 @@ class PluginRun:
 
     def __init__(self, config: pytest.Config) -> None:
         try:
-            self._asked: PluginOptions = options_of(config.option.file_or_dir, LAB.titles)
+            self.lab = chosen_lab()
+            self._asked: PluginOptions = options_of(config.option.file_or_dir, self.lab.titles)
             given = config.option.imugrade_rubric
             self._rubric_path = None if given is None else Path(os.path.abspath(given))
-            self._rubric: Rubric = rubrics.load(LAB, self._rubric_path)
-            self._submission: Submission = read_submission(self._asked.path, LAB.files)
+            self._rubric: Rubric = rubrics.load(self.lab, self._rubric_path)
+            self._submission: Submission = read_submission(self._asked.path, self.lab.files)
             self._name = printable(self._submission.name, words.NAME_LIMIT)
         except RequestError as problem:
             raise pytest.UsageError(f"imugrade: {problem}") from None
@@ -50,7 +51,7 @@ class PluginRun:
             said = " ".join((words.STATUS[self._submission.status], *self._submission.notes))
             raise pytest.UsageError(f"imugrade: {self._name}: {said}")
         self.path = Path(os.path.abspath(self._asked.path))
-        self.places = find_places(LAB, self._submission, self.path, self.path)
+        self.places = find_places(self.lab, self._submission, self.path, self.path)
 
     def pytest_report_header(self) -> str:
         return f"imugrade: {self._name}, public scenarios"
@@ -80,13 +81,13 @@ class PluginRun:
     def _parts(self) -> Iterator[Part]:
         """Yield the parts that have checks; an extension that was not attempted has none."""
         for each in self._rubric.parts:
-            part = LAB.part(each.id)
-            if part and each.checks and (part in LAB.parts or part.attempted_in(self._submission.files)):
+            part = self.lab.part(each.id)
+            if part and each.checks and (part in self.lab.parts or part.attempted_in(self._submission.files)):
                 yield part
 
     def _file_of(self, name: str) -> Path:
         """Return the file that defines a part, or in which the lab expects it; for an archive or a notebook, that file itself."""
-        home, files = LAB.homes[name], self._submission.files
+        home, files = self.lab.homes[name], self._submission.files
         notebook = next((file for file in files if file.endswith(".ipynb")), home)
         at = self.places.definitions.get(name, Place(self._submission.origin(home if home in files else notebook)))
         return self.path / at.file if self.path.is_dir() else self.path
@@ -208,7 +209,7 @@ class _Check(pytest.Item):
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """Return the student's message at their own line, without the grader's frames."""
         if isinstance(excinfo.value, AssertionError) and excinfo.value.args == (self._found.id,):
-            return Finding(self._found, LAB, *self._where())
+            return Finding(self._found, self._plugin_run.lab, *self._where())
         if isinstance(excinfo.value, NotJudgedError):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)
@@ -222,5 +223,7 @@ class _Check(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """Return the place of the definition that is checked; pytest counts lines from 0."""
-        at = self._plugin_run.places.definitions.get(LAB.name_of(f"{self._criterion}.{self.name}"), Place(""))
+        at = self._plugin_run.places.definitions.get(
+            self._plugin_run.lab.name_of(f"{self._criterion}.{self.name}"), Place("")
+        )
         return self.path, (at.line or 1) - 1, f"{self._criterion}::{self.name}"

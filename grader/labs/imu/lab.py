@@ -54,6 +54,12 @@ def _truth(seed: str | None, settings: Mapping[str, Any]) -> Traces:
     return obtain(LAB, seed, model=settings["model"])
 
 
+def _blind_spot(truth: Traces) -> str:
+    from grader.labs.imu.hidden_coverage import blind_spot  # noqa: PLC0415
+
+    return blind_spot(truth)
+
+
 def _match(settings: Mapping[str, Any], traces: Traces) -> None:
     from grader.labs.imu.robot import match_robot  # noqa: PLC0415
 
@@ -96,6 +102,7 @@ LAB = Lab(
     student=_student,
     charts=_charts,
     checked=_checked,
+    blind_spot=_blind_spot,
     truth=_truth,
     match=_match,
     brought=_brought,

@@ -1,0 +1,56 @@
+"""The labs that are installed here, and the one that a command is about.
+
+A lab is a package of its own that registers the module of its `LAB` as an entry point of the group ``imugrade.labs``.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+
+from grader.base.errors import GraderError, RequestError
+from grader.base.text import printable
+from grader.engine.lab import Lab, lab_of
+
+VARIABLE = "IMUGRADE_LAB"
+"""Environment variable with the id of the lab."""
+GROUP = "imugrade.labs"
+DEFAULT = "imu"
+_SHIPPED: Mapping[str, str] = {DEFAULT: "grader.labs.imu.lab"}
+"""Module of each lab in this package: to search what is installed takes a tenth of the start of `imugrade check`."""
+
+
+def chosen_lab(on_record: str = "") -> Lab:
+    """Return the lab that `IMUGRADE_LAB` names, else the one that a class was graded as, else the shipped one.
+
+    Raises
+    ------
+    RequestError
+        If no such lab is installed, or if the class on record is of another lab.
+    """
+    asked = os.environ.get(VARIABLE, "")
+    if asked and on_record and asked != on_record:
+        raise RequestError(
+            f"{VARIABLE}={printable(asked)}: this folder holds grades of the lab {printable(on_record)}; "
+            "unset the variable or use another folder"
+        )
+    return lab_named(asked or on_record or DEFAULT)
+
+
+def lab_named(id_: str) -> Lab:
+    """Return the installed lab with this id.
+
+    Raises
+    ------
+    GraderError
+        If it calls itself otherwise: a class on record would not find it again.
+    """
+    modules = _SHIPPED if id_ in _SHIPPED else {each.name: each.value for each in entry_points(group=GROUP)}
+    if id_ not in modules:
+        known = ", ".join(sorted({*_SHIPPED, *modules}))
+        raise RequestError(f"no lab {printable(id_)!r} is installed here; choose {known} in {VARIABLE}")
+    lab = lab_of(modules[id_])
+    if lab.id != id_:
+        raise GraderError(f"{modules[id_]} is registered as the lab {printable(id_)}; its id is {printable(lab.id)}")
+    return lab

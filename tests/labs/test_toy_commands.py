@@ -1,0 +1,79 @@
+"""A lab of another package is checked, explained, graded and exported by the commands, once it is installed beside them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.labs.test_toy import FORGETFUL, SOUND
+
+TOY = Path(__file__).parent / "toy"
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a class of two, and beside it the toy lab as pip installs it: a package and its entry points."""
+    folder = tmp_path_factory.mktemp("toy")
+    package = shutil.copytree(TOY, folder / "site" / "toy_lab", ignore=shutil.ignore_patterns("__pycache__"))
+    for module in package.rglob("*.py"):
+        module.write_text(module.read_text("utf-8").replace("tests.labs.toy", "toy_lab"), "utf-8")
+    about = folder / "site" / "toy_lab-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-lab\nVersion: 1.0\n", "utf-8")
+    (about / "entry_points.txt").write_text(
+        "[imugrade.labs]\ntoy = toy_lab.lab\nalias = toy_lab.lab\n", "utf-8"
+    )  # the second under an id that is not the lab's
+    for id_, files in {"ann": SOUND, "bea": FORGETFUL}.items():
+        for name, content in files.items():
+            (folder / "class" / id_).mkdir(parents=True, exist_ok=True)
+            (folder / "class" / id_ / name).write_bytes(content)
+    return folder
+
+
+def run(here: Path, *arguments: str, lab: str = "") -> tuple[int, str]:
+    """Run a command with `IMUGRADE_LAB` set to `lab`; return its exit code and what it prints."""
+    known = {name: value for name, value in os.environ.items() if not name.startswith("IMUGRADE_")}
+    ended = subprocess.run(
+        [sys.executable, "-m", "grader", *arguments],
+        cwd=here, env={**known, "PYTHONPATH": os.pathsep.join((str(here / "site"), os.getcwd())), "IMUGRADE_LAB": lab},
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+    )  # fmt: skip
+    return ended.returncode, ended.stdout
+
+
+def test_a_submission_is_checked(here: Path) -> None:
+    code, said = run(here, "check", "class/bea", lab="toy")
+    assert (code, "Score  4 / 10" in said, "Lab 0, Step 1; imugrade explain no-offset" in said) == (0, True, True), said
+
+
+def test_its_faults_are_explained(here: Path) -> None:
+    assert "Take 32 off first." in run(here, "explain", "no-offset", lab="toy")[1]
+
+
+def test_a_graded_class_remembers_its_lab(here: Path) -> None:
+    """Whoever exports it or grades it again need not name the lab, and cannot take it for another."""
+    code, said = run(here, "grade", "class", "-o", "out", lab="toy")
+    assert code == 0, said
+    assert run(here, "export", "out", "--format", "csv", "-o", "marks.csv")[0] == 0
+    rows = (here / "marks.csv").read_text("utf-8").splitlines()
+    assert rows[1:] == ["ann,ann,ann,6,4,10,10,graded", "bea,bea,bea,0,4,4,4,graded"]
+    again = run(here, "grade", "class", "-o", "out", "--dry-run")
+    assert (again[0], "0 would be graded" in again[1]) == (0, True), again
+    code, said = run(here, "grade", "class", "-o", "out", "--dry-run", lab="imu")
+    assert (code, "holds grades of the lab toy" in said) == (2, True), said
+
+
+def test_a_lab_that_is_not_installed_is_refused_with_the_labs_that_are(here: Path) -> None:
+    code, said = run(here, "explain", lab="camera")
+    assert (code, "choose alias, imu, toy in IMUGRADE_LAB" in said) == (2, True), said
+
+
+def test_a_lab_under_another_id_is_refused(here: Path) -> None:
+    """A class on record would not find it again."""
+    code, said = run(here, "explain", lab="alias")
+    assert (code, "toy_lab.lab is registered as the lab alias; its id is toy" in said) == (3, True), said
