@@ -171,7 +171,11 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
-        """Return whether a complete result is on record under this key, or one that can be regraded by its rubric."""
+        """Return whether the submission need not run again.
+
+        On record is either a result under `key` that is not ``incomplete``, or one of the same files and scenarios that can be
+        marked by `rubric` without running code.
+        """
         if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
             return True
         with self._errors_in_one_line():

@@ -402,18 +402,29 @@ def apply_suggested(store: Store, ids: Iterable[str], grading: Grading) -> Itera
         if final_grade.result.repairs or not stops(final_grade.result, grading.rubric.lab):
             continue
         with suppress(RequestError):  # the submission stays as it is if the repair cannot be recorded
-            made = _applied(store, final_grade, decided.get(id_, set()), grading)
+            made = _search_and_apply(store, final_grade, decided.get(id_, set()), grading)
             if made is not None:
                 yield id_, made
 
 
-def _applied(store: Store, final_grade: FinalGrade, decided: set[tuple[str, str]], grading: Grading) -> Result | None:
-    """Apply a suggested repair to a submission that has none yet; return the new result, None without a suggestion."""
+def _search_and_apply(
+    store: Store, final_grade: FinalGrade, already_repaired: set[tuple[str, str]], grading: Grading
+) -> Result | None:
+    """Search once for a repair of a submission, apply it, and record it with its result.
+
+    Parameters
+    ----------
+    already_repaired : (file, digest) of each file that has a repair, in force or taken back
+
+    Returns
+    -------
+    The repaired result. None if a repair was searched before, none is found, or the file is in `already_repaired`.
+    """
     handed_in = _handed_in(store, final_grade)
     if not store.is_first_search(grading.key(final_grade.id, handed_in.sha256)):
         return None
     found = suggest(handed_in, final_grade.result, grading.rubric.lab, grading.mark)
-    if found is None or (found.file, sha256_of(handed_in.files[found.file])) in decided:
+    if found is None or (found.file, sha256_of(handed_in.files[found.file])) in already_repaired:
         return None
     request = RepairRequest(final_grade.id, found.file, found.content, None, grading.rubric.repairs.deduct, BY_ITSELF)
     made = _made(request, final_grade, handed_in.files, handed_in, AUTOMATIC)

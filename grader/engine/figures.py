@@ -49,7 +49,10 @@ class VisibleParts:
 
     @property
     def is_hidden(self) -> bool:
-        """True if less than `FEWEST_SEEN` of the parts within the axis limits is visible."""
+        """True if the pixels show too little of the curve to count it as drawn.
+
+        The visible share of its parts within the axis limits is less than `FEWEST_SEEN`. False for a curve outside the limits.
+        """
         return bool(self.inside.any()) and float(self.seen.sum() / self.inside.sum()) < FEWEST_SEEN
 
 

@@ -153,7 +153,7 @@ class _DeadlyStatement:
 
 
 class DeadlyStatements:
-    """Record of one submission's statements that end their process or exceed their time."""
+    """Statements of one submission that crash the worker or exceed their time, recorded so that the next worker skips them."""
 
     def __init__(self) -> None:
         self._known: list[_DeadlyStatement] = []

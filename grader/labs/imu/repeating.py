@@ -38,7 +38,11 @@ def compare(name, mine, expected):
 
 @dataclass(frozen=True)
 class Asked:
-    """One question to a student's code, with the number by which `repro.npz` names its arrays."""
+    """A question that a failed check asked the student's code, as `imugrade repro` writes it down.
+
+    `op` is the kind of question, and `fields` and `arrays` are its inputs. The arrays go into ``repro.npz`` as ``<name>_<number>``.
+    `expected` holds the correct answer; it is empty if several answers are correct.
+    """
 
     number: int
     op: str

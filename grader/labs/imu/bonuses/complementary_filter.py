@@ -188,7 +188,10 @@ def at_rest(angles: Array, n: int) -> Array:
 
 
 def _at_rest(start: Scenario) -> list[TiltCase]:
-    """Return rest while level, then at two tilts, with a shove that spoils the first readings."""
+    """Return three inputs of a sensor at rest: level, then at two tilts.
+
+    The first five accelerometer readings at a tilt are wrong, so that a filter that only keeps its first estimate fails.
+    """
     tilted = [at_rest(wanted, 1500) for wanted in start["tilt"]]
     for forces, shove in zip(tilted, start["shove"], strict=True):
         forces[:5] += shove

@@ -74,7 +74,10 @@ class LiveRun:
 def live(
     student: Student, *, model: str, ids: tuple[int, int], duration_s: float, timestep: float, push: float
 ) -> LiveRun:
-    """Run `live_plot` on a model that starts with a push."""
+    """Run the student's `live_plot` and return what it drew while it ran.
+
+    The robot starts with the velocity `push` (m/s), so that there is motion to draw. `ids`: accelerometer, gyroscope.
+    """
     fields = {
         "model": model, "accel_id": ids[0], "gyro_id": ids[1], "duration_s": duration_s, "timestep": timestep, "push": push
     }  # fmt: skip

@@ -29,7 +29,7 @@ def check_noise_size(facts: Facts) -> Deviation | None:
     came = f"{sensor.twins.noise_size():.3g} {unit}" if sensor.drifts else _spread(reads, unit)
     affected = len(wrong) / len(BOTH)  # the noise of the other sensor is right
     numbers = {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size, "grain": explain.grain(facts)}
-    return _of(wrong[0], affected, numbers)
+    return _sensor_deviation(wrong[0], affected, numbers)
 
 
 @PART.check("noise_model.given_bias", lab_step=5)
@@ -46,7 +46,7 @@ def check_given_bias(facts: Facts) -> Deviation | None:
     beside["grain"] = explain.grain(facts)
     size = Size("the mean of the reads is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
     affected = len(missing) / 2 if missing else 0.5 if all(s.reads.bias_is_right for s in facts.sensors) else 1.0
-    return _of(wrong[0], affected, {"wanted": expected, "came": came, **beside}, size=size)
+    return _sensor_deviation(wrong[0], affected, {"wanted": expected, "came": came, **beside}, size=size)
 
 
 @PART.check("noise_model.default_bias", lab_step=5)
@@ -55,7 +55,7 @@ def check_default_bias(facts: Facts) -> Deviation | None:
     wrong = next((which for off in explain.DEFAULTS if (which := off(facts))), None)
     if wrong is None:
         return None
-    return _of(wrong[0], 1.0, {"came": vector(facts.sensors[wrong[0]].means[1])}, 0.5)
+    return _sensor_deviation(wrong[0], 1.0, {"came": vector(facts.sensors[wrong[0]].means[1])}, 0.5)
 
 
 @PART.check("noise_model.white_and_gaussian", lab_step=5)
@@ -67,7 +67,7 @@ def check_white_and_gaussian(facts: Facts) -> Deviation | None:
     memory = max(sensor.noise.memory for sensor in facts.sensors)
     most = float(np.abs(noise.centred).max()) / noise.std
     numbers = {"beside": vector(raw.offset[-1] - raw.bias), "grain": explain.grain(facts), "memory": memory}
-    return _of(wrong[0], 1.0, {**numbers, "most": most, "ratio": noise.geary})
+    return _sensor_deviation(wrong[0], 1.0, {**numbers, "most": most, "ratio": noise.geary})
 
 
 @PART.check("noise_model.axes_and_sensors_independent", lab_step=5)
@@ -90,10 +90,13 @@ def check_leaves_simulation_alone(facts: Facts) -> Deviation | None:
     return Deviation({"came": told}) if told else None
 
 
-def _of(
+def _sensor_deviation(
     which: int, affected: float, numbers: dict[str, object], share: float = 1.0, size: Size | None = None
 ) -> Deviation:
-    """Return a deviation with the name and unit of this sensor (0 accelerometer, 1 gyroscope)."""
+    """Return the deviation of a check that concerns one sensor, `which`: 0 is the accelerometer, 1 the gyroscope.
+
+    The sensor's name and unit are added to `numbers`, the values of the message. The other arguments are those of `Deviation`.
+    """
     named = {"sensor": SENSOR_NAMES[which], "unit": SENSOR_UNITS[which], **numbers}
     return Deviation(named, share, size, affected=affected)
 

@@ -190,7 +190,10 @@ class Reads:
 
     @cached_property
     def is_normal(self) -> bool:
-        """Return whether Geary's ratio of the axes with noise is that of a normal law, within chance."""
+        """Return whether the noise passes Geary's test of a normal distribution; True if no axis has noise.
+
+        The ratio `geary` of the axes that have noise must lie within `statistics.geary_bounds`, which allow for chance.
+        """
         if not self._living.size:
             return True
         low, high = st.geary_bounds(self._living.size)
