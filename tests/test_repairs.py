@@ -97,7 +97,7 @@ def test_a_repair_that_earns_less_is_refused_and_the_final_grade_is_never_below_
     code, _, err = repaired(run, "--with", "worse.py")
     assert (code, total()) == (2, before)
     assert "nothing was recorded" in err
-    assert run("repair", "out", "--list")[1] == ""
+    assert run("repair", "out", "--list")[1] == "no repairs on record\n"
     assert repaired(run, deduct=100)[0] == 0
     assert (total(), result()["score"]) == (before, before)
 

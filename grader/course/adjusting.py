@@ -196,9 +196,11 @@ def person_lookup(store: Store) -> PersonLookup:
 
 
 def listing(store: Store) -> Iterator[str]:
-    """Yield a line on every adjustment on record, oldest first, with author, time and reason."""
-    decisions = store.decisions()
-    for id_, each in store.history():
+    """Yield a line on every adjustment on record, oldest first, with author, time and reason; without any, a line that says so."""
+    decisions, history = store.decisions(), store.history()
+    if not history:
+        yield "no overrides on record"
+    for id_, each in history:
         who = f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}"
         decision = decisions.get(each.decision)
         several = f"  (decision {each.decision}: {printable(decision)})" if decision is not None else ""

@@ -349,10 +349,16 @@ def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedR
 
 
 def listing(out: Path) -> Iterator[str]:
-    """Yield a line on every repair ever made, oldest first, with its diff below; the line says if it does not count any more."""
+    """Yield a line on every repair ever made, oldest first, with its diff below; the line says if it does not count any more.
+
+    Without any repair, one line says so.
+    """
     with Store.existing(out) as store:
         without_effect = lapsed(store, store.final_grades())
-        for each in store.repairs():
+        repairs = store.repairs()
+        if not repairs:
+            yield "no repairs on record"
+        for each in repairs:
             undone = f" (taken back by {printable(each.undone_by, 80)} at {each.undone_at})" if each.undone_at else ""
             state = f" (no longer counts: {WHY_LAPSED})" if each in without_effect else undone
             yield (
