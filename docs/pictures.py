@@ -39,7 +39,7 @@ def main() -> int:
 def _take(page: Page, out: Path) -> None:
     page.goto((out / "index.html").as_uri())
     _save(page, "pictures/class.png")
-    page.set_viewport_size({"width": 600, "height": 1000})
+    page.set_viewport_size({"width": 600, "height": 1160})
     page.goto((out / "submissions" / "s06-id-as-address" / "report.html").as_uri())
     _save(page, "students/report.png")
     page.set_viewport_size({"width": 1000, "height": 700})
