@@ -13,6 +13,7 @@ from junitparser import xunit2
 
 from grader.engine.rubric import load
 from grader.labs.imu.lab import LAB
+from grader.pytest_plugin import plugin
 from tests.corpus.pieces import FILTERS, IMU_READER, NOISY
 
 READER_BY_ID = IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id")
@@ -20,6 +21,18 @@ NO_FILTER = (
     "class LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        raise ValueError(alpha)\n"
 )
 TRAP = 'open(__file__ + ".ran", "w").close()\n\n\ndef test_no_work_no_points():\n    open(__file__ + ".ran", "w").close()\n'
+
+
+PTH = Path(plugin.__file__).with_name("imugrade-pytest.pth")
+INSTALLED = f"import site; site.addsitedir({str(PTH.parent)!r}); import sys, pytest; sys.exit(pytest.console_main())"
+"""Python's start with our `.pth` file among the installed packages, then the command `pytest`."""
+
+
+def run_installed(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """The command `pytest` as installed, run there."""
+    bare = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "COLUMNS"))}
+    command = [sys.executable, "-c", INSTALLED, "--imugrade", *arguments]
+    return subprocess.run(command, cwd=folder, env=bare, capture_output=True, text=True, timeout=300, check=False)
 
 
 def run(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -44,7 +57,6 @@ def lab(tmp_path: Path) -> Path:
 
 
 def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_folder_runs_here(lab: Path) -> None:
-    (lab / "pytest.ini").write_text("[pytest]\naddopts = -W error\n")
     ran = run(lab, "-v", "--junitxml=junit.xml", "--tb=short")
     lines = ran.stdout.splitlines()
     reader = READER_BY_ID.splitlines().index("def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):") + 1
@@ -111,6 +123,39 @@ def test_a_check_that_another_plugin_runs_again_counts_once(
     )
     assert "Sensor access      14 / 20" in ran.stdout, ran.stdout + ran.stderr
     assert (lab / "junit.xml").read_text().count('name="max_points" value="6.0"') == 2
+
+
+SETTINGS = {
+    "pytest.ini": "[pytest]\n{}\n",
+    "tox.ini": "[pytest]\n{}\n",
+    "setup.cfg": "[tool:pytest]\n{}\n",
+    "pyproject.toml": "[tool.pytest.ini_options]\n{}\n",
+}
+WAYS = {
+    "a plugin": "addopts = -p evil",
+    "a path and a warning": "pythonpath = .\nfilterwarnings = ignore::evil.X",
+    "a rubric with checks": "addopts = --imugrade-rubric=evil.yaml",
+}
+
+
+@pytest.mark.parametrize("where", ["inside", "beside"])
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("file", SETTINGS)
+def test_the_settings_of_a_submission_are_not_read(lab: Path, file: str, way: str, where: str) -> None:
+    quoted = "\n".join(f'{key} = "{value}"' for key, value in (line.split(" = ") for line in WAYS[way].splitlines()))
+    (lab / file).write_text(SETTINGS[file].format(quoted if file == "pyproject.toml" else WAYS[way]))
+    (lab / "evil.py").write_text(TRAP + "class X(Warning):\n    pass\n")
+    folder, arguments = (lab, []) if where == "inside" else (lab.parent, [lab.name])
+    ran = run_installed(folder, *arguments, "--collect-only", "-q", "-p", "no:hypothesispytest")
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert not list(lab.glob("*.ran"))
+
+
+def test_settings_that_pytest_has_read_all_the_same_stop_the_run(lab: Path) -> None:
+    (lab / "pytest.ini").write_text("[pytest]\naddopts = -q\n")
+    ran = run(lab, "--collect-only", PYTHONSAFEPATH="1")
+    assert ran.returncode == pytest.ExitCode.USAGE_ERROR
+    assert f"imugrade: pytest has read {lab}/pytest.ini, and settings may run code." in ran.stderr
 
 
 # --- what is found without running anything ---------------------------------------------------------------------------

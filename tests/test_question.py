@@ -56,7 +56,7 @@ _OTHER: Mapping[str, Any] = {
     "duration_s": 2.0, "timestep": 0.004, "dirty": (np.ones(4), np.ones(3), 1.0), "gravity": np.ones(3), "reads": 4,
     "stds": (0.1, 0.3), "biases": None, "instances": 9, "cases": [FilterCase(_VECTORS, alpha=0.4)], "steps": 4,
     "course": {"qpos": np.ones(3)}, "sheet": {"time": _VECTORS}, "data": {"t": _VECTORS}, "samples": _VECTORS[:, 0],
-    "sample_rate_hz": 50.0, "push": 0.1, "own_form": True,
+    "sample_rate_hz": 50.0, "push": 0.1, "own_form": True, "one_draw": True,
 }  # fmt: skip
 _ASKED: Mapping[Any, dict[str, Any]] = {
     Student.read: {"model": "<m/>", **_STATE, "pairs": np.array([[1, 2]])},
@@ -65,7 +65,7 @@ _ASKED: Mapping[Any, dict[str, Any]] = {
     Student.read_along: {"course": {"qpos": np.zeros(3)}, "steps": 5, "ids": (1, 2)},
     Student.noise: {**_NOISE, "biases": (np.zeros(3), np.ones(3))},
     Student.noise_twins: {**_NOISE, "stds": [(0.1, 0.2)], "biases": np.zeros((1, 2, 3)), "states": [0]},
-    Student.default_bias: {**_NOISE, "instances": 8},
+    Student.default_bias: {**_STATE, "ids": (1, 2), "stds": (0.1, 0.2), "instances": 8, "one_draw": False},
     Student.filter: {"cases": [FilterCase(_VECTORS, alpha=0.3)]},
     Student.plot: {"data": {"time": _VECTORS + 1}, "sheet": {"time": _VECTORS + 1}, "ids": (1, 2), "own_form": False},
     tilt: {"cases": [TiltCase(0.1, _VECTORS, _VECTORS)]},

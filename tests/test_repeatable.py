@@ -107,6 +107,20 @@ def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker
     assert first.evidence == second.evidence
 
 
+EMPTY = """
+def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):
+    return np.empty(3), np.empty(3, np.float32) + 1
+"""
+
+
+def test_memory_that_was_never_written_is_said_to_be_so_and_shows_no_number(marker: Marker) -> None:
+    files = edit(verbatim(), "imu_reader.py", ("def simulate_and_collect", EMPTY + "\n\ndef simulate_and_collect"))
+    first, second = (settled(marked(marker, files, "sensor_access")) for _ in range(2))
+    assert first == second
+    told = {check.id: check.message for criterion in first.criteria for check in criterion.checks}
+    assert "accel = [never written, never written, never written]" in told["sensor_access.matches_truth"]
+
+
 # --- the clock ---
 
 BY_THE_CLOCK = COLLECT_WHILE.replace(

@@ -133,3 +133,21 @@ def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> Non
     lines = [line.plain.strip() for line in screen(result(lost()), console, LAB, repeat="imugrade repro {} my_lab")]
     assert "Reproduce imugrade repro sensor_access.follows_address my_lab" in lines
     assert "with the same input as here: accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)" in lines
+
+
+def test_a_link_in_the_folder_leads_no_file_elsewhere(tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    lab = write({"imu_reader.py": IMU_READER}, tmp_path / "lab")
+    elsewhere.mkdir()
+    (lab / ".imugrade").mkdir()
+    (lab / ".imugrade" / "textbook").symlink_to(elsewhere)
+    with pytest.raises(RequestError, match="textbook is a link; remove it, or choose another folder with -o"):
+        repeating.write(load(LAB), "sensor_access.matches_truth", lab, lab / ".imugrade")
+    assert not list(elsewhere.rglob("*"))
+
+
+@pytest.mark.parametrize("name", ["imu-reader.py", "2imu_reader.py", "class.py"])
+def test_a_file_whose_name_is_no_identifier_is_imported_by_its_name(tmp_path: Path, name: str) -> None:
+    lab = write({name: IMU_READER}, tmp_path / "lab")
+    written = repeating.write(load(LAB), "sensor_access.matches_truth", lab, lab / ".imugrade")
+    ran(written, tmp_path)

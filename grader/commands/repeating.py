@@ -70,7 +70,17 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 
 
 def write_program(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, str]) -> Path:
-    """Write the program, the arrays that it reads, and the files `beside` it; return the path of the program."""
+    """Write the program, the arrays that it reads, and the files `beside` it; return the path of the program.
+
+    Raises
+    ------
+    RequestError
+        If a folder below `out` is a link: a submission could lead the files elsewhere.
+    """
+    for folder in {parent for name in beside for parent in Path(name).parents}:
+        if folder.parts and (out / folder).is_symlink():
+            place = printable(str(out / folder), 500)
+            raise RequestError(f"{place} is a link; remove it, or choose another folder with -o")
     write_whole(out / "repro.npz", _archive(questions))
     for name, content in {**beside, "repro.py": text}.items():
         write_whole(out / name, content)

@@ -195,9 +195,11 @@ def placed(
 
 
 def _bounded(received: ReceivedRequest) -> ReceivedRequest:
+    """Return a request whose texts can be stored and shown: without lone surrogates and control characters."""
     if len(received.text) > LONGEST:
         raise RequestError(f"{received.place}: is longer than {LONGEST} characters")
-    return received
+    who, about = printable(received.who, 500), printable(received.about, 500)
+    return replace(received, who=who, about=about, text=printable(received.text, 2 * LONGEST, newlines=True))
 
 
 def _json(text: str) -> list[tuple[str, Mapping[str, object]]] | None:

@@ -101,22 +101,31 @@ class CheckRun:
         """Record how a check ended; an interrupted check is discarded."""
         if isinstance(ended, KeyboardInterrupt):
             return
-        verdict, trouble = None, ""
-        if ended is None:
-            verdict = Feedback("passed", 1.0, "")
-        elif isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
-            finding = self._without_secrets(ended)
-            same = (hidden_feedback.cause_key if self._secret else cause_key)(finding, this.criterion)
-            verdict = self._feedback(finding, self._reported.get(same) if same else None)
-            if same:
-                self._reported.setdefault(same, this.title)
-        else:
-            of_ours = isinstance(ended, GraderError | RequestError)
-            trouble = f"{type(ended).__name__}: {ended}" if of_ours or not self._secret else ""
+        verdict = None
+        try:
+            verdict = self._verdict(this, ended)
+        except Exception as fault_of_ours:  # the check ran; its feedback failed
+            said = "" if self._secret else f": {fault_of_ours}"
+            ended = GraderError(f"feedback on {this.id}: {type(fault_of_ours).__name__}{said}")
+        of_ours = isinstance(ended, GraderError | RequestError)
+        trouble = f"{type(ended).__name__}: {ended}" if verdict is None and (of_ours or not self._secret) else ""
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
         ours = isinstance(ended, GraderError | RequestError)
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours)
+
+    def _verdict(self, this: Check, ended: BaseException | None) -> Feedback | None:
+        """Return the feedback on how a check ended; None if the end is a fault of the grader."""
+        if ended is None:
+            return Feedback("passed", 1.0, "")
+        if not isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
+            return None
+        finding = self._without_secrets(ended)
+        same = (hidden_feedback.cause_key if self._secret else cause_key)(finding, this.criterion)
+        verdict = self._feedback(finding, self._reported.get(same) if same else None)
+        if same:
+            self._reported.setdefault(same, this.title)
+        return verdict
 
     def _without_secrets(self, finding: BaseException) -> BaseException:
         """Replace a missing-name finding of a process with hidden data by that of a process with public data."""

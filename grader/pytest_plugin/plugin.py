@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+
+EMPTY = Path(__file__).with_name("empty.ini")
+"""Settings without any option, in place of those of a submission."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -17,9 +22,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
-    """Load no `conftest.py` with `--imugrade`: it would be student code in the grader's process."""
-    if early_config.known_args_namespace.imugrade:
-        early_config.known_args_namespace.noconftest = True
+    """Load no `conftest.py` with `--imugrade`, and stop if pytest has read settings: both may run student code."""
+    if not early_config.known_args_namespace.imugrade:
+        return
+    early_config.known_args_namespace.noconftest = True
+    if early_config.inipath is not None and early_config.known_args_namespace.inifilename is None:
+        from grader.base.text import printable  # noqa: PLC0415
+
+        raise pytest.UsageError(
+            f"imugrade: pytest has read {printable(str(early_config.inipath))}, and settings may run code. "
+            f"Install imugrade anew, or name other settings: pytest --imugrade -c {EMPTY}"
+        )
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -7,6 +7,7 @@ A node is a dictionary with a ``kind``: ``array``, ``number``, ``tuple``, ``list
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
@@ -19,11 +20,49 @@ _MAX_DEPTH = 4
 _SHORT = 16
 
 
+_REAL = "fiu"
+"""Kinds of NumPy types whose values are real numbers: floating point, and integers with and without a sign."""
+
+
 def numbers(value: Any) -> np.ndarray:
-    """Return an array or a sequence as float64, with NaN for masked values; raise if that is impossible."""
+    """Return an array, a sequence or a number as float64, with NaN for masked values; raise TypeError or ValueError if it is none.
+
+    This is the only rule for what counts as numbers, whatever the question. Complex numbers count if no imaginary part differs from
+    zero, objects such as `Decimal` and `Fraction` if `float` accepts them. Text, booleans, dates and records are no numbers.
+    """
+    if isinstance(value, list | tuple):
+        return np.array(value if all(map(_is_plain, value)) else [numbers(part) for part in value], dtype=np.float64)
+    array = np.asarray(value)
+    kind = array.dtype.kind
+    if kind == "O":
+        array = np.array([_number(each) for each in array.ravel()], dtype=np.float64).reshape(array.shape)
+    elif kind == "c" and not np.any(array.imag):
+        array = array.real
+    elif kind not in _REAL:
+        raise TypeError(f"values of type {array.dtype} are no real numbers")
+    real = np.array(array, dtype=np.float64)
     if isinstance(value, np.ma.MaskedArray):
-        return np.asarray(np.ma.asarray(value, dtype=np.float64).filled(np.nan))
-    return np.asarray(value, dtype=np.float64)
+        real[np.ma.getmaskarray(value)] = np.nan
+    return real
+
+
+def _is_plain(part: Any) -> bool:
+    """Return whether NumPy converts this member of a sequence by the same rule, and much faster: a float or an array of reals."""
+    return type(part) is float or (type(part) in (np.ndarray, np.float64) and part.dtype.kind in _REAL)
+
+
+def _number(value: Any) -> float:
+    """Return one member of an object array as a float; raise TypeError if it is no real number."""
+    if isinstance(value, str | bytes | bytearray | bool | np.bool_ | np.datetime64 | np.timedelta64):
+        raise TypeError(f"a {type(value).__name__} is no real number")
+    if isinstance(value, complex | np.complexfloating):
+        if value.imag:
+            raise TypeError("a number with an imaginary part is no real number")
+        value = value.real
+    try:
+        return float(value)
+    except OverflowError:  # an integer beyond the range of float64
+        return math.copysign(math.inf, value)
 
 
 class Packer:
@@ -43,10 +82,13 @@ class Packer:
             return {"kind": "none"}
         if isinstance(value, str):
             return {"kind": "text", "text": mask_addresses(str(value))[:200]}
-        if isinstance(value, bool | int | float | np.number | np.bool_):
-            return {"kind": "number", "key": self.keep(float(value))}
         if isinstance(value, np.ndarray):
             return self._array(value, "array")
+        if hasattr(type(value), "__float__") and not hasattr(type(value), "__len__"):
+            try:
+                return {"kind": "number", "key": self.keep(numbers(value))}
+            except (TypeError, ValueError):
+                return {"kind": "other", "type": type(value).__name__[:60]}
         if depth < _MAX_DEPTH:
             if isinstance(value, tuple | list):
                 return self._sequence(value, depth)
@@ -63,8 +105,6 @@ class Packer:
             return {"kind": "too_large", "shape": [int(n) for n in value.shape]}
         if value.dtype.names:
             return self._mapping({name: value[name] for name in value.dtype.names[:_MAX_ITEMS]}, "dict", value, 1)
-        if value.dtype.kind == "c" and not np.any(np.imag(value)):
-            value = np.real(value)
         try:
             known = numbers(value)
         except (TypeError, ValueError):
@@ -78,7 +118,7 @@ class Packer:
         if len(value) > MAX_ELEMENTS:
             return {"kind": "too_large", "shape": [len(value)]}
         try:
-            return self._array(np.asarray(value, dtype=np.float64), "list")
+            return self._array(numbers(value), "list")
         except (TypeError, ValueError):
             return self._table(value, depth) or {"kind": "other", "type": f"{kind} of unequal rows"}
 

@@ -28,7 +28,11 @@ def test_the_wheel_has_each_thing_once_and_nothing_else(delivered: Delivered) ->
         assert len([name for name in names if name.endswith(f"/{wanted}")]) == 1, wanted
     assert {"grader/py.typed", "reference/py.typed", "reference/models/humanoid-sensors.xml"} <= set(names)
     tops = {name.split("/")[0].removesuffix(".dist-info").split("-")[0] for name in names}
-    assert tops == {"grader", "reference", "imugrade"}
+    assert tops == {
+        "grader",
+        "reference",
+        "imugrade",
+    }  # the last is the settings of pytest, and what the package is called
 
 
 def test_the_sdist_has_the_sources_and_what_the_readme_needs_and_no_junk(delivered: Delivered) -> None:

@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine import feedback, hidden_feedback
+from grader.engine import feedback, hidden_feedback, rubric
 from grader.engine.faults import rows
 from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
 from grader.engine.load_report import Loaded
@@ -158,6 +158,17 @@ def marked(found: BaseException | None) -> Marked:
     if told.outcome in ("partial", "failed"):
         return round(told.keeps, 4), list(told.mistakes)
     return None if isinstance(found, Charged) and found.charge.keeps else "skipped"
+
+
+def kept(student: Student, checks: Sequence[Check]) -> dict[str, float]:
+    """Points that each check leaves to a student."""
+    worth = {check.id: check.max_points for check in rubric.load(LAB).checks}
+    points = {}
+    for check in checks:
+        found = finding(Case("", check, lambda: student))
+        keeps = found.charge.keeps if isinstance(found, Charged) else float(found is None)
+        points[check.check.id] = keeps * worth[check.check.id]  # type: ignore[attr-defined]
+    return points
 
 
 def words(found: BaseException | None) -> dict[str, str]:

@@ -215,12 +215,12 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("twenty too few", counting(lambda duration, dt: duration / dt - 20), {COUNT: (0.0, [])}),
     ("at a fixed rate", counting(lambda duration, _dt: duration / 0.002), {COUNT: (0.0, ["hard-coded-timestep"])}),
     ("fifty a second", FiftyHertz, {COUNT: (0.0, ["fixed-rate"])}),
-    ("two steps a row, for twice the time", of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2)), {TRUTH: (0.0, ["samples-skipped"])}),
+    ("two steps a row, for twice the time", of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2)), {COUNT: (0.0, ["samples-skipped"]), TRUTH: (0.5, ["samples-skipped"])}),
     # the stamps
     ("before each step", Before, {TRUTH: (0.5, ["read-before-step"])}),
     ("stamps half a step too late", stamped(lambda t, dt: t + dt / 2), {TIME: (0.5, ["time-axis-wrong"])}),
     ("one stamp that is none", stamped(lambda t, _dt: np.where(np.arange(len(t)) == 7, np.nan, t)), {TIME: (0.0, ["not-finite"])}),
-    ("a usual time step, two rows", both(stamped(lambda t, _dt: np.arange(len(t)) * 0.002), steps=lambda *_: 2), {TIME: _USUAL, TRUTH: (0.0, [])}),
+    ("a usual time step, two rows", both(stamped(lambda t, _dt: np.arange(len(t)) * 0.002), steps=lambda *_: 2), {TIME: _USUAL, TRUTH: (0.0, []), **dict.fromkeys((COUNT, RESET, PUSH), "skipped")}),
     # the rows
     ("exchanged", telling(lambda t, a, g, _m: (t, g, a)), {TRUTH: (0.0, ["channels-swapped"])}),
     ("all like the last", telling(lambda t, a, g, _m: (t, a[-1] + 0 * a, g[-1] + 0 * g)), {TRUTH: (0.0, ["aliased-rows"])}),

@@ -9,10 +9,8 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from grader.engine import rubric
-from grader.engine.findings import Charged, Missing, Raised, Skipped
-from grader.labs.imu.lab import LAB
 from grader.labs.imu.noise_model import checks, measure
+from tests.judging import fake_students
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked, truth
 
 CHECKS = SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
@@ -144,9 +142,10 @@ def _one_for_all_axes(self: Any, which: int) -> Any:
 
 SILENT = of(noise=lambda _s, _i: np.zeros(3))
 
-_NO_NOISE = {SIZE: (0.0, ["no-noise"]), **dict.fromkeys((WHITE, APART), "skipped")}
+_NO_NOISE: dict[Any, Marked] = dict.fromkeys((SIZE, WHITE, APART), (0.0, ["no-noise"]))
 """Where there is no noise, its law and its axes cannot be judged."""
-_NO_READING = {SIZE: (0.0, []), **dict.fromkeys((GIVEN, DEFAULT, WHITE, APART), "skipped")}
+_NO_READING: dict[Any, Marked] = dict.fromkeys((SIZE, GIVEN, DEFAULT, WHITE, APART), (0.0, ["reads-no-sensor"]))
+_OFF_CENTRE: dict[Any, Marked] = {SIZE: (0.6667, ["noise-not-zero-mean"]), WHITE: (0.0, ["noise-not-zero-mean"])}
 _SAME_AXES = {APART: (0.0, ["same-noise-on-axes"])}
 
 KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
@@ -166,25 +165,25 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("on no reading of a sensor, of no seed", unseeded(of(clean=lambda *_: np.zeros(3))), _NO_READING),
     # the bias that is given, and the one that is drawn
     ("not of the gyroscope", of(bias=lambda s, i, z, g: Sound.bias(s, i, z, g) * (g is None or i == 0)), {GIVEN: (0.5, [])}),
-    ("its first component on all axes, whatever it is", of(bias=lambda *a: np.full(3, Sound.bias(*a)[0])), {GIVEN: (0.0, ["bias-shared"])}),
-    ("the other sensor first, a fifth too much", of(noise=lambda s, i: Sound.noise(s, i) * (1 + 0.2 * i), read=lambda s: tuple(reversed(Sound.read(s)))), {GIVEN: (0.0, ["swapped-sensors"]), SIZE: (0.0, [])}),
+    ("its first component on all axes, whatever it is", of(bias=lambda *a: np.full(3, Sound.bias(*a)[0])), {GIVEN: (0.0, ["bias-shared"]), DEFAULT: (0.5, ["bias-shared"])}),
+    ("the other sensor first, a fifth too much", of(noise=lambda s, i: Sound.noise(s, i) * (1 + 0.2 * i), read=lambda s: tuple(reversed(Sound.read(s)))), {GIVEN: (0.0, ["swapped-sensors"]), SIZE: (0.5, [])}),
     ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), {GIVEN: (0.0, [])}),
     ("one sensor twice, without noise", both(SILENT, read=lambda s: (Sound.read(s)[1],) * 2), _NO_NOISE | {GIVEN: (0.5, [])}),
     ("of one seed", of(seed=lambda s: setattr(s, "rng", np.random.default_rng(42))), {DEFAULT: (0.5, ["bias-not-random"])}),
-    ("a drift beside twice the noise", both(Drifting, noise=lambda s, i: 2 * Sound.noise(s, i)), {DEFAULT: (0.0, ["bias-drifts"]), SIZE: (0.0, [])}),
+    ("a drift beside twice the noise", both(Drifting, noise=lambda s, i: 2 * Sound.noise(s, i)), {DEFAULT: (0.0, ["bias-drifts"]), GIVEN: (0.5, ["bias-drifts"]), SIZE: (0.0, [])}),
     # its law
     ("a Laplace law of a fixed size", of(noise=lambda s, i: s.rng.laplace(0, (0.1, 0.01)[i], 3)), {WHITE: (0.0, ["not-gaussian"]), SIZE: (0.0, ["std-ignored"])}),
-    ("a mean below zero", of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]), {WHITE: (0.0, ["noise-not-zero-mean"])}),
-    ("whole numbers", of(one=lambda s, i: np.trunc(Sound.one(s, i))), {SIZE: (0.5, ["precision-lost"])}),
-    ("a mean above zero, of no seed", unseeded(of(noise=lambda s, i: Sound.noise(s, i) + 0.8 * s.stds[i])), {GIVEN: (0.0, ["noise-not-zero-mean"])}),
+    ("a mean below zero", of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]), _OFF_CENTRE),
+    ("whole numbers", of(one=lambda s, i: np.trunc(Sound.one(s, i))), {SIZE: (0.0, ["precision-lost"]), GIVEN: (0.0, []), DEFAULT: (0.5, ["bias-not-random"]), WHITE: (0.0, ["precision-lost"]), APART: (0.0, [])}),
+    ("a mean above zero, of no seed", unseeded(of(noise=lambda s, i: Sound.noise(s, i) + 0.8 * s.stds[i])), _OFF_CENTRE),
     ("rounded", of(one=lambda s, i: Sound.one(s, i).round(3)), {WHITE: (0.0, ["precision-lost"])}),
     ("on readings of the gyroscope that are enlarged", of(clean=lambda s, i: Sound.clean(s, i) * (1 + 0.05 * i)), {WHITE: (0.0, [])}),
-    ("one of the gyroscope that adds up", GyroWalking, {WHITE: (0.0, ["noise-accumulates"])}),
+    ("one of the gyroscope that adds up", GyroWalking, {SIZE: (0.6667, ["noise-accumulates"]), **dict.fromkeys((GIVEN, DEFAULT, WHITE), (0.0, ["noise-accumulates"]))}),
     ("on a reading of long ago", Stale, {SIZE: (0.0, ["stale-clean-reading"])}),
     # its axes and sensors
     ("one number for all axes of the gyroscope", of(noise=lambda s, i: (_one_for_all_axes if i else Sound.noise)(s, i)), _SAME_AXES),
     ("one number for two axes of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i)[[0, 1, 1 + (i == 0)]]), {APART: (0.0, [])}),
-    ("one for all axes that remembers", both(Remembering, drawn=_one_for_all_axes), _SAME_AXES | {WHITE: (0.0, ["noise-correlated"])}),
+    ("one for all axes that remembers", both(Remembering, drawn=_one_for_all_axes), _SAME_AXES | {SIZE: (0.5, ["noise-correlated"]), WHITE: (0.0, ["noise-correlated"])}),
     # the simulation
     ("a pose", of(read=_moving), {ALONE: (0.0, ["disturbs-simulation"])}),
 ]  # fmt: skip
@@ -200,19 +199,7 @@ def test_a_made_up_noisy_imu_is_marked_fairly(row: Row) -> None:
 
 def kept(kind: type) -> dict[str, float]:
     """Points that each check leaves to a noisy IMU."""
-    worth = {check.id: check.max_points for check in rubric.load(LAB).checks}
-    student, points = FakeStudent(NoisyIMU=kind), {}
-    check: Any
-    for check in CHECKS:
-        try:
-            check(student, truth())
-            keeps = 1.0
-        except Charged as charged:
-            keeps = charged.charge.keeps
-        except (Skipped, Raised, Missing):
-            keeps = 0.0
-        points[check.check.id] = keeps * worth[check.check.id]
-    return points
+    return fake_students.kept(FakeStudent(NoisyIMU=kind), CHECKS)
 
 
 NO_SENSOR = {

@@ -186,6 +186,7 @@ class Collection:
     first_step : what the sandbox says of the state before the first step: a hint, to be run again before it is believed
     absent : the sensor whose rows could not be made out, where the other's could: NaN stands in their place
     last_alone : whether the last row alone was filled, which stands for all of them then
+    unfilled : whether rows without any number were returned; zeros stand in their place, as in an array of `np.zeros`
     departs : as of `Readings`
     """
 
@@ -200,6 +201,7 @@ class Collection:
     first_step: Mapping[str, Array] = field(default_factory=dict)
     absent: str = ""
     last_alone: bool = False
+    unfilled: bool = False
     departs: tuple[str, ...] = ()
 
     @property
@@ -224,6 +226,22 @@ class Collection:
         if gyro is None and accel is not None:
             return replace(self, angular_velocity=np.full_like(accel, np.nan), absent=KEYS[2])
         return self
+
+    def with_zeros_for_empty_rows(self) -> Collection:
+        """Return the recording with zeros in rows of NaN alone, so that an array of NaN is judged like one of zeros."""
+        there = [rows for rows in self.sensors if rows is not None]
+        n = min(map(len, there), default=0)
+        empty = np.all([np.isnan(rows[:n]).all(axis=1) for rows in there], axis=0) if n else np.zeros(0, bool)
+        if not empty.any():
+            return self
+        time, accel, gyro = (None if each is None else each.copy() for each in (self.time, *self.sensors))
+        for rows in (accel, gyro):
+            if rows is not None:
+                rows[:n][empty] = 0.0
+        if time is not None:
+            stamps = time[:n]
+            stamps[empty[: len(stamps)] & np.isnan(stamps)] = 0.0
+        return replace(self, time=time, acceleration=accel, angular_velocity=gyro, unfilled=True)
 
     def with_last_for_all(self) -> Collection:
         """Return the recording with every row equal to the last one if only that row was filled; otherwise unchanged.

@@ -83,9 +83,26 @@ def triple(rows: Array, first: int) -> Array:
     return out
 
 
+_NEVER_WRITTEN = 0x7FF8_0000_0000_0000 | 0x2A5A5 << 29
+"""Bits of the NaN that the worker puts into arrays of `np.empty`: `grader.worker.repeatability.NEVER_WRITTEN`."""
+
+
+def never_written(values: Array) -> NDArray[np.bool_]:
+    """Return a mask of values that come from memory that was never written, as in an array of `np.empty`."""
+    return np.asarray(np.ascontiguousarray(values, dtype=np.float64).view(np.uint64) == _NEVER_WRITTEN)
+
+
+def not_finite_in_words(values: Array) -> str:
+    """Say why values are no finite numbers."""
+    return "memory that was never written (np.empty)" if never_written(values).any() else "NaN or infinity"
+
+
 def vector(values: Array, digits: int = 3) -> str:
     """Format a vector for students: ``[ 0.412 -0.031 -9.702]``; powers of ten only if all is small or one is huge."""
     array = np.asarray(values, float)
+    if array.ndim == 1 and (unset := never_written(array)).any():
+        parts = ["never written" if is_unset else f"{x:.{digits}f}" for x, is_unset in zip(array, unset, strict=True)]
+        return f"[{', '.join(parts)}]"
     plain = bool(
         np.max(np.abs(array), initial=0.0) >= 10.0 ** (1 - digits)
     )  # at least two digits of the largest are left

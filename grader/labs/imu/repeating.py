@@ -5,6 +5,8 @@ Each function here writes the lines of one kind of question; `grader.labs.imu.wo
 
 from __future__ import annotations
 
+import keyword
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -63,7 +65,23 @@ class Asked:
 
     @property
     def module(self) -> str:
+        """The name by which the program calls the file's module."""
+        return self._dotted if self._can_be_imported else "file_" + re.sub(r"\W", "_", self._dotted)
+
+    @property
+    def import_line(self) -> str:
+        """The line that imports the file, whose name may be no identifier, such as `imu-reader.py`."""
+        if self._can_be_imported:
+            return f"import {self.module}"
+        return f"{self.module} = importlib.import_module({self._dotted!r})"
+
+    @property
+    def _dotted(self) -> str:
         return str(self.fields["path"]).removesuffix(".py").replace("/", ".")
+
+    @property
+    def _can_be_imported(self) -> bool:
+        return all(part.isidentifier() and not keyword.iskeyword(part) for part in self._dotted.split("."))
 
 
 class Recorder(Student):
@@ -150,6 +168,7 @@ def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -
         *(line.replace("\\", "/").replace('"""', "'''") for line in said.splitlines()),
         '"""',
         "",
+        "import importlib",
         "import os",
         "import sys",
         "from pathlib import Path",
@@ -164,7 +183,7 @@ def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -
         *(_COMPARE.splitlines() if any(each.expected for each in questions) else []),
     ]
     for question in questions:
-        lines += ["", f"# {question.number}", f"import {question.module}", "", *WRITTEN[question.op](question)]
+        lines += ["", f"# {question.number}", question.import_line, "", *WRITTEN[question.op](question)]
     return "\n".join(lines) + "\n"
 
 

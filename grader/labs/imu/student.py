@@ -150,10 +150,13 @@ class Student(Plotting):
         arrays = {"qpos": qpos, "qvel": qvel, "biases": biases}
         return self.answer(Question("noise_twins", "NoisyIMU", _noise_run, fields, arrays))
 
-    def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, reads: int,
-                     stds: tuple[float, float]) -> NoiseRun:  # fmt: skip
-        """Return a few reads of many `NoisyIMU`s that were given no bias: (instances, reads, 3)."""
-        fields = self._noise_fields(ids, reads, stds) | {"instances": instances}
+    def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, stds: tuple[float, float],
+                     one_draw: bool = False) -> NoiseRun:  # fmt: skip
+        """Return three reads of each of many `NoisyIMU`s that were given no bias: (instances, 3, 3).
+
+        If `one_draw`, every random generator starts anew before each read, so that all reads have the same noise.
+        """
+        fields = self._noise_fields(ids, 3, stds) | {"instances": instances, "one_draw": one_draw}
         return self.answer(Question("default_bias", "NoisyIMU", _noise_run, fields, {"qpos": qpos, "qvel": qvel}))
 
     def _noise_fields(self, ids: tuple[int, int], reads: int, stds: tuple[float, float]) -> dict[str, Any]:
@@ -212,7 +215,7 @@ def _collected(frame: Frame) -> Collection:
     changed = tuple(frame.fields["changed"])
     if fault is not None:
         return Collection(None, None, None, changed=changed, fault=fault)
-    collected = as_collection(frame.fields["value"], frame.arrays)
+    collected = as_collection(frame.fields["value"], frame.arrays).with_zeros_for_empty_rows()
     return replace(
         collected, changed=changed, first_step=_believable(frame.arrays), departs=tuple(frame.fields["departs"])
     )

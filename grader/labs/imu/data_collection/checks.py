@@ -84,6 +84,8 @@ def _furthest_row(found: Explained, numbers: dict[str, object], affected: float)
     assert got is not None
     gap = deviation(got, true)
     wanted, came = distinct_texts(true[gap.row], got[gap.row])
+    if found.series.unfilled and not got[gap.row].any():
+        came = "a row that was never filled (NaN)"
     beside = "; the other sensor is right" if found.is_right(1 - which) else ""
     words = {
         "key": key,

@@ -40,6 +40,7 @@ NAMED, COUNT, TIME, TRUTH, RESET, PUSH = CHECKS = (
 )  # fmt: skip
 _FOLLOWING = "a recording of the simulation: these rows do not change when the robot's motion changes"
 _BOTH = "accelerations and angular velocities; the returned value does not have both"
+_ROWS = "a recording of the motion: there is no row, or only a few, and the duration has many time steps"
 _STAMPS = "time stamps; the returned value has none"
 
 
@@ -111,6 +112,8 @@ def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:
         stops |= dict.fromkeys((COUNT, RESET), stop)
     if not complete(series):
         stops |= dict.fromkeys((TRUTH, RESET, PUSH), Skipped(_BOTH))
+    elif found.is_no_recording:
+        stops |= dict.fromkeys((COUNT, RESET, PUSH), Skipped(_ROWS))
     elif not found.facts.follows:
         stops |= dict.fromkeys((COUNT, RESET, PUSH), Skipped(_FOLLOWING))
     if series.time is None and not complete(series):

@@ -90,6 +90,16 @@ class Explained:
         return self.push is not None and self.push.skip == 1 and few
 
     @property
+    def is_no_recording(self) -> bool:
+        """Return whether so few rows exist, or a few steps repeated, that they show no motion, where the duration has many."""
+        steps = self.series.first_step.get("steps", np.zeros(1))[0]
+        few = min(FEWEST_ROWS, self.facts.push.model_steps // 2)
+        rows = next(rows for rows in self.series.sensors if rows is not None)
+        thinned = self.push is not None and self.push.skip > 1 and len(rows) > 1
+        repeats = steps < few and len(np.unique(rows, axis=0)) < few
+        return repeats or (self.series.filled_rows < few and not thinned)
+
+    @property
     def last_alone(self) -> bool:
         """Return whether the recording has one filled row only, the reading after the last step."""
         single = self.push is not None and self.push.skip > 1 and self.facts.push.length == 1
@@ -194,7 +204,8 @@ class Explained:
 
     @property
     def finite(self) -> bool:
-        return all(rows is None or bool(np.isfinite(rows).all()) for rows in self.series.sensors)
+        finite = all(rows is None or bool(np.isfinite(rows).all()) for rows in self.series.sensors)
+        return finite and not self.series.unfilled
 
     @property
     def treated(self) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grader.engine.findings import Fault, Raised, Skipped, Unusable
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import FilterRun, if_nothing
-from grader.labs.imu.compare import Array, same
+from grader.labs.imu.compare import Array, not_finite_in_words, same
 from grader.labs.imu.student import FilterCase, Student
 
 ATOL = 1e-5
@@ -285,4 +285,6 @@ def _stop(run: FilterRun, *, may_end: bool = False) -> Exception | None:
     if np.isfinite(run.output).all() or (may_end and not run.odd):
         return None
     mistake = "wrong-return-type" if run.odd else "not-finite"
-    return Unusable(FORM, run.odd or "NaN or infinity", mistakes=[mistake], hint=if_nothing(run.odd or ""))
+    return Unusable(
+        FORM, run.odd or not_finite_in_words(run.output), mistakes=[mistake], hint=if_nothing(run.odd or "")
+    )

@@ -73,7 +73,7 @@ def check_white_and_gaussian(facts: Facts) -> Deviation | None:
 @PART.check("noise_model.axes_and_sensors_independent", lab_step=5)
 def check_axes_and_sensors_independent(facts: Facts) -> Deviation | None:
     """The noise of each axis of each sensor is independent of the others"""
-    if facts.still:
+    if facts.noiseless:
         return Deviation({"one": SENSOR_NAMES[0], "other": SENSOR_NAMES[1], "came": 1.0, "reads": 0})
     values = explain.columns(facts)
     worst, i, j = explain.most_correlated(values)

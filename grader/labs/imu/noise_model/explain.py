@@ -25,8 +25,6 @@ from grader.labs.imu.parameters import departure, reads_global
 
 SIZE, GIVEN, DEFAULT, LAW, APART = ALL
 ALONE = "leaves_simulation_alone"
-_ROUGHLY = 0.3
-"""Largest relative error of the noise beside a drifting bias. It is estimated from 117 differences, to a tenth."""
 _NEAR = 0.07
 """Largest relative difference from a predicted spread. The nearest other prediction is a tenth away."""
 _THE_SAME = 0.99
@@ -51,17 +49,7 @@ def _is(find: Callable[[Facts], str], fault: str) -> Holds:
 def sizes_off(facts: Facts) -> list[int]:
     """Return the sensors whose noise does not have the standard deviation that was asked for, whatever its law is."""
     another = any(_spread_is(fault)(facts, BOTH) for fault in _SPREADS) and any(s.law_is_off for s in facts.sensors)
-    return [*BOTH] if another else which(facts, lambda sensor: not _has_size(sensor))
-
-
-def _has_size(sensor: Sensor) -> bool:
-    """Return whether the noise has the size that was asked for, also beside a drift, or scales with it and has another law."""
-    noise, twins = sensor.noise, sensor.twins
-    if noise.size_is_right:
-        return True
-    if sensor.drifts:
-        return not twins.seeded or abs(twins.noise_size() / noise.std - 1) < _ROUGHLY
-    return sensor.law_is_off and (twins.scales() or not twins.seeded)
+    return [*BOTH] if another else which(facts, lambda sensor: not sensor.has_size)
 
 
 def grain(facts: Facts) -> float:
@@ -71,15 +59,25 @@ def grain(facts: Facts) -> float:
 
 def _lost_in_rounding(facts: Facts) -> bool:
     """Return whether readings are rounded to steps as large as the noise, for each sensor whose noise has a wrong size."""
-    return bool(sizes_off(facts)) and all(facts.sensors[i].reads.std <= grain(facts) for i in sizes_off(facts))
+    step = max(sensor.reads.step for sensor in facts.sensors)
+    return bool(sizes_off(facts)) and all(facts.sensors[i].reads.std <= step for i in sizes_off(facts))
 
 
 def no_draw(facts: Facts) -> bool:
-    """Return whether reads hold no random draw: all are equal, and the std has no effect or a fixed multiple of it is added."""
-    beside = np.array([(s.reads.offset - s.reads.bias) / s.reads.std for s in facts.sensors])
-    same_for_all = np.ptp(beside) <= TRUTH_ATOL / min(s.reads.std for s in facts.sensors)
+    """Return whether reads hold no random draw: they count, or all are equal without a std or with a fixed multiple of it."""
+    if counts(facts):
+        return True
+    bound = TRUTH_ATOL / min(s.reads.std for s in facts.sensors)
+    beside = [
+        np.array([(s.reads.offset - given * s.reads.bias) / s.reads.std for s in facts.sensors]) for given in (0, 1)
+    ]
     unmoved = all(s.twins.seeded and same(s.twins.scaled, s.twins.base, TRUTH_ATOL) for s in facts.sensors)
-    return facts.still and bool(same_for_all or unmoved)
+    return facts.still and (unmoved or any(bool(np.ptp(each) <= bound) for each in beside))
+
+
+def counts(facts: Facts) -> bool:
+    """Return whether reads change without noise: by a counter, or by rare events."""
+    return facts.noiseless and not all(sensor.reads.still for sensor in facts.sensors)
 
 
 def _repeated(facts: Facts) -> str:
@@ -171,7 +169,7 @@ def _off(facts: Facts) -> list[int]:
 def _is_added(sensor: Sensor) -> bool:
     """Return whether a change of the given bias changes the readings by the same amount, whatever else they contain."""
     twins = sensor.twins
-    return twins.begins_with_bias() if sensor.drifts else twins.adds_bias(sensor.reads.grain)
+    return twins.begins_with_bias() if sensor.drifts else twins.adds_bias()
 
 
 def missing_bias(facts: Facts) -> list[int]:
@@ -189,15 +187,13 @@ def _has_another(sensor: Sensor) -> bool:
     """Return whether an instance without noise and bias has an offset that the noisy one does not have beside its bias."""
     reads, silent = sensor.reads, sensor.silent
     apart = np.abs(silent.offset - (reads.offset - reads.bias)).max() > 2 * reads.mean_bound
-    return bool(silent.still and np.abs(silent.offset).max() > TRUTH_ATOL + reads.grain / 2 and apart)
+    nearest = (
+        reads.step / 2
+    )  # of a reading that is rounded; a step that hides more loses the size and the given bias itself
+    return bool(silent.still and np.abs(silent.offset).max() > TRUTH_ATOL + nearest and apart)
 
 
 # ---- a bias that is drawn
-
-
-def _shows_default(facts: Facts) -> bool:
-    """Return whether reads without noise show the default bias: they are equal, or only the bias changes between them."""
-    return facts.redrawn or all(s.obeys_zero for s in facts.sensors)
 
 
 def drifts(facts: Facts) -> list[int]:
@@ -206,8 +202,12 @@ def drifts(facts: Facts) -> list[int]:
 
 def moves(facts: Facts) -> list[int]:
     """Return the sensors whose default bias differs from read to read in one instance."""
-    moved = which(facts, lambda s: np.ptp(s.default, axis=1).max() > EXACT * max(1.0, np.abs(s.default).max()))
-    return moved if _shows_default(facts) else []
+    return which(facts, lambda s: np.ptp(s.default, axis=1).max() > EXACT * max(1.0, np.abs(s.default).max()))
+
+
+def hidden(facts: Facts) -> list[int]:
+    """Return the sensors whose reads never repeat, not even from one seed and without noise: they show no default bias."""
+    return which(facts, lambda s: bool(np.isnan(s.default).any()))
 
 
 def none_drawn(facts: Facts) -> list[int]:
@@ -215,8 +215,7 @@ def none_drawn(facts: Facts) -> list[int]:
 
 
 def one_for_all_instances(facts: Facts) -> list[int]:
-    same = which(facts, lambda s: s.has_default and np.ptp(s.means[1:], axis=0).max() <= EXACT)
-    return same if _shows_default(facts) else []
+    return which(facts, lambda s: s.has_default and np.ptp(s.means[1:], axis=0).max() <= EXACT)
 
 
 def one_for_all_axes(facts: Facts) -> list[int]:
@@ -224,12 +223,12 @@ def one_for_all_axes(facts: Facts) -> list[int]:
 
 
 def one_for_both_sensors(facts: Facts) -> list[int]:
-    accel, gyro = (sensor.means for sensor in facts.sensors)
+    accel, gyro = (sensor.means[1:] for sensor in facts.sensors)
     both = all(sensor.has_default for sensor in facts.sensors)
     return [*BOTH] if both and np.ptp(gyro / accel) <= 1e-3 * np.abs(gyro / accel).max() else []
 
 
-DEFAULTS = (drifts, moves, none_drawn, one_for_all_instances, one_for_all_axes, one_for_both_sensors)
+DEFAULTS = (drifts, hidden, moves, none_drawn, one_for_all_instances, one_for_all_axes, one_for_both_sensors)
 """Functions that return the sensors with a fault of the default bias. Earlier faults may cause later ones; the first counts."""
 
 
@@ -246,7 +245,7 @@ def _one_for_every_bias(facts: Facts) -> bool:
     constant = {*one_for_all_instances(facts), *none_drawn(facts)}
     known = [(s.reads, s.means[1]) for s in (facts.sensors[i] for i in constant & {*missing_bias(facts)})]
     given_too = [np.abs(reads.offset - mean).max() <= 2 * reads.mean_bound for reads, mean in known]
-    return bool(constant) and not facts.still and sum(given_too) == len(constant)
+    return bool(constant) and not facts.noiseless and sum(given_too) == len(constant)
 
 
 def _never_random(facts: Facts) -> bool:
@@ -265,7 +264,7 @@ def _is_shared(facts: Facts) -> bool:
 def odd_laws(facts: Facts) -> list[int]:
     """Return the sensors whose noise is not white and normal with zero mean; both if there is no noise or reads are rounded."""
     odd = which(facts, lambda s: s.law_is_off) or off_centre(facts)
-    return odd or ([*BOTH] if grain(facts) or facts.still else [])
+    return odd or ([*BOTH] if grain(facts) or facts.noiseless else [])
 
 
 def off_centre(facts: Facts) -> list[int]:
@@ -273,7 +272,7 @@ def off_centre(facts: Facts) -> list[int]:
 
     A sensor without noise is charged for that alone: `normal(std, 0, 3)` adds the standard deviation itself.
     """
-    off = which(facts, lambda s: not (s.reads.bias_is_right or s.noise.still))
+    off = which(facts, lambda s: s.noise.is_noise and not (s.reads.bias_is_right or s.reads.is_centred))
     if not off or drifts(facts) or not all(_is_added(facts.sensors[i]) for i in off):
         return []
     return [] if offset_fault(facts) == "swapped-sensors" or _has_another(facts.sensors[off[0]]) else off
@@ -313,21 +312,22 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 0, "reads-no-sensor", lambda f: not f.follows),
     Reason(SIZE, 1, "one-sensor-twice", lambda f: f.one_twice),
     Reason(SIZE, 2, "bias-redrawn", lambda f: f.redrawn),
+    Reason(SIZE, 2, "precision-lost", lambda f: f.noiseless and _lost_in_rounding(f)),
     Reason(SIZE, 3, "no-noise", no_draw),
     *(Reason(SIZE, 4, fault, _is(_repeated, fault)) for fault in _REPEATED),
     Reason(SIZE, 5, "precision-lost", _lost_in_rounding),
-    Reason(SIZE, 6, "gyro-not-noisy", lambda f: any(s.noise.still for s in f.sensors)),
+    Reason(SIZE, 6, "gyro-not-noisy", lambda f: any(not s.noise.is_noise for s in f.sensors)),
     Reason(SIZE, 7, "multiplicative-noise", _any(lambda reads: reads.proportional)),
     Reason(SIZE, 8, "std-ignored", lambda f: any(s.silent.restless and not s.drifts for s in f.sensors)),
     *(Reason(SIZE, 9, fault, _spread_is(fault)) for fault in _SPREADS),
     Reason(GIVEN, 0, "swapped-sensors", lambda f: f.exchanged),
     Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged),
-    Reason(GIVEN, 0, "precision-lost", _lost_in_rounding),
     Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),
     Reason(GIVEN, 1, "bias-argument-ignored", lambda f: f.redrawn and bool(missing_bias(f))),
     *(Reason(GIVEN, 1 + each.cost, each.cause, _is(offset_fault, each.cause)) for each in OFFSETS),
     Reason(GIVEN, 12, "another-bias-beside", lambda f: bool(_off(f) and bias_beside(f))),
     Reason(GIVEN, 12, "bias-argument-ignored", lambda f: not _off(f)),
+    Reason(DEFAULT, 0, f"noise_model.{DEFAULT}", lambda f: bool(hidden(f))),
     Reason(DEFAULT, 1, "bias-drifts", lambda f: bool(drifts(f)) or _gone_after_one_read(f)),
     Reason(DEFAULT, 3, "bias-shared", _moving(lambda bias: np.ptp(bias[:, 1:], axis=(0, 1)).max() <= EXACT)),
     Reason(DEFAULT, 5, "bias-redrawn", _moving(lambda bias: np.median(np.ptp(bias, axis=1).max(axis=1)) > EXACT)),

@@ -14,7 +14,7 @@ from grader.engine.findings import Fault, Missing, Raised, Unusable, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
-from grader.labs.imu.compare import Array
+from grader.labs.imu.compare import Array, not_finite_in_words
 from grader.labs.imu.noise_model.reads import EXACT, TRUTH_ATOL, UNSEEDED, Reads, Twins
 from grader.labs.imu.robot import torso_ids
 from grader.labs.imu.student import Student
@@ -24,6 +24,8 @@ ALL = ("noise_size", "given_bias", "default_bias", "white_and_gaussian", "axes_a
 _INSTANCES = 24
 _MANY = 100
 """Reads of one instance in one state: their mean is off by a tenth of the noise."""
+_ROUGHLY = 0.3
+"""Largest relative error of the noise beside a drifting bias. It is estimated from 117 differences, to a tenth."""
 _SILENT, _ALMOST_SILENT = (0.0, 0.0), (1e-12, 1e-12)
 """Standard deviations. Code may refuse a zero, or divide by it, and a picometre a second squared is as good as none."""
 _TWINS, _LARGER = 40, 1.5
@@ -33,11 +35,9 @@ _BY_CHANCE = 10.0
 Code that adds a counter reaches 2; the sheet's noise at 20 times its size reaches 50."""
 _CREEPS = 0.3
 """Largest change of a drifting bias per read, as a share of its spread between instances. A bias drawn on every read has 1.4."""
-
-_DEFAULT_BIAS = (0.1, 0.01)
-"""m/s², rad/s. Standard deviations of the sheet's default biases."""
-_HIDDEN = 4.0
-"""Rounding step, in units of a default bias, from which on a bias may disappear: half of the step is two standard deviations."""
+_LEAST, _MOST = 0.25, 2.5
+"""Spread, in units of the standard deviation, of noise of another law that takes it as its own parameter. A uniform law from 0 to
+the deviation has 0.29, a triangular one within ± the deviation 0.41, an exponential one 1, a Laplace law 1.41."""
 
 _UNKNOWN = np.full((_INSTANCES, 3, 3), np.nan)
 Pair = tuple[Array, Array]
@@ -52,8 +52,8 @@ class Sensor:
     ----------
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and bias
-    default : (instances, reads, 3) reading minus truth, without noise and without a given bias; NaN if they are unknown, if the
-        model draws a default bias only together with noise, or if it rounds readings so coarsely that they hide it
+    default : (instances, reads, 3) reading minus truth, without noise and without a given bias. If reads without noise vary or have
+        no default bias: reads with noise whose generators start anew before each read, minus the first; NaN if these vary, too
     drifts : whether the bias moves from read to read
     twins : reads of instances with the same seed; `UNSEEDED` if nothing is wrong, as they were not asked for then
     """
@@ -76,6 +76,17 @@ class Sensor:
     @cached_property
     def law_is_off(self) -> bool:
         return self.accumulates or self.noise.law_is_off
+
+    @cached_property
+    def has_size(self) -> bool:
+        """Return whether the noise has the size that was asked for, also beside a drift, or scales with it and has another law."""
+        noise, twins = self.noise, self.twins
+        if noise.size_is_right or not noise.is_noise:
+            return noise.size_is_right
+        if self.drifts:
+            return abs(twins.noise_size() / noise.std - 1) < _ROUGHLY
+        enough = bool(noise.memory) or noise.pooled_spread >= _LEAST * noise.std
+        return self.law_is_off and twins.scales() and enough and noise.unpredicted <= _MOST * noise.std
 
     @cached_property
     def obeys_zero(self) -> bool:
@@ -124,14 +135,24 @@ class Facts:
         return all(sensor.noise.still for sensor in self.sensors)
 
     @cached_property
-    def redrawn(self) -> bool:
-        """Return whether the code draws a new bias on every read: reads without noise vary, and noisy ones vary clearly more.
+    def noiseless(self) -> bool:
+        """Return whether neither sensor has noise: its reads are equal, rarely differ, or follow from those before."""
+        return not any(sensor.noise.is_noise for sensor in self.sensors)
 
-        Noise of a fixed size, whatever was asked for, varies as much in both. The spread of 600 values has an error of 3 %. If only
-        few reads differ from the one before, the bias jumps and is not drawn on every read.
-        """
-        more = [s.reads.pooled_spread > 1.12 * s.silent.pooled_spread for s in self.sensors if s.silent.restless]
-        return any(more) and not any(sensor.drifts for sensor in self.sensors)
+    @cached_property
+    def redrawn(self) -> bool:
+        """Return whether the code draws a new bias on every read."""
+        pairs = [(sensor.reads, sensor.silent) for sensor in self.sensors]
+        return _is_redrawn(*zip(*pairs, strict=True)) and not any(sensor.drifts for sensor in self.sensors)
+
+
+def _is_redrawn(reads: Sequence[Reads], silent: Sequence[Reads]) -> bool:
+    """Return whether reads without noise vary like noise, and noisy ones vary clearly more: by a bias of each read.
+
+    Noise of a fixed size, whatever was asked for, varies as much in both. The spread of 600 values has an error of 3 %.
+    """
+    pairs = zip(reads, silent, strict=True)
+    return any(noisy.pooled_spread > 1.12 * quiet.pooled_spread for noisy, quiet in pairs if quiet.is_noise)
 
 
 # ---- the questions
@@ -161,9 +182,9 @@ class _Questions:
         biases = (np.zeros(3), np.zeros(3)) if given else None
         return _without_noise(lambda stds: self._student.noise(**self._place, reads=_MANY, stds=stds, biases=biases))
 
-    def default_bias(self, stds: tuple[float, float], reads: int) -> NoiseRun:
-        """Ask for reads of many instances without a given bias."""
-        return self._student.default_bias(**self._place, instances=_INSTANCES, reads=reads, stds=stds)
+    def default_bias(self, stds: tuple[float, float], *, one_draw: bool = False) -> NoiseRun:
+        """Ask for reads of many instances without a given bias; if `one_draw`, all generators start anew before each read."""
+        return self._student.default_bias(**self._place, instances=_INSTANCES, stds=stds, one_draw=one_draw)
 
     def twins(self) -> NoiseRun:
         """Ask for five series with the same seed: the same arguments twice, another state, another bias, and larger noise."""
@@ -223,7 +244,8 @@ def _usable(run: NoiseRun) -> None:
     raised(run.fault, "reading the noisy IMU")
     if not _is_whole(run):
         mistake = "wrong-return-type" if run.odd else "not-finite"
-        raise Unusable(FORM, run.odd or "NaN or infinity", mistakes=[mistake])
+        came = run.odd or not_finite_in_words(np.array([run.accel, run.gyro]))
+        raise Unusable(FORM, came, mistakes=[mistake])
 
 
 # ---- the facts
@@ -253,15 +275,12 @@ def measure(student: Student, truth: Traces) -> Facts:
     follows = _follow(ask, reads, truth)
     defaults: Pair = _UNKNOWN, _UNKNOWN
     try:
-        defaults = _default_biases(ask, _without_noise(lambda stds: ask.default_bias(stds, reads=3)), clean)
-        if any(np.abs(bias.mean(axis=1)).max() <= TRUTH_ATOL for bias in defaults):
-            defaults = _unless_drawn_with_noise(ask, defaults, clean)
-        grain = max(each.grain for each in reads)
-        accel, gyro = (_UNKNOWN if grain >= _HIDDEN * s else b for b, s in zip(defaults, _DEFAULT_BIAS, strict=True))
-        defaults = accel, gyro
+        defaults = _default_biases(ask, _without_noise(ask.default_bias), clean)
     except (Raised, Unusable) as stop:
         stopped["default_bias"] = stop
     drift = [each.drifts or (each.still and _creeps(bias)) for each, bias in zip(silent, defaults, strict=True)]
+    if "default_bias" not in stopped and not any(drift) and not _is_redrawn(reads, silent):
+        defaults = _shown_defaults(ask, defaults, silent)
     right = all(each.size_is_right and each.bias_is_right for each in reads) and not any(drift)
     twins = (UNSEEDED, UNSEEDED) if right else _twins(ask)
     first, second = map(Sensor, reads, silent, defaults, drift, twins)
@@ -318,15 +337,23 @@ def _creeps(biases: Array) -> bool:
     return EXACT * max(1.0, float(np.abs(biases).max())) < moves < _CREEPS * between
 
 
-def _unless_drawn_with_noise(ask: _Questions, defaults: Pair, clean: Pair) -> Pair:
-    """Return the default biases, NaN for a sensor whose model draws a default bias only together with noise.
+def _shown_defaults(ask: _Questions, defaults: Pair, silent: Sequence[Reads]) -> Pair:
+    """Return the default biases as they are if reads without noise show them, and else by reads that share one draw of noise.
 
-    The means of many noisy reads show that: they vary between instances by more than the noise explains.
+    Noise of a fixed size hides them without noise, and some models draw a default bias only together with noise.
     """
-    means = [bias.mean(axis=1) for bias in _default_biases(ask, ask.default_bias(ask.stds, _MANY), clean)]
-    spreads = [float(np.sqrt(np.mean(np.var(mean, axis=0)))) for mean in means]
-    most = [st.spread_bounds(mean.size, 3)[1] * std / np.sqrt(_MANY) for mean, std in zip(means, ask.stds, strict=True)]
-    accel, gyro = (_UNKNOWN if s > m else b for s, m, b in zip(spreads, most, defaults, strict=True))
+    shown = [each.still and bool(np.abs(bias).max() > TRUTH_ATOL) for each, bias in zip(silent, defaults, strict=True)]
+    if all(shown):
+        return defaults
+    run = ask.default_bias(ask.stds, one_draw=True)
+    if not _is_sound(run):
+        return defaults
+    beside = [rows - rows[0, 0] for rows in ask.in_order(run)]
+    vary = [float(np.ptp(rows, axis=1).max()) > EXACT * max(1.0, float(np.abs(rows).max())) for rows in beside]
+    accel, gyro = (
+        bias if fine or (quiet.still and varies) else _UNKNOWN if varies else rows
+        for bias, fine, quiet, rows, varies in zip(defaults, shown, silent, beside, vary, strict=True)
+    )
     return accel, gyro
 
 

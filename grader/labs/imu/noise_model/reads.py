@@ -1,7 +1,8 @@
 """Facts about one sensor's reads: mean and spread, the law of the noise, and dependence on earlier reads.
 
-A correct noise model fails a statistical test with probability `statistics.ALPHA`. `Twins` are reads of instances with the same
-seed and one parameter changed: in their difference everything else cancels.
+A correct noise model fails a statistical test with probability `statistics.ALPHA`. No tolerance depends on the readings: what a
+fault makes impossible to measure is lost with that fault. `Twins` are reads of instances with the same seed and one parameter
+changed: in their difference everything else cancels.
 """
 
 from __future__ import annotations
@@ -14,9 +15,6 @@ import numpy as np
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array, same
 
-SIZE_TOLERANCE = 0.0
-"""Share of the standard deviation by which noise may be too small or too large beyond what chance explains (`statistics.ALPHA`).
-At 0 a standard deviation that is wrong by 10 % is found with a probability above 0.999."""
 EXACT = 1e-9
 """Largest difference of equal numbers near one. Arithmetic without noise repeats to rounding; two random draws never do."""
 TRUTH_ATOL = 1e-5
@@ -28,6 +26,11 @@ _SMOOTH = 0.5
 _UNLIKE_UNIFORM = 0.9
 """Standard deviations. Smallest bound that counts as clipping: between narrower ones, a truncated normal law has the moments of a
 uniform law."""
+_LAGS = 16
+"""Earlier reads of which a prediction of the next one is made: enough for a cycle of 16 values, or for a sum of eight sines."""
+_PREDICTED = 0.1
+"""Largest unpredictable part of a sequence, as a share of its spread, that is no noise: noise of its own has 1, and correlated
+noise 0.4 (a share of 0.9 of the read before)."""
 _CUT = 2.9
 """Standard deviations. All of 7,500 sound values stay within with a probability of (1 - 0.0037)^7500 = 7e-13."""
 
@@ -90,9 +93,35 @@ class Reads:
         return bool(np.median(np.abs(self.increments).max(axis=2)) > EXACT * self.std)
 
     @cached_property
+    def unpredicted(self) -> float:
+        """Spread of what the `_LAGS` reads before do not predict of a read, by least squares; 0 if that cannot be computed."""
+        if not 0 < self.pooled_spread < np.inf:
+            return 0.0
+        lags = min(_LAGS, self.residual.shape[1] // 4)
+        scaled = self.centred / self.pooled_spread
+        windows = (
+            np.lib.stride_tricks.sliding_window_view(scaled, lags + 1, axis=1).swapaxes(1, 2).reshape(-1, lags + 1)
+        )
+        of_channels = np.split(windows, scaled.shape[0] * scaled.shape[2])
+        try:
+            gaps = [rows[:, -1] - rows[:, :-1] @ np.linalg.lstsq(rows[:, :-1], rows[:, -1])[0] for rows in of_channels]
+        except np.linalg.LinAlgError:
+            return 0.0
+        return self.pooled_spread * float(np.sqrt(np.mean(np.square(gaps))))
+
+    @cached_property
+    def is_noise(self) -> bool:
+        """Return whether most reads differ from the one before, and earlier reads do not predict them as they do a counter's."""
+        return self.restless and self.unpredicted > _PREDICTED * self.pooled_spread
+
+    @cached_property
     def mean_bound(self) -> float:
-        """Largest distance that chance explains between the mean of the reads in one state and the expected value."""
-        return st.mean_bound(self.residual.shape[1], max(self.std, self.pooled_spread)) + TRUTH_ATOL
+        """Largest distance that chance explains between the mean of the reads in one state and the expected value.
+
+        It names the fault that is behind a wrong mean; `bias_is_right` decides whether the mean is wrong.
+        """
+        sigma = max(self.std, self.pooled_spread) if self.is_noise else self.std
+        return st.mean_bound(self.residual.shape[1], sigma) + TRUTH_ATOL
 
     def offset_is(self, wanted: Array) -> bool:
         """Return whether the mean error in each state is the wanted one, within chance."""
@@ -105,25 +134,33 @@ class Reads:
 
     @cached_property
     def bias_is_right(self) -> bool:
-        """Return whether the mean error over all states is the given bias, within chance and the rounding of the readings."""
+        """Return whether the mean error over all states is the given bias, within the chance of noise of the right size."""
+        return self._mean_is_bias(self.std)
+
+    @cached_property
+    def is_centred(self) -> bool:
+        """Return whether the noise, of whatever size, has zero mean about the given bias, within chance."""
+        return self._mean_is_bias(self.pooled_spread)
+
+    def _mean_is_bias(self, sigma: float) -> bool:
         states, reads, _ = self.residual.shape
-        bound = st.mean_bound(states * reads, max(self.std, self.pooled_spread)) + TRUTH_ATOL + self.grain / 2
+        bound = st.mean_bound(states * reads, sigma) + TRUTH_ATOL
         return bool(np.abs(self.offset.mean(axis=0) - self.bias).max() <= bound)
 
     @cached_property
     def size_is_right(self) -> bool:
         """Return whether the pooled spread and that of each axis agree with the standard deviation that was asked for.
 
-        Rounding changes each value by at most half a step (`grain`), and so the spread, by the triangle inequality.
+        Rounding to a step adds a twelfth of its square to the variance (Sheppard's correction). This no longer holds for steps of
+        more than two standard deviations, which leave nothing of the noise to measure.
         """
         states, reads, axes = self.residual.shape
-        off = SIZE_TOLERANCE + self.grain / 2 / self.std
-        per_axis = np.sqrt(np.mean(self.centred**2, axis=(0, 1)))
-        for together, spreads in ((axes, np.array([self.pooled_spread])), (1, per_axis)):
+        per_axis = np.sqrt(np.maximum(np.mean(self.centred**2, axis=(0, 1)) - self.step**2 / 12, 0.0))
+        for together, spreads in ((axes, np.array([np.sqrt(np.mean(per_axis**2))])), (1, per_axis)):
             low, high = st.spread_bounds(together * states * reads, together * states)
-            if not np.all((low - off <= spreads / self.std) & (spreads / self.std <= high + off)):
+            if not np.all((low <= spreads / self.std) & (spreads / self.std <= high)):
                 return False
-        return True
+        return self.is_noise and self.step <= 2 * self.std
 
     # ---- the law of the noise
 
@@ -139,7 +176,12 @@ class Reads:
         decimal = _step(noise)
         if decimal and abs(np.log10(decimal) - round(np.log10(decimal))) > EXACT:
             decimal = 0.0  # such as noise of two values only
-        return max(spacing, _step(readings), decimal)
+        return max(spacing, self.step, decimal)
+
+    @cached_property
+    def step(self) -> float:
+        """Step to which readings are rounded; 0 if they are not, or if all are equal."""
+        return 0.0 if self.still else _step(self.residual + self.truth[:, None, :])
 
     @cached_property
     def proportional(self) -> bool:
@@ -278,9 +320,9 @@ class Twins:
         """Change (reads, 3) of the reads by the change of the bias."""
         return np.asarray(self.other - self.base)
 
-    def adds_bias(self, grain: float = 0.0) -> bool:
-        """Return whether every read changes by the change of the bias, within the rounding step `grain` of the reads."""
-        return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL + grain)
+    def adds_bias(self) -> bool:
+        """Return whether every read changes by the change of the bias."""
+        return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL)
 
     def begins_with_bias(self) -> bool:
         """Return whether the first read changes by the change of the bias, to 5 %: a drifting bias stays only that long."""

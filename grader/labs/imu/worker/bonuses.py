@@ -71,7 +71,7 @@ def _named(members: dict[str, Any]) -> tuple[float, float]:
     """Return the two angles by the names of the members."""
     roll = next((v for k, v in members.items() if _ROLL.search(k)), np.nan)
     pitch = next((v for k, v in members.items() if _PITCH.search(k)), np.nan)
-    return float(roll), float(pitch)
+    return float(numbers(roll).reshape(())), float(numbers(pitch).reshape(()))
 
 
 # --- the Allan deviation -------------------------------------------------------------------------------------------------

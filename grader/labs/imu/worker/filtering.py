@@ -70,7 +70,8 @@ def _filter_case(
             if beside is not None:
                 beside(100.0 - 3.0 * measurement)
         if isinstance(first, np.ndarray) and first.size == rows[0].size:
-            answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
+            with suppress(TypeError, ValueError):
+                answer["output_changed"] = not np.array_equal(numbers(first).ravel(), rows[0], equal_nan=True)
         answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
     if rows:
         answer["output"] = packer.keep(_hidden_state(kept, signal, np.array(rows)))
@@ -101,7 +102,7 @@ def _filtered(
     given = measurement.copy()
     value = update(given)
     try:
-        row = numbers(value).copy().reshape(measurement.shape)
+        row = numbers(value).reshape(measurement.shape)
     except (TypeError, ValueError):
         row = _first_vector(value, measurement)
         answer["odd"] = answer["odd"] or packer.node(value)

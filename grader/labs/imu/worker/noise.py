@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from math import isfinite
 from typing import Any
 
@@ -49,7 +49,7 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with reporting_errors(answer), scene(fields["model"]) as (model, data):
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
         build = _imu_builder(fields, model, data, answer)
-        read = build(arrays)
+        _, read = build(arrays)
         for state in range(len(readings)):
             still = _FrozenSimulation(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             for index, row in enumerate(readings[state]):
@@ -86,14 +86,11 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with reporting_errors(answer), scene(fields["model"]) as (model, data):
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
         build = _imu_builder(fields, model, data, answer)
-        generators = [(generator, _state(generator)) for generator in _generators()]
         twins = zip(readings, fields["twins"], fields["states"], arrays["biases"], strict=True)
         for rows, stds, state, (accel, gyro) in twins:
             still = _FrozenSimulation(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
-            repeatability.seed(_SEED)
-            for generator, began in generators:
-                _rewind(generator, began)
-            read = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
+            _restart_generators()
+            _, read = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
             for row in rows:
                 _store(read(), row, answer, packer)
                 still.changes()
@@ -101,32 +98,27 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}
 
 
-_SEED = 1234
-"""Seed of all instances; any value works as long as they share it."""
+def _restart_generators(owner: Any = None, seed: int = 1234) -> None:
+    """Give every random generator one common state: the global ones, and those in the submission's modules, classes and `owner`.
 
-
-def _generators() -> Iterator[Any]:
-    """Yield the random generators in the submission's modules and classes, which `seed` does not reach."""
-    for module in list(submission.STATE.modules.values()):
-        owned = [m for m in vars(module).values() if isinstance(m, type) and m.__module__ == module.__name__]
-        for value in [value for owner in (module, *owned) for value in vars(owner).values()]:
-            if isinstance(value, np.random.Generator | np.random.RandomState | random.Random):
-                yield value
-
-
-def _state(generator: Any) -> Any:
-    if isinstance(generator, np.random.Generator):
-        return generator.bit_generator.state
-    return generator.getstate() if isinstance(generator, random.Random) else generator.get_state()
-
-
-def _rewind(generator: Any, state: Any) -> None:
-    if isinstance(generator, np.random.Generator):
-        generator.bit_generator.state = state
-    elif isinstance(generator, random.Random):
-        generator.setstate(state)
-    else:
-        generator.set_state(state)
+    Any seed works as long as the instances that are compared share it.
+    """
+    repeatability.seed(seed)
+    modules = list(submission.STATE.modules.values())
+    classes = [
+        m
+        for module in modules
+        for m in vars(module).values()
+        if isinstance(m, type) and m.__module__ == module.__name__
+    ]
+    members = list(getattr(owner, "__dict__", {}).values())
+    for value in [
+        value for each in (*modules, *classes, *members, owner) for value in getattr(each, "__dict__", {}).values()
+    ]:
+        if isinstance(value, np.random.Generator):
+            value.bit_generator.state = type(value.bit_generator)(seed).state
+        elif isinstance(value, np.random.RandomState | random.Random):
+            value.seed(seed)
 
 
 class _FrozenSimulation:
@@ -159,8 +151,10 @@ class _FrozenSimulation:
         self._sensordata[:] = self._clean
 
 
-def _imu_builder(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Callable[..., Any]:
-    """Return a function that builds a `NoisyIMU` from biases and standard deviations, and returns its read function."""
+def _imu_builder(
+    fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]
+) -> Callable[..., tuple[Any, Callable[[], Any]]]:
+    """Return a function that builds a `NoisyIMU` from biases and standard deviations, and returns it with its read function."""
     kind = submission.find("NoisyIMU", fields["path"])
     way = plan_call(kind, calls.NOISY)
     answer["departs"] = list(way.departs)
@@ -168,14 +162,15 @@ def _imu_builder(fields: dict[str, Any], model: Any, data: Any, answer: dict[str
     names = ("accel_id", "gyro_id", "accel_noise_std", "gyro_noise_std")
     given = {"model": model, "data": data, **{name: fields[name] for name in names}}
 
-    def build(arrays: dict[str, Any], **stds: float) -> Any:
+    def build(arrays: dict[str, Any], **stds: float) -> tuple[Any, Callable[[], Any]]:
         biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
-        read = way(kind, given | stds | biases).read
+        imu = way(kind, given | stds | biases)
+        read = imu.read
         reading = plan_call(read, calls.READ)
         if reading.as_promised:
-            return read
+            return imu, read
         answer["departs"] = [*dict.fromkeys([*answer["departs"], *reading.departs])]
-        return lambda: reading(read, given | calls.reading_arguments(fields, model, data))
+        return imu, lambda: reading(read, given | calls.reading_arguments(fields, model, data))
 
     return build
 
@@ -189,8 +184,8 @@ def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer
         except (TypeError, ValueError):
             as_asked = False
             accel, gyro = _two_vectors(reading)
-        row[:3] = accel if _is_vector(accel) else np.reshape(accel, 3)
-        row[3:] = gyro if _is_vector(gyro) else np.reshape(gyro, 3)
+        row[:3] = accel if _is_vector(accel) else numbers(accel).reshape(3)
+        row[3:] = gyro if _is_vector(gyro) else numbers(gyro).reshape(3)
     except (TypeError, ValueError):
         row[:] = np.nan
     if answer["odd"] is None and not (as_asked and all(map(isfinite, row.tolist()))):
@@ -206,14 +201,14 @@ def _two_vectors(reading: Any) -> Iterable[Any]:
 
 
 def _is_vector(value: Any) -> bool:
-    return type(value) is np.ndarray and value.shape == (3,)
+    return type(value) is np.ndarray and value.dtype == np.float64 and value.shape == (3,)
 
 
 def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """Build many `NoisyIMU`s without biases, and read each a few times in one state.
 
     The first read of each follows its construction. The others follow when all are built, so that an instance that changes another
-    one is found.
+    one is found. If the field ``one_draw`` is set, all generators start anew before each read, those of the instance included.
 
     Returns
     -------
@@ -224,15 +219,25 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
     with reporting_errors(answer), scene(fields["model"]) as (model, data):
         still = _FrozenSimulation(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
-        build, reads = _imu_builder(fields, model, data, answer), []
-        for rows in readings:
-            reads.append(build({}))
-            _store(reads[-1](), rows[0], answer, packer)
+        build = _imu_builder(fields, model, data, answer)
+        built: list[tuple[Any, Callable[[], Any]]] = []
+
+        def read_again(number: int) -> Any:
+            imu, read = built[number]
+            if fields["one_draw"]:
+                _restart_generators(imu)
+            return read()
+
+        for number, rows in enumerate(readings):
+            if fields["one_draw"]:  # or all instances are built after the same draws
+                _restart_generators(seed=number)
+            built.append(build({}))
+            _store(read_again(number), rows[0], answer, packer)
             still.changes()
             still.restore(rows[0])
-        for read, rows in zip(reads, readings, strict=True):
+        for number, rows in enumerate(readings):
             for row in rows[1:]:
-                _store(read(), row, answer, packer)
+                _store(read_again(number), row, answer, packer)
                 still.restore(row)
             answer["done"] += 1
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}

@@ -240,7 +240,7 @@ def _replayed_steps(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[
 
 def _six_numbers(reading: Any) -> np.ndarray:
     try:
-        return np.array(reading, dtype=np.float64).reshape(6)
+        return numbers(reading).reshape(6)
     except (TypeError, ValueError):
         return np.full(6, np.nan)
 

@@ -1,0 +1,35 @@
+"""Start pytest with settings of ours, so that it reads none from a submission: those can import and run code.
+
+pytest reads `pytest.ini`, `pyproject.toml`, `tox.ini` or `setup.cfg` of the folder, with `addopts = -p MODULE` and `pythonpath`,
+before it loads any installed plugin. So this module has to run earlier: `imugrade-pytest.pth`, which the installation puts beside
+the packages, imports it when Python starts with `--imugrade` among its arguments.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from pathlib import Path
+
+
+def options() -> str:
+    """Return the options for pytest that name our settings, and the present folder as the one that tests are shown in."""
+    empty = Path(__file__).with_name("empty.ini")
+    return shlex.join(("-c", empty.as_posix(), "--rootdir", Path.cwd().as_posix()))
+
+
+def _start() -> None:
+    """Put our options before those of the command line, and keep the folder that pytest is started in off Python's path."""
+    before = os.environ.get("PYTEST_ADDOPTS", "")
+    if options() not in before:
+        os.environ["PYTEST_ADDOPTS"] = f"{before} {options()}".strip()
+    imports_here = "-m" in sys.orig_argv and not getattr(
+        sys.flags, "safe_path", True
+    )  # as `python -m pytest` does first
+    if imports_here and not os.environ.get("PYTHONSAFEPATH"):
+        os.environ["PYTHONSAFEPATH"] = "1"
+        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])
+
+
+_start()
