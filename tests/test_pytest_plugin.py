@@ -89,7 +89,7 @@ def test_a_worker_of_xdist_tells_the_same_and_lf_asks_for_what_was_lost(lab: Pat
     with_worker = run(lab, "-n", "1", "-q", "-k", "sensor_access")
     assert with_worker.returncode == 1, with_worker.stdout + with_worker.stderr
     assert "FAILED imu_reader.py::sensor_access::follows_address" in with_worker.stdout
-    assert "Sensor access      14 / 20" in with_worker.stdout
+    assert "Sensor access    15.5 / 20" in with_worker.stdout
     again = run(lab, "--lf", "--collect-only", "-q", "-p", "no:xdist")
     assert again.stdout.splitlines()[0] == "imu_reader.py::sensor_access::follows_address"
     assert "1/30 tests collected (29 deselected)" in again.stdout
@@ -121,7 +121,7 @@ def test_a_check_that_another_plugin_runs_again_counts_once(
         "--junitxml=junit.xml",
         PYTHONPATH=str(plugin.parent),
     )
-    assert "Sensor access      14 / 20" in ran.stdout, ran.stdout + ran.stderr
+    assert "Sensor access    15.5 / 20" in ran.stdout, ran.stdout + ran.stderr
     assert (lab / "junit.xml").read_text().count('name="max_points" value="6.0"') == 2
 
 
