@@ -187,8 +187,8 @@ def test_own_checks_of_more_than_a_megabyte_and_files_that_cannot_be_read_are_na
 
 
 def test_what_is_left_over_goes_to_the_largest_remainder_and_of_equal_ones_to_the_first() -> None:
-    assert rubric_sections._shares(10.0, [1, 1, 1]) == [3.34, 3.33, 3.33]
-    assert rubric_sections._shares(5.0, [2.9, 1.3, 2.2]) == [2.27, 1.01, 1.72]
+    assert rubric_sections.divided(10.0, [1, 1, 1]) == [3.34, 3.33, 3.33]
+    assert rubric_sections.divided(5.0, [2.9, 1.3, 2.2]) == [2.27, 1.01, 1.72]
 
 
 def test_a_refusal_goes_to_another_process() -> None:
@@ -418,7 +418,7 @@ def test_checks_and_rubric_must_match() -> None:
     st.lists(st.integers(0, 100_000).map(lambda n: n / 100), min_size=1, max_size=12).filter(any),
 )
 def test_the_points_of_checks_sum_to_the_criterions(points: float, weights: list[float]) -> None:
-    shares = rubric_sections._shares(points, weights)
+    shares = rubric_sections.divided(points, weights)
     assert round(sum(shares), 2) == points
     for share, weight in zip(shares, weights, strict=True):
         assert abs(share - points * weight / sum(weights)) <= 0.010001
