@@ -26,7 +26,7 @@ _NOTHING_LEFT = 1e-3
 """Largest share of a constant input that a high-pass filter leaves in its output."""
 _WHOLE = 1e-9
 """Largest distance of a number from its rounded value for numbers that are rounded."""
-_UNUSABLE = ("a string", "a number")
+_UNUSABLE = ("a string", "a number", "a value of type")
 """Forms of an output that nobody can compute three components with."""
 _DECIMALS = range(5)
 """Numbers of decimals to which a filter may round; a finer rounding stays below `ATOL`."""
