@@ -108,7 +108,9 @@ def _choose(config: pytest.Config) -> None:
     """Run all tests for `-m full`, what is beyond a run without it for `-m slow`; leave out the slow ones where neither tests nor markers are named."""
     option = config.option
     whole_run = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not option.keyword
-    more = {"full": ALL, "quick": QUICK, "slow": f"slow and {ALL}"} | ({ALL: f"{ALL} and not slow"} if whole_run else {})
+    more = {"full": ALL, "quick": QUICK, "slow": f"slow and {ALL}"} | (
+        {ALL: f"{ALL} and not slow"} if whole_run else {}
+    )
     option.markexpr = more.get(option.markexpr, option.markexpr)
 
 
