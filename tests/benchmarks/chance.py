@@ -107,9 +107,9 @@ class Model:
         accel, gyro = (np.array([getattr(run, name)[0] for run in runs]) for name in ("accel", "gyro"))
         return NoiseRun(accel, gyro, np.zeros((0, 4)), None, None)
 
-    def default_bias(self, *, instances: int, reads: int, **_: Any) -> NoiseRun:
+    def default_bias(self, *, instances: int, **_: Any) -> NoiseRun:
         parts = [
-            clean[0] + np.repeat(self._rng.normal(0, size, (instances, 1, 3)), reads, axis=1)
+            clean[0] + np.repeat(self._rng.normal(0, size, (instances, 1, 3)), 3, axis=1)  # three reads of each
             for clean, size in zip(self._clean, (0.1, 0.01), strict=True)
         ]
         return NoiseRun(parts[0], parts[1], np.zeros((0, 4)), None, None)
