@@ -143,19 +143,14 @@ class CheckRun:
             return hidden_feedback.feedback_on(finding, self._mistakes)
         return feedback_on(finding, earlier, self._mistakes)
 
-    def other_partners(self, criterion: str) -> list[frozenset[str]]:
-        """Return which names to replace by stand-ins in further runs of a part that lost points.
+    def lost_beside_standins(self, criterion: str) -> bool:
+        """Return whether a part lost points while stand-ins were in use.
 
-        Stand-ins follow the sheet: the part may work with the student's own version of the names that they replace. Where the
-        part raises, a partner that passed its own checks may return something that this part alone cannot use.
+        Stand-ins follow the sheet; the part may work with the student's own version of the replaced names.
         """
         part = self._lab.part(criterion)
-        if part is None or criterion not in self._lab.examined or criterion not in self._lost:
-            return []
-        own = [frozenset[str]()] if part.needed else []  # plots are tried without stand-ins anyway
-        raised = any(each.feedback and each.feedback.where for each in self._of(criterion).values())
-        sound = [frozenset(name for part in self._parts_before(criterion) for name in part.names)] if raised else []
-        return [names for names in (*own, *sound) if names != frozenset(self.student.broken)]
+        needed = part is not None and part.needed and criterion in self._lab.examined
+        return bool(needed and self.student.broken) and criterion in self._lost
 
     def _parts_before(self, criterion: str) -> list[Part]:
         """Return the parts with functions that others need and that are graded before a criterion."""
@@ -225,8 +220,8 @@ class Session:
         for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
             own = list(items)
             _run(own)
-            for standins in check_run.other_partners(criterion):
-                with check_run.rerun_beside(standins, criterion):
+            if check_run.lost_beside_standins(criterion):
+                with check_run.rerun_beside((), criterion):
                     _run(own)
 
     @property
