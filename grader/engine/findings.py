@@ -116,7 +116,7 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Cost:
-    """What one fault costs at one check.
+    """Deduction of one fault at one check.
 
     Attributes
     ----------

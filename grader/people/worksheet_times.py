@@ -13,7 +13,7 @@ _MONTHS = (
 )  # fmt: skip
 """How the names of the months begin in English, German, French and Spanish."""
 LATE = re.compile(r"\b(late|verspätet|en retard|con retraso)\b", re.IGNORECASE)
-"""What the column `Status` of a worksheet says of a late submission."""
+"""Words by which the column `Status` of a worksheet marks a late submission, in four languages."""
 
 
 def local_time(text: str) -> str:

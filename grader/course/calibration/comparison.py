@@ -55,7 +55,7 @@ class ComparedCell:
 
     @property
     def kind(self) -> str:
-        """What a person calls the difference; "" where there is none."""
+        """Name of the difference, such as "missed fault" or "too hard"; "" up to a distance of `FULL`."""
         if self.distance <= FULL:
             return ""
         most = self.criterion.max_points - FULL

@@ -47,7 +47,10 @@ class Difference:
 
 @dataclass(frozen=True)
 class Summary:
-    """What the marks say about the grader. `moved` are names, present and future grades of the proposal."""
+    """Comparison of a class with the marks, for the page and the terminal.
+
+    `moved` lists whose grade the proposal would change: name, present grade, future grade.
+    """
 
     criteria: tuple[Agreement, ...]
     faults: tuple[Agreement, ...]
