@@ -88,7 +88,7 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all_as_a_spreadsheet_sa
         "8: say why in a comment of at most 2000 characters",
         "9: bob has no adjustment of sensor_access to withdraw",
     ]
-    assert run("adjust", out)[1] == ""
+    assert run("adjust", out)[1] == "no overrides on record\n"
     head, end = ("ID", "Criterion", "Points", "Comment"), ("", "", "", "")
     for points, encoding, sign in (("18", "cp1252", ";"), ("19", "utf-8-sig", ","), ("19.5", "utf-16", "\t")):
         rows = (head, *((id_, "sensor_access", points, '"für, ""später"""') for id_ in ("alice", "bob")), end)

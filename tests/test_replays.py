@@ -76,21 +76,21 @@ IDS = 'mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, "torso_{}")'
 
 
 @pytest.mark.parametrize(
-    ("mistake", "edits", "check"),
+    ("mistake", "edits", "checks"),
     [
         ("hard-coded-address", {IDS.format("accelerometer"): "2", IDS.format("gyroscope"): "4"}, "matches_truth"),
         (
             "hard-coded-timestep",
             {"dt = model.opt.timestep": "dt = 0.002", "times[i] = data.time": "times[i] = (i + 1) * dt"},
-            "sample_count",  # one number in one line costs once
+            "sample_count time_axis",
         ),
     ],
 )
 def test_what_was_learnt_by_heart_from_the_public_model_is_named(
-    marker: Marker, mistake: str, edits: dict[str, str], check: str
+    marker: Marker, mistake: str, edits: dict[str, str], checks: str
 ) -> None:
     result = marked(marker, pieces.edit(pieces.VERBATIM, "imu_reader.py", *edits.items()))
-    assert (lost(result), result.misconceptions) == ({check}, (mistake,))
+    assert (lost(result), result.misconceptions) == (set(checks.split()), (mistake,))
 
 
 @pytest.mark.parametrize("name", ["verbatim", "tidy", "listy", "looping"])

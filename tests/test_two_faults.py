@@ -20,6 +20,9 @@ from tests.single_faults import lost_by, marked
 Fault = tuple[str, str, str]
 """The name of a row of the corpus, the file that it patches, and the patch."""
 _EVERY = 200
+NOT_TO_BE_TRIED = {("misspelt-in-recording", "record-and-plot-rows")}
+"""Pairs that cost points in *Visualization*, too: the plot is made for rows of the recorder's own form, and the recorder does not
+run, so that nothing is left to try the plot with."""
 
 
 def faults(criterion: str) -> Iterator[Fault]:
@@ -63,5 +66,9 @@ def test_a_second_fault_gives_nothing_back_and_costs_nothing_elsewhere(
     both = marked(player, together(first, second) or {})
     lost, costs = lost_by(both), [lost_by(each) for each in alone]
     assert sum(lost.values()) >= max(sum(each.values()) for each in costs) - 0.01
-    assert {id_.partition(".")[0] for id_ in lost} <= {id_.partition(".")[0] for each in costs for id_ in each}
-    assert set(both.misconceptions) <= {name for each in alone for name in each.misconceptions}
+    elsewhere = {id_.partition(".")[0] for id_ in lost} - {id_.partition(".")[0] for each in costs for id_ in each}
+    if (first[0], second[0]) in NOT_TO_BE_TRIED:
+        assert elsewhere == {"visualization"}
+    else:
+        assert elsewhere == set()
+        assert set(both.misconceptions) <= {name for each in alone for name in each.misconceptions}

@@ -88,7 +88,8 @@ def _runs(frame: Frame) -> list[TiltRun]:
 
 def _run(answer: Mapping[str, Any], arrays: Mapping[str, Array]) -> TiltRun:
     odd = shape_in_words(answer["odd"], arrays) if answer["odd"] else ""
-    return TiltRun(arrays[answer["output"]], odd, Fault.of(answer["error"]))
+    output = np.zeros((0, 2)) if answer["output"] is None else arrays[answer["output"]]  # it raised before the first
+    return TiltRun(output, odd, Fault.of(answer["error"]))
 
 
 # ---- the facts
