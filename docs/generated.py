@@ -19,7 +19,7 @@ import typer
 from grader import cli
 from grader.engine import results
 from grader.engine.faults import catalogue
-from grader.engine.findings import CheckFailed, Fault, Size, raised
+from grader.engine.findings import CheckFailed, Size, StudentError, raised
 from grader.engine.lab import Part
 from grader.engine.rubric import load, shipped
 from grader.labs.imu import bundles
@@ -56,7 +56,7 @@ RUBRIC_KEYS = {
     "extensions.file": "The file that must define the extension.",
     "extensions.points": "0: reported, but not counted. Above 0: extra credit.",
     "extensions.checks": "One line `name: weight` for each check.",
-    "mistakes": "One line `fault: points` for each fault with a deduction of your own. It never exceeds the points of the check.",
+    "faults": "One line `fault: points` for each fault with a deduction of your own. It never exceeds the points of the check.",
     "limits": "Limits on the CPU time of student code.",
     "limits.call_cpu_s": "Seconds for one call.",
     "limits.submission_cpu_s": "Seconds for all calls of one submission.",
@@ -66,7 +66,7 @@ RUBRIC_KEYS = {
     "late.per_day": "Deduction for each started day: points, or a percentage of the criteria's points.",
     "late.cut_off_days": "Days after which a submission gets 0. Default: no limit.",
     "late.tz": "Time zone whose clock counts the days, for example `Europe/Berlin`. Default: a day has 24 hours.",
-    "late.extensions": "Personal due dates: one line `who: date`. `who` is an id, a name or an e-mail address.",
+    "late.due_dates": "Personal due dates: one line `who: date`. `who` is an id, a name or an e-mail address.",
     "repairs": "Repairs of files that do not run. Default: a person decides on each.",
     "repairs.apply": "`suggested`: `grade` applies an edit of one place if all edits that run earn the same grade. `none`: never.",
     "repairs.deduct": "Deduction for each repair, in points. The review desk proposes it.",
@@ -260,7 +260,7 @@ def agreement() -> str:
 # --- what programs and own checks use ---------------------------------------------------------------------------------
 
 _ASKED = (Student.read, Student.simulate, Student.noise, Student.filter)
-_RECORDS = (FilterCase, Readings, Collection, NoiseRun, FilterRun, Fault, Size)
+_RECORDS = (FilterCase, Readings, Collection, NoiseRun, FilterRun, StudentError, Size)
 
 
 def result_json() -> str:

@@ -135,9 +135,9 @@ def look_at_nothing(verdict: Verdict, result: Result, nothing: Case) -> None:
 
 
 def named(result: Result, without: Sequence[str] = ()) -> set[str]:
-    """The mistakes that the checks name, other than those of some criteria."""
+    """The faults that the checks name, other than those of some criteria."""
     checks = [check for criterion in result.criteria if criterion.id not in without for check in criterion.checks]
-    return {mistake for check in checks for mistake in check.misconceptions}
+    return {fault for check in checks for fault in check.misconceptions}
 
 
 def _look_at_names(

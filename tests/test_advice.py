@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import pytest
 
-from grader.engine.faults import Mistake, rows
+from grader.engine.faults import FaultRow, rows
 from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import edit, verbatim
 from tests.recordings import Marking
@@ -65,7 +65,7 @@ def blocks(tree: ast.AST) -> Iterator[list[ast.stmt]]:
         yield from (block for name in ("body", "orelse") if isinstance(block := getattr(node, name, None), list))
 
 
-def advised(row: Mistake) -> dict[str, str]:
+def advised(row: FaultRow) -> dict[str, str]:
     """Return the sheet's solution in which each right line takes the place of the one about the same."""
     home, function = HOMES["comparison" if row.id.startswith("comparison") else row.group]
     whole = ast.parse(SHEET[home])
@@ -130,5 +130,5 @@ def _in_constructor(line: ast.stmt, into: ast.AST) -> bool:
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.id)
-def test_who_follows_the_advice_gets_all_points(row: Mistake, player: Marking) -> None:
+def test_who_follows_the_advice_gets_all_points(row: FaultRow, player: Marking) -> None:
     assert lost_by(marked(player, advised(row))) == {}

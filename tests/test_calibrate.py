@@ -196,7 +196,7 @@ def test_a_proposal_comes_closer_to_several_marks_says_whose_grade_changes_and_c
     found = propose(RUBRIC, marked, final_grades())
     assert found is not None
     block = yaml.safe_load("\n".join(found.block()))
-    assert block == {"mistakes": {"sensor-id-as-address": 4}}  # between 6 and 3; the present value counts as two marks
+    assert block == {"faults": {"sensor-id-as-address": 4}}  # between 6 and 3; the present value counts as two marks
     assert (found.before, found.after, found.unseen) == (3.0, 1.0, 1.0)
     assert [(each.id, before, after) for each, before, after in found.moved] == [
         (f"wrong-{i}", 94.0, 96.0) for i in range(6)

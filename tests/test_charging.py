@@ -10,7 +10,7 @@ import pytest
 
 from grader.engine import feedback, hidden_feedback
 from grader.engine.charging import Part
-from grader.engine.faults import Mistake
+from grader.engine.faults import FaultRow
 from grader.engine.findings import Charge, Charged, Cost, Deviation, Size, Skipped
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.lab import LAB
@@ -64,8 +64,8 @@ for name, deviation in {
     PART.check(f"part.{name}", lab_step=1)(check_of(name, deviation))
 
 
-def row(id_: str, **more: object) -> tuple[str, Mistake]:
-    return id_, Mistake(id_, "part", f"do not {id_}", title=f"it is {id_}", **more)  # type: ignore[arg-type]
+def row(id_: str, **more: object) -> tuple[str, FaultRow]:
+    return id_, FaultRow(id_, "part", f"do not {id_}", title=f"it is {id_}", **more)  # type: ignore[arg-type]
 
 
 ROWS = dict(
@@ -153,10 +153,10 @@ def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
 def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_size_alone() -> None:
     found = Charged(PART.judge(Facts("a", "cheap"), ROWS)["part.a"])  # type: ignore[arg-type]
     public, hidden = feedback.feedback_on(found, None, ROWS), hidden_feedback.feedback_on(found, ROWS)
-    assert (public.expected, public.got, public.hint, public.mistakes) == (
+    assert (public.expected, public.got, public.hint, public.faults) == (
         "a that holds", "1.5", "do not cheap", ("cheap",)
     )  # fmt: skip
-    assert (hidden.expected, hidden.got, hidden.hint, hidden.mistakes) == (
+    assert (hidden.expected, hidden.got, hidden.hint, hidden.faults) == (
         "the same result on the hidden scenarios", "it is cheap; a is off by 0.01 to 0.1 m", "do not cheap", ("cheap",)
     )  # fmt: skip
 
@@ -175,4 +175,4 @@ def test_words_that_cannot_be_formatted_decide_nothing() -> None:
     told = feedback.feedback_on(lost, None, ROWS)
     assert (told.keeps, told.expected, told.got) == (0.75, "a that holds", "2")
     plain = feedback.feedback_on(Charged(Charge("part.a", (Cost("odd", 0.25, Deviation()),))), None, ROWS)
-    assert (plain.keeps, plain.said, plain.mistakes) == (0.75, "It is odd.", ("odd",))
+    assert (plain.keeps, plain.said, plain.faults) == (0.75, "It is odd.", ("odd",))

@@ -330,7 +330,7 @@ def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
 
 CLASS = {
     "good": result(),
-    "with mistakes": mixed(),
+    "with faults": mixed(),
     "that hangs": result(check(), check("timeout", 0.0)),
     "with hostile text": evil(),
     "empty": result(check("skipped", 0.0, message=EVIL), status="empty", notes=(EVIL,)),

@@ -357,13 +357,13 @@ def test_a_late_mark_vouches_for_those_without_one_and_a_roster_that_contradicts
     Path("roster.csv").write_text(
         "canvas_user_id,name,submitted\n101,Jane Doe,2026-10-24T18:00+02:00\n102,Roe,2026-10-24T18:00+02:00\n"
     )
-    rubric_with(Path("rub.yaml"), late_policy(f"{IN_BERLIN}, extensions: {{ROE: {LOCAL}, jim: {LOCAL}}}"))
+    rubric_with(Path("rub.yaml"), late_policy(f"{IN_BERLIN}, due_dates: {{ROE: {LOCAL}, jim: {LOCAL}}}"))
     err = run("grade", "marked.zip", "-o", "marked", "--rubric", "rub.yaml")[2]
     assert (
         "the late policy deducts nothing from doejane_101, which the platform marks as late: their time is unknown (add"
         in err
     )
-    assert "with an extension in the rubric, but no submission has this name: jim\n" in err
+    assert "with a due date in the rubric, but no submission has this name: jim\n" in err
     assert "hand-ins: their time" not in err
     assert column(Path("marked/gradebook.csv"), "final")["doejane_101"] == "100"
     unknown = "the late policy deducts nothing from 2 of 2 hand-ins: their time"

@@ -339,7 +339,7 @@ def test_one_decision_stands_for_all_of_a_group_is_shown_as_one_and_taken_back_a
     assert "2 sensor id as address" in page
     wish = [("target", ADDRESS), ("points", "6"), ("comment", "misled"), ("seen", 9)]
     fields = [*(("id", id_) for id_ in ("bob", "cyd", "ada")), *wish]
-    assert desk.post("/groups/mistake/sensor-id-as-address", fields).status == 303
+    assert desk.post("/groups/fault/sensor-id-as-address", fields).status == 303
     desk.book.settled()
     assert [row(out, id_)["final"] for id_ in ("ada", "bob", "cyd")] == ["100", "100", "100"]
     assert "(one decision for a group)" in words(desk.get("/submission/bob").text)
@@ -556,7 +556,7 @@ def test_nothing_of_a_hostile_submission_leaves_its_quotation_marks(tmp_path: Pa
 
 @pytest.mark.parametrize(
     "path",
-    ["/submission/nobody", "/groups/mistake/none", "/similar/ada/ada", "/similar/ada/zed", "/submission/..%2f..%2fetc"],
+    ["/submission/nobody", "/groups/fault/none", "/similar/ada/ada", "/similar/ada/zed", "/submission/..%2f..%2fetc"],
 )
 def test_what_is_not_there_is_said_in_one_line(still: Desk, path: str) -> None:
     answer = still.get(path)
@@ -591,7 +591,7 @@ def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.Captur
         "--take-back 1": f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n",
     }.items():
         assert run("adjust", out, *wish.split()) == (0, told, "")
-    assert "(decision 1: mistake: sensor id as address)" in run("adjust", out)[1]
+    assert "(decision 1: fault: sensor id as address)" in run("adjust", out)[1]
     none = run("adjust", out, *f"--having nothing --criterion {ADDRESS} --points 1".split())
     assert "no two submissions have this in common" in none[2]
 

@@ -1,4 +1,4 @@
-"""The four extensions: the reference's are right, sound ones of any style are passed, each known mistake is named."""
+"""The four extensions: the reference's are right, sound ones of any style are passed, each known fault is named."""
 
 from __future__ import annotations
 

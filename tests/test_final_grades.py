@@ -57,14 +57,14 @@ def test_without_a_policy_only_the_platforms_own_word_stands() -> None:
 
 @pytest.mark.parametrize("who", ["jane_1", "JANE", "j@example.edu", "s1", "101"])
 def test_an_extension_is_found_by_any_name_of_theirs_and_of_two_the_later_one_counts(who: str) -> None:
-    policy = replace(POLICY, extensions={"Jane": DUE + timedelta(days=1), who: DUE + timedelta(days=5)})
+    policy = replace(POLICY, due_dates={"Jane": DUE + timedelta(days=1), who: DUE + timedelta(days=5)})
     person = {"email": "J@example.edu", "sid": "s1", "key": "101"}
     assert handed_in(4 * 86_400, policy, **person) is None
-    assert handed_in(4 * 86_400, replace(POLICY, extensions={"other": DUE + timedelta(days=5)}), **person) is not None
+    assert handed_in(4 * 86_400, replace(POLICY, due_dates={"other": DUE + timedelta(days=5)}), **person) is not None
 
 
 def test_a_date_of_the_roster_goes_before_every_other() -> None:
-    policy = replace(POLICY, extensions={"jane": DUE + timedelta(days=5)})
+    policy = replace(POLICY, due_dates={"jane": DUE + timedelta(days=5)})
     assert handed_in(2 * 86_400, policy, DUE + timedelta(days=1)) == Lateness("2026-11-21T23:00+00:00", 86_400, 1, 10.0)
 
 

@@ -274,7 +274,7 @@ STEP = "Hold it against Step 6."
 
 @pytest.mark.quick
 @pytest.mark.parametrize(
-    ("hint", "mistakes", "said"),
+    ("hint", "faults", "said"),
     [
         ("", (), PUBLIC),
         (GraderText(STEP), (), f"{STEP} {PUBLIC}"),
@@ -286,6 +286,6 @@ STEP = "Hold it against Step 6."
         ("", ("alpha-swapped",), MISTAKES["alpha-swapped"].hint),
     ],
 )
-def test_a_hint_is_told_where_all_of_it_stands_in_our_code(hint: str, mistakes: tuple[str, ...], said: str) -> None:
-    finding = CheckFailed("0.1", "1.25", mistakes=mistakes, hint=hint, off=Size("it is off"))
+def test_a_hint_is_told_where_all_of_it_stands_in_our_code(hint: str, faults: tuple[str, ...], said: str) -> None:
+    finding = CheckFailed("0.1", "1.25", faults=faults, hint=hint, off=Size("it is off"))
     assert hidden_feedback.feedback_on(finding, MISTAKES).hint == said

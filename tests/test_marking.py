@@ -30,7 +30,7 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, mo
         check for criterion in result.criteria for check in criterion.checks if check.id == "filtering.reduces_noise"
     )
     assert (result.status, row.outcome, row.points) == ("incomplete", "not_judged", None)
-    assert row.message == "Not judged, through a fault of the grader: ZeroDivisionError: a fault of ours"
+    assert row.message == "Not judged, because the grader failed: ZeroDivisionError: a fault of ours"
 
 
 def test_checks_and_rubric_hold_the_same_ids() -> None:

@@ -77,7 +77,7 @@ def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_f
     assert len(cases) == len([check for part in load(LAB).criteria for check in part.checks])
     lost = cases["imu_reader.sensor_access.follows_address"]
     told = {prop.get("name"): prop.get("value") for prop in lost._elem.iter("property")}
-    facts = {"points": "3.0", "max_points": "6.0", "misconception": "sensor-id-as-address"}
+    facts = {"points": "3.0", "max_points": "6.0", "fault": "sensor-id-as-address"}
     assert told.items() >= facts.items()
     assert lost.result[0].message.startswith("accel = ")
     skipped = cases["filters.filtering.passes_constant"].result[0]

@@ -32,7 +32,7 @@ from tests.rubrics import SHIPPED, edited
 LATE = "late: {due: 2026-11-20T23:59+01:00, per_day: 10}\n"
 SOON = ("call_cpu_s: 10", "call_cpu_s: 1"), ("submission_cpu_s: 120", "submission_cpu_s: 6")
 """An endless loop is one of the examples, and this is no test of how long it may take."""
-PRICES = ("limits:", "mistakes: {sensor-id-as-address: 4, no-units: 0.5, never-returns: 1}\nlimits:")
+PRICES = ("limits:", "faults: {sensor-id-as-address: 4, no-units: 0.5, never-returns: 1}\nlimits:")
 CHANGES = {
     "weights and prices": (("follows_address: 6", "follows_address: 5"), ("time_axis: 3", "time_axis: 7.5"), PRICES),
     "points and bonuses": (
@@ -130,11 +130,11 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
         assert store.final_grades() == before
 
 
-# ---- what a mistake costs ----
+# ---- what a fault costs ----
 
 
 @pytest.mark.parametrize(
-    ("keeps", "mistakes", "left"),
+    ("keeps", "faults", "left"),
     [
         (0.0, ("sensor-id-as-address",), 2.0),
         (0.5, ("sensor-id-as-address",), 2.0),
@@ -144,11 +144,9 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
         (0.5, (), 3.0),
     ],
 )
-def test_a_mistake_with_a_price_costs_that_within_its_check(
-    keeps: float, mistakes: tuple[str, ...], left: float
-) -> None:
-    by = rubric.parse(LAB, (SHIPPED + "mistakes: {sensor-id-as-address: 4, raises: 0.5, swapped-sensors: 90}").encode())
-    row = lost(id="sensor_access.follows_address", keeps=keeps, misconceptions=mistakes)
+def test_a_fault_with_a_price_costs_that_within_its_check(keeps: float, faults: tuple[str, ...], left: float) -> None:
+    by = rubric.parse(LAB, (SHIPPED + "faults: {sensor-id-as-address: 4, raises: 0.5, swapped-sensors: 90}").encode())
+    row = lost(id="sensor_access.follows_address", keeps=keeps, misconceptions=faults)
     whole = found("s02-vectorised")
     rows = tuple(row if check.id == row.id else check for check in whole.criteria[0].checks)
     first = replace(whole.criteria[0], checks=rows)

@@ -76,7 +76,7 @@ IDS = 'mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, "torso_{}")'
 
 
 @pytest.mark.parametrize(
-    ("mistake", "edits", "checks"),
+    ("fault", "edits", "checks"),
     [
         ("hard-coded-address", {IDS.format("accelerometer"): "2", IDS.format("gyroscope"): "4"}, "matches_truth"),
         (
@@ -87,10 +87,10 @@ IDS = 'mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, "torso_{}")'
     ],
 )
 def test_what_was_learnt_by_heart_from_the_public_model_is_named(
-    marker: Marker, mistake: str, edits: dict[str, str], checks: str
+    marker: Marker, fault: str, edits: dict[str, str], checks: str
 ) -> None:
     result = marked(marker, pieces.edit(pieces.VERBATIM, "imu_reader.py", *edits.items()))
-    assert (lost(result), result.misconceptions) == (set(checks.split()), (mistake,))
+    assert (lost(result), result.misconceptions) == (set(checks.split()), (fault,))
 
 
 @pytest.mark.parametrize("name", ["verbatim", "tidy", "listy", "looping"])

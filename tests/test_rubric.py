@@ -88,15 +88,15 @@ def test_the_late_policy_in_the_shipped_files_comment_is_one_and_of_one_only_the
     assert percentage == rubric.LatePolicy(due, 43_200.0, 2.5, None, {})
 
 
-# ---- the price of mistakes ----
+# ---- the price of faults ----
 
 
-def test_mistakes_cost_what_the_rubric_says_in_whichever_order() -> None:
+def test_faults_cost_what_the_rubric_says_in_whichever_order() -> None:
     one, other, dearer = (
-        read(SHIPPED + f"mistakes: {{{prices}}}\n")
+        read(SHIPPED + f"faults: {{{prices}}}\n")
         for prices in ("no-bias: 1.5, bias-shared: 0", "bias-shared: 0, no-bias: 1.5", "no-bias: 2, bias-shared: 0")
     )
-    assert one.mistakes == other.mistakes == {"no-bias": 1.5, "bias-shared": 0.0}
+    assert one.faults == other.faults == {"no-bias": 1.5, "bias-shared": 0.0}
     assert one.sha256 == other.sha256
     assert len({one.sha256, dearer.sha256, rubric.load(LAB).sha256}) == 3
     assert one.asked_sha256 == rubric.load(LAB).asked_sha256
@@ -260,9 +260,9 @@ late:
   grace_minutes: -1  # grace_minutes must be a number from 0 to 100000, not '-1'; correct it
   cut_off_days: soon  # cut_off_days must be a number from 0 to 1000, not 'soon'; correct it
   tz: Europe/Berlon  # there is no time zone 'Europe/Berlon'; name one like Europe/Berlin
-  extensions: {jane: tomorrow}
-    # the extension of jane must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'tomorrow'
-mistakes:
+  due_dates: {jane: tomorrow}
+    # the due date of jane must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'tomorrow'
+faults:
   sensor-id-as-adress: 1
     # there is no fault 'sensor-id-as-adress' (did you mean sensor-id-as-address?); `imugrade explain` lists them
   reading-clipped: 1  # the fault 'reading-clipped' is no longer told apart: sensor_access.matches_truth deducts for it
@@ -352,9 +352,9 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
     [
         ("", "late:\n  grace_minutes: 5", "late has no key `due`; add it"),
         ("", f"late:\n  {DUE}\n  per_day: 7.125", "per_day must have at most two decimals, not '7.125'; round it"),
-        ("", f"late:\n  {DUE}\n  extensions: [jane]", "extensions must be `who: date` lines; who is an id, a name or an e-mail"
+        ("", f"late:\n  {DUE}\n  due_dates: [jane]", "due_dates must be `who: date` lines; who is an id, a name or an e-mail"
          " address"),
-        ("", "mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),
+        ("", "faults: [no-bias]", "faults must be `name: points` lines; `imugrade explain` lists the names"),
         ("", "repairs: {apply: always, deduct: 5}", "apply must be suggested or none, not 'always'"),
         ("", "repairs: {apply: suggested}", "repairs has no key `deduct`; add it"),
         ("call_cpu_s: 10", "call_cpu_s: 0.09", "call_cpu_s must be a number from 0.1 to 1000, not '0.09'; correct it"),

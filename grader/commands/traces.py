@@ -77,7 +77,7 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: 
         for scenario in ("push", "push_dirty"):
             try:
                 series = measure.asked(student, traces, scenario)  # type: ignore[arg-type] # this lab's own
-                raised(series.fault, "collecting data")
+                raised(series.error, "collecting data")
                 own[scenario] = series
             except (Missing, NoAnswer, Raised) as why:
                 say(f"{scenario}: {why}")

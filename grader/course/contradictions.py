@@ -61,7 +61,7 @@ def contradictions(
 def _of_submission(final_grade: FinalGrade) -> Iterator[Contradiction]:
     name, id_ = words.distinct(final_grade), final_grade.id
     if final_grade.final is None and not final_grade.unseen:
-        yield Contradiction("not judged", id_, f"{name}: not judged, through a fault of the grader; grade it again")
+        yield Contradiction("not judged", id_, f"{name}: not judged, because the grader failed; grade it again")
     above = final_grade.above_maximum()
     for each in above:
         yield Contradiction("above maximum", id_, f"{name}: {_above_its_maximum(final_grade, each)}")

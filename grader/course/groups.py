@@ -15,7 +15,7 @@ from grader.engine.rubric_nodes import guess_at
 from grader.people.final_grade import Adjustment, FinalGrade
 from grader.report import words
 
-MISTAKE, CHECK, ALIKE = "mistake", "check", "alike"
+FAULT, CHECK, ALIKE = "fault", "check", "alike"
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Group:
 
     @property
     def what(self) -> str:
-        """Return the subject of a decision on this group, such as ``mistake: <title>``."""
-        kind = {MISTAKE: "mistake", CHECK: "lost", ALIKE: "alike"}[self.kind]
+        """Return the subject of a decision on this group, such as ``fault: <title>``."""
+        kind = {FAULT: "fault", CHECK: "lost", ALIKE: "alike"}[self.kind]
         return printable(f"{kind}: {self.title}", 200)
 
 
@@ -51,18 +51,18 @@ class Decision:
 
 def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
     """Return the groups with two members or more: by fault and by failed check; largest first."""
-    mistakes: dict[str, dict[str, list[CheckResult]]] = {}
+    faults: dict[str, dict[str, list[CheckResult]]] = {}
     checks: dict[str, dict[str, list[CheckResult]]] = {}
     for id_, final_grade in final_grades.items():
         for check in _lost(final_grade.result):
             checks.setdefault(check.id, {})[id_] = [check]
-            for mistake in check.misconceptions:
-                mistakes.setdefault(mistake, {}).setdefault(id_, []).append(check)
+            for fault in check.misconceptions:
+                faults.setdefault(fault, {}).setdefault(id_, []).append(check)
     found = [
-        *(_group(MISTAKE, id_, words.misconception(id_), members) for id_, members in mistakes.items()),
+        *(_group(FAULT, id_, words.fault_in_words(id_), members) for id_, members in faults.items()),
         *(_group(CHECK, id_, _titles(members), members) for id_, members in checks.items()),
     ]
-    order = (MISTAKE, CHECK)
+    order = (FAULT, CHECK)
     several = [group for group in found if len(group.ids) > 1]
     return sorted(several, key=lambda group: (order.index(group.kind), -len(group.ids), group.title))
 

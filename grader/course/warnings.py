@@ -44,8 +44,8 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
     known = {text.casefold() for person in people for text in person.called}
     known |= {id_.casefold() for id_ in final_grades}
     yield from named_lines(
-        "with an extension in the rubric, but no submission has this name",
-        [who for who in policy.extensions if who.casefold() not in known],
+        "with a due date in the rubric, but no submission has this name",
+        [who for who in policy.due_dates if who.casefold() not in known],
     )
 
 

@@ -10,7 +10,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.course import adjusting
 from grader.course.adjusting import OverrideRequest
-from grader.course.groups import CHECK, MISTAKE, Group, decisions, groups, similar_group
+from grader.course.groups import CHECK, FAULT, Group, decisions, groups, similar_group
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
@@ -22,7 +22,7 @@ from grader.people.final_grade import BONUS, TOTAL
 def show_all(book: Classbook, web_request: WebRequest) -> Response:
     """Return the page with all groups and the decisions on them."""
     found = groups(book.final_grades())
-    kinds = {MISTAKE: "Same fault", CHECK: "Same failed check"}
+    kinds = {FAULT: "Same fault", CHECK: "Same failed check"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
     return framed(
         book,

@@ -69,7 +69,7 @@ def class_page(book: Classbook, web_request: WebRequest) -> Response:
         entries=entries,
         waiting=waiting,
         find=printable(web_request.text("find"), 200),
-        filters=overview.filters(entries, overview.mistakes(everybody), checks),
+        filters=overview.filters(entries, overview.common_faults(everybody), checks),
         numbers=overview.numbers(entries),
         contradictions=contradictions(book.final_grades(), book.store.settings()),
     )

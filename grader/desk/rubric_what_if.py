@@ -107,8 +107,8 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
         given=lambda name, value: web_request.text(name) or ("" if _is_late(name) and name in typed else value),
         late=_late_fields(base),
         errors=errors,
-        mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
-        prices=base.mistakes,
+        faults=[(id_, words.fault_in_words(id_), count) for id_, count in made.most_common()],
+        prices=base.faults,
         preview=preview,
         problem=problem,
         other=digests != {base.sha256},
@@ -144,7 +144,7 @@ def _changed(book: Classbook, web_request: WebRequest) -> tuple[Rubric, str]:
         data["extra_credit"]["cap"] = _number(fields["cap"])
     priced = {name.removeprefix("price:"): _number(text) for name, text in fields.items() if name.startswith("price:")}
     if priced:
-        data["mistakes"] = {**(data.get("mistakes") or {}), **priced}
+        data["faults"] = {**(data.get("faults") or {}), **priced}
     model = data.get("model") or {}
     if model.get("path"):
         model["path"] = str(((base.folder or Path()) / model["path"]).absolute())
@@ -212,7 +212,7 @@ def _errors(web_request: WebRequest) -> dict[str, str]:
 def _without_places(problem: str) -> str:
     """Return what is wrong with a rubric without lines of the file that was made of the form, and in words."""
     message = re.sub(r"^what was entered(:\d+)?: ", "", problem, flags=re.MULTILINE)
-    return re.sub(r"\b[a-z]+(-[a-z]+)+\b", lambda found: words.misconception(found[0]), message)
+    return re.sub(r"\b[a-z]+(-[a-z]+)+\b", lambda found: words.fault_in_words(found[0]), message)
 
 
 def _number(text: str) -> float | int | str:

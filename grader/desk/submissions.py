@@ -174,7 +174,7 @@ def _page(
         status=_WITHOUT if final_grade.has_no_submission else words.STATUS[result.status],
         late=words.late(final_grade),
         notes=words.notes(result),
-        mistakes=[words.misconception(id_) for id_ in result.misconceptions],
+        faults=[words.fault_in_words(id_) for id_ in result.misconceptions],
         parts=shown_parts,
         comments=_comments(book),
         keys=_keys(shown_parts if marked else (), requests),

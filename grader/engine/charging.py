@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol, TypeVar
 
 from grader.engine.check_catalog import Check, title_of
-from grader.engine.faults import Mistake, rows
+from grader.engine.faults import FaultRow, rows
 from grader.engine.findings import Charge, Charged, Cost, Deviation
 from grader.engine.hypothesis import Reason, explain
 from grader.engine.lab import Lab
@@ -77,7 +77,7 @@ class Part(Generic[Facts]):
         """Measure the submission and return the charge, or the exception, of each check that is not passed."""
         return self.judge(self.measure(student, truth), rows(self.lab))
 
-    def judge(self, facts: Facts, table: Mapping[str, Mistake]) -> Mapping[str, Charge | Exception]:
+    def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
         """Return the charge of each check that is not passed, or the exception that kept it from being judged."""
         stopped = {self._full(name): finding for name, finding in facts.stopped.items()}
         off: dict[str, Deviation] = {}
@@ -104,7 +104,7 @@ class Part(Generic[Facts]):
                 found.setdefault(reason.cause, {})[name] = off[name]
         return dict(found)
 
-    def _charges(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, Mistake]) -> Mapping[str, Charge]:
+    def _charges(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, FaultRow]) -> Mapping[str, Charge]:
         """Return what each check is charged: every share of every fault, and each deviation that no fault lists."""
         shares = {fault: self._shares(table[fault], seen) for fault, seen in faults.items()}
         for name in self.checks:
@@ -125,7 +125,7 @@ class Part(Generic[Facts]):
                     charges[name] = replace(before, see=see)
         return charges
 
-    def _shares(self, row: Mistake, seen: Seen) -> Mapping[str, float]:
+    def _shares(self, row: FaultRow, seen: Seen) -> Mapping[str, float]:
         """Return the share of points that a fault costs at each check of this criterion; 0 at one that only shows it.
 
         A row that lists no share costs what the checks say through which the fault was found.

@@ -1,7 +1,7 @@
 """Run the checks with pytest: the decorator that makes a function a check, and the session that judges a submission.
 
 A check is a function that returns if all its points are earned and raises a finding otherwise (`findings`). Any other exception
-is a fault of the grader: the check is then not judged, and never counted as zero.
+is a failure of the grader: the check is then not judged, and never counted as zero.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class CheckRun:
         self, lab: Lab, student: SubmissionSession, truth: Traces, only: str | None, look: PublicSession | None = None
     ) -> None:
         self.student, self.truth, self._only = student, truth, only
-        self._lab, self._mistakes, self._look = lab, rows(lab), look
+        self._lab, self._faults, self._look = lab, rows(lab), look
         self._secret = truth.name != "public"
         self._attempted = {bonus.id for bonus in lab.bonuses if bonus.attempted_in(student.files)}
         # Title of the check that reported a cause first, by the cause's key; later checks refer to that check.
@@ -115,7 +115,7 @@ class CheckRun:
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours)
 
     def _verdict(self, this: Check, ended: BaseException | None) -> Feedback | None:
-        """Return the feedback on how a check ended; None if the end is a fault of the grader."""
+        """Return the feedback on how a check ended; None if the end is a failure of the grader."""
         if ended is None:
             return Feedback("passed", 1.0, "")
         if not isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
@@ -140,8 +140,8 @@ class CheckRun:
             and earlier is None
             and isinstance(finding, Charged | CheckFailed | Skipped | Raised | NoAnswer)
         ):
-            return hidden_feedback.feedback_on(finding, self._mistakes)
-        return feedback_on(finding, earlier, self._mistakes)
+            return hidden_feedback.feedback_on(finding, self._faults)
+        return feedback_on(finding, earlier, self._faults)
 
     def lost_beside_standins(self, criterion: str) -> bool:
         """Return whether a part lost points while stand-ins were in use.

@@ -14,12 +14,12 @@ from typing import Any
 import yaml
 
 from grader.base.errors import GraderError
-from grader.engine.findings import Fault
+from grader.engine.findings import StudentError
 from grader.engine.lab import Lab
 
 
 @dataclass(frozen=True)
-class Mistake:
+class FaultRow:
     """One row of the fault table.
 
     Attributes
@@ -46,14 +46,14 @@ class Mistake:
     deducts: Mapping[str, float] = field(default_factory=dict)
     formerly: tuple[str, ...] = ()
 
-    def shown_by(self, fault: Fault) -> bool:
-        """Return whether an exception shows this mistake: of ``types``, about ``names``, in a ``line`` that the pattern matches.
+    def shown_by(self, error: StudentError) -> bool:
+        """Return whether an exception shows this fault: of ``types``, about ``names``, in a ``line`` that the pattern matches.
 
         The text of the exception plays no part: it differs between versions of Python and of the libraries.
         """
-        if fault.type not in self.raised.get("types", ()) or fault.name not in self.raised.get("names", (fault.name,)):
+        if error.type not in self.raised.get("types", ()) or error.name not in self.raised.get("names", (error.name,)):
             return False
-        return re.search(self.raised.get("line", ""), fault.text or "") is not None
+        return re.search(self.raised.get("line", ""), error.text or "") is not None
 
 
 NEEDED = (
@@ -64,7 +64,7 @@ NEEDED = (
 
 
 @functools.cache
-def rows(lab: Lab) -> Mapping[str, Mistake]:
+def rows(lab: Lab) -> Mapping[str, FaultRow]:
     """Return the rows of a lab's table by id: one for each fault, and one for each check, used if no fault is known.
 
     Raises
@@ -75,13 +75,13 @@ def rows(lab: Lab) -> Mapping[str, Mistake]:
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (lab.folder / "faults.yaml").read_text(encoding="utf-8")
     groups = yaml.load(text, Loader=loader)
-    found = {key: Mistake(key, group, **entry) for group, entries in groups.items() for key, entry in entries.items()}
+    found = {key: FaultRow(key, group, **entry) for group, entries in groups.items() for key, entry in entries.items()}
     if missing := [id_ for id_ in NEEDED if id_ not in found]:
         raise GraderError(f"faults.yaml of {lab.label} lacks {', '.join(missing)}")
     return found
 
 
 @functools.cache
-def catalogue(lab: Lab) -> Mapping[str, Mistake]:
+def catalogue(lab: Lab) -> Mapping[str, FaultRow]:
     """Return the rows that have an explanation, and so a public name."""
     return {id_: row for id_, row in rows(lab).items() if row.explanation}

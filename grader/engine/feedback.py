@@ -1,4 +1,4 @@
-"""Feedback texts: turn a finding into the message, the hint and the mistakes that a student reads."""
+"""Feedback texts: turn a finding into the message, the hint and the faults that a student reads."""
 
 from __future__ import annotations
 
@@ -9,8 +9,19 @@ from dataclasses import dataclass
 
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.base.text import printable
-from grader.engine.faults import Mistake
-from grader.engine.findings import Charge, Charged, CheckFailed, Cost, Fault, Missing, Raised, Skipped, Unusable, Where
+from grader.engine.faults import FaultRow
+from grader.engine.findings import (
+    Charge,
+    Charged,
+    CheckFailed,
+    Cost,
+    Missing,
+    Raised,
+    Skipped,
+    StudentError,
+    Unusable,
+    Where,
+)
 from grader.engine.load_report import not_handed_in
 from grader.engine.results import Outcome, message_of
 from grader.engine.submission_session import AVAILABLE_PACKAGES
@@ -24,7 +35,7 @@ class Feedback:
     keeps: float
     said: str = ""
     hint: str = ""
-    mistakes: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
     expected: str = ""
     got: str = ""
     where: Where | None = None
@@ -36,23 +47,23 @@ class Feedback:
         return message_of(self.said, self.expected, self.got)
 
 
-def feedback_on(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Feedback:
+def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback for the finding that ended a check.
 
     Parameters
     ----------
     finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
     earlier : title of an earlier check whose feedback reports the same cause (see `cause_key`), or None
-    mistakes : the rows of the lab's fault table
+    table : the rows of the lab's fault table
     """
     if isinstance(finding, Charged):
-        return _charged(finding.charge, mistakes)
+        return _charged(finding.charge, table)
     if isinstance(finding, Skipped):
         return Feedback("skipped", 0.0, f"Needs {finding}.")
     if earlier is not None:
         return not_reached(earlier)
     if isinstance(finding, CheckFailed):
-        return _lost(finding, mistakes)
+        return _lost(finding, table)
     if isinstance(finding, Missing):
         return Feedback(
             "failed",
@@ -60,13 +71,13 @@ def feedback_on(finding: BaseException, earlier: str | None, mistakes: Mapping[s
             expected=finding.name,
             got=str(finding),
             where=finding.where,
-            hint=mistakes[finding.mistake].hint,
-            mistakes=(finding.mistake,),
+            hint=table[finding.fault].hint,
+            faults=(finding.fault,),
         )
     if isinstance(finding, Raised):
-        return _raised(finding, mistakes)
+        return _raised(finding, table)
     assert isinstance(finding, NoAnswer)
-    return _no_answer(finding, mistakes)
+    return _no_answer(finding, table)
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
@@ -99,12 +110,12 @@ def no_more(charge: Charge) -> Feedback:
     return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{charge.see}”.")
 
 
-def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
+def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a charge, in the words of its first fault."""
     if not charge.costs:
         return no_more(charge)
     said, expected, got = _words(charge.check, charge.costs[0], rows)
-    places = [cost.shown.fault.at for cost in charge.costs if cost.shown.fault]
+    places = [cost.shown.error.at for cost in charge.costs if cost.shown.error]
     return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
@@ -113,11 +124,11 @@ def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
         got=got,
         where=next(iter(places), None),
         hint=hint_of(charge, rows),
-        mistakes=public(charge, rows),
+        faults=public(charge, rows),
     )
 
 
-def _words(check: str, cost: Cost, rows: Mapping[str, Mistake]) -> tuple[str, str, str]:
+def _words(check: str, cost: Cost, rows: Mapping[str, FaultRow]) -> tuple[str, str, str]:
     """Return a sentence, or what was expected and what came: as the fault's row says it, else as the check's does.
 
     A text that cannot be made of these numbers is left out; it decides nothing.
@@ -133,20 +144,20 @@ def _words(check: str, cost: Cost, rows: Mapping[str, Mistake]) -> tuple[str, st
     return f"{title[:1].upper()}{title[1:]}.", "", ""
 
 
-def hint_of(charge: Charge, rows: Mapping[str, Mistake]) -> str:
+def hint_of(charge: Charge, rows: Mapping[str, FaultRow]) -> str:
     """Return the hints of the faults in a charge, as one text."""
     return " ".join(dict.fromkeys(rows[cost.row].hint for cost in charge.costs))
 
 
-def public(charge: Charge, rows: Mapping[str, Mistake]) -> tuple[str, ...]:
+def public(charge: Charge, rows: Mapping[str, FaultRow]) -> tuple[str, ...]:
     """Return the ids of the faults in a charge that have a public name."""
     return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 
-def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
+def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a check that failed by itself, such as an instructor's own check."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
-    hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes) or STEP_BY_STEP
+    hint = finding.hint or " ".join(table[m].hint for m in finding.faults) or STEP_BY_STEP
     return Feedback(
         outcome,
         finding.keeps,
@@ -154,61 +165,61 @@ def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
         got=finding.got,
         where=finding.where,
         hint=hint,
-        mistakes=finding.mistakes,
+        faults=finding.faults,
     )
 
 
-def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Feedback:
+def _raised(finding: Raised, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on an exception of the student's code."""
-    fault = finding.fault
-    place = f" at {fault.where}" if fault.where else ""
-    said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
-    if fault.type == "ModuleNotFoundError":
+    error = finding.error
+    place = f" at {error.where}" if error.where else ""
+    said = f"{_exception_name(error)}: {printable(error.message, 300)}"
+    if error.type == "ModuleNotFoundError":
         said += AVAILABLE_PACKAGES
-    said += not_handed_in(fault)
-    mistake = mistake_of(fault, mistakes)
+    said += not_handed_in(error)
+    fault = fault_of(error, table)
     return Feedback(
         "error",
         0.0,
         expected=f"no exception while {finding.doing}",
-        got="\n".join([f"{said}{place}", *fault.lines]),
-        where=fault.at,
-        hint=mistakes[mistake].hint,
-        mistakes=(mistake,),
+        got="\n".join([f"{said}{place}", *error.lines]),
+        where=error.at,
+        hint=table[fault].hint,
+        faults=(fault,),
     )
 
 
-def _exception_name(fault: Fault) -> str:
+def _exception_name(error: StudentError) -> str:
     """Return the name of a built-in exception type; a student's own type could have any name and is "an exception"."""
-    known = getattr(builtins, fault.type, None)
-    return fault.type if isinstance(known, type) and issubclass(known, BaseException) else "an exception"
+    known = getattr(builtins, error.type, None)
+    return error.type if isinstance(known, type) and issubclass(known, BaseException) else "an exception"
 
 
-def mistake_of(fault: Fault, mistakes: Mapping[str, Mistake]) -> str:
+def fault_of(error: StudentError, table: Mapping[str, FaultRow]) -> str:
     """Return the id of the first row of the table that an exception shows, else ``raises``."""
-    if fault.type == "ModuleNotFoundError":
+    if error.type == "ModuleNotFoundError":
         return "missing-package"
-    return next((id_ for id_, each in mistakes.items() if each.shown_by(fault)), "raises")
+    return next((id_ for id_, each in table.items() if each.shown_by(error)), "raises")
 
 
-def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
+def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a call that timed out, crashed or gave no valid answer."""
     if isinstance(finding, TimedOut):
-        return no_answer("timeout", f"none: {printable(str(finding), 200)}", ("never-returns",), mistakes)
+        return no_answer("timeout", f"none: {printable(str(finding), 200)}", ("never-returns",), table)
     if isinstance(finding, Crashed):
-        return no_answer("crashed", f"none: {printable(str(finding), 200)}", ("kills-its-process",), mistakes)
+        return no_answer("crashed", f"none: {printable(str(finding), 200)}", ("kills-its-process",), table)
     assert isinstance(finding, Malformed)
     named = ("tampering",) if "the worker code was changed" in str(finding) else ()
     got = "an answer that the grader cannot read"
     hint = NOT_UNDERSTOOD.hint
-    return Feedback("crashed", 0.0, expected="an answer", got=got, hint=hint, mistakes=named, not_understood=not named)
+    return Feedback("crashed", 0.0, expected="an answer", got=got, hint=hint, faults=named, not_understood=not named)
 
 
-def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Feedback:
+def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback for an answer that did not come."""
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
-    hint = " ".join(mistakes[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
-    return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, mistakes=named)
+    hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
+    return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, faults=named)
 
 
 NOT_UNDERSTOOD = Feedback(

@@ -22,7 +22,7 @@ class Where:
 
 
 @dataclass(frozen=True)
-class Fault:
+class StudentError:
     """An exception raised by the student's code, with its place in their file."""
 
     type: str
@@ -34,7 +34,7 @@ class Fault:
     path: str | None = None
 
     @classmethod
-    def of(cls, facts: Mapping[str, Any] | None) -> Fault | None:
+    def of(cls, facts: Mapping[str, Any] | None) -> StudentError | None:
         if not facts:
             return None
         known = {key: facts.get(key) for key in cls.__dataclass_fields__}
@@ -104,13 +104,13 @@ class Deviation:
     share : share of the check's points that is lost if no row lists another
     affected : affected fraction of the property, such as one of two sensors; each share is multiplied by it
     size : size of the error, shown in place of the numbers for a hidden scenario
-    fault : the exception that caused it
+    error : the exception that caused it
     """
 
     numbers: Mapping[str, object] = field(default_factory=dict)
     share: float = 1.0
     size: Size | None = None
-    fault: Fault | None = None
+    error: StudentError | None = None
     affected: float = 1.0
 
 
@@ -168,11 +168,11 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
     Parameters
     ----------
     expected, got : the expected and the actual result: number, unit and place
-    mistakes : ids of the mistakes that the measurement shows; empty if it shows none
+    faults : ids of the faults that the measurement shows; empty if it shows none
     keeps : share of the points that is still earned, 0 to 1
-    hint : hint to show instead of those of the mistakes; for a hidden scenario it is shown only if it is `GraderText`
+    hint : hint to show instead of those of the faults; for a hidden scenario it is shown only if it is `GraderText`
     off : size of the error, shown in place of the data for a hidden scenario
-    fault : the exception that caused it; gives the place
+    error : the exception that caused it; gives the place
     """
 
     def __init__(
@@ -180,16 +180,16 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
         expected: str,
         got: str,
         *,
-        mistakes: Sequence[str] = (),
+        faults: Sequence[str] = (),
         keeps: float = 0.0,
         hint: str = "",
         off: Size | None = None,
-        fault: Fault | None = None,
+        error: StudentError | None = None,
     ) -> None:
         super().__init__(f"expected {expected}; got {got}")
         self.expected, self.got, self.off = expected, got, off
-        self.mistakes, self.keeps, self.hint = tuple(mistakes), keeps, hint
-        self.where = fault.at if fault else None
+        self.faults, self.keeps, self.hint = tuple(faults), keeps, hint
+        self.where = error.at if error else None
 
 
 class Unusable(CheckFailed):
@@ -203,20 +203,20 @@ class Skipped(Exception):  # noqa: N818 - an outcome
 class Raised(Exception):  # noqa: N818 - an outcome
     """The student's code raised on valid input."""
 
-    def __init__(self, fault: Fault, doing: str) -> None:
-        super().__init__(f"{fault.type}: {fault.message}")
-        self.fault, self.doing = fault, doing
+    def __init__(self, error: StudentError, doing: str) -> None:
+        super().__init__(f"{error.type}: {error.message}")
+        self.error, self.doing = error, doing
 
 
-def raised(fault: Fault | None, doing: str) -> None:
+def raised(error: StudentError | None, doing: str) -> None:
     """Stop the check if the student's code raised while `doing` (``reading the sensors``)."""
-    if fault is not None:
-        raise Raised(fault, doing)
+    if error is not None:
+        raise Raised(error, doing)
 
 
 class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not a grader error
     """A required name is not defined: its file is missing, does not import, or does not define it."""
 
-    def __init__(self, name: str, mistake: str, message: str, where: Where | None = None) -> None:
+    def __init__(self, name: str, fault: str, message: str, where: Where | None = None) -> None:
         super().__init__(message)
-        self.name, self.mistake, self.where = name, mistake, where
+        self.name, self.fault, self.where = name, fault, where

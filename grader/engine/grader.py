@@ -267,7 +267,7 @@ class Marker:
             return found(outcome="skipped", said=_NOTHING[status], keeps=0.0)
         if judgement is None or judgement.feedback is None:
             trouble = judgement.trouble if judgement else "the check did not run"
-            said = "Not judged, through a fault of the grader" + (f": {printable(trouble, 300)}" if trouble else "")
+            said = "Not judged, because the grader failed" + (f": {printable(trouble, 300)}" if trouble else "")
             return found(outcome="not_judged", said=said)
         feedback = judgement.feedback
         return found(
@@ -277,7 +277,7 @@ class Marker:
             got=feedback.got,
             where=feedback.where,
             hint=feedback.hint,
-            misconceptions=feedback.mistakes,
+            misconceptions=feedback.faults,
             duration_s=0.0 if self._secret else round(judgement.duration_s, 4),
             keeps=feedback.keeps,
             not_understood=feedback.not_understood,
@@ -299,7 +299,7 @@ class Marker:
 
 
 def _as_far_as_it_came(result: Result) -> Result:
-    """Reword the rows of unjudged checks: they were stopped by an interrupt, not by a fault of the grader."""
+    """Reword the rows of unjudged checks: they were stopped by an interrupt, not by a failure of the grader."""
 
     def reached(check: CheckResult) -> CheckResult:
         return check.with_message("the check was stopped before them") if check.outcome == "not_judged" else check

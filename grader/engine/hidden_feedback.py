@@ -11,8 +11,8 @@ from collections.abc import Mapping
 
 from grader.base.errors import Crashed, NoAnswer, TimedOut
 from grader.engine import feedback
-from grader.engine.faults import Mistake
-from grader.engine.feedback import Feedback, hint_of, mistake_of, no_answer, no_more, public
+from grader.engine.faults import FaultRow
+from grader.engine.feedback import Feedback, fault_of, hint_of, no_answer, no_more, public
 from grader.engine.findings import Charge, Charged, CheckFailed, GraderText, Missing, Raised, Skipped
 from grader.engine.results import Outcome
 
@@ -31,25 +31,25 @@ _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
 
 def feedback_on(
-    finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]
+    finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, table: Mapping[str, FaultRow]
 ) -> Feedback:
     """Return the feedback for the finding that ended a check."""
     if isinstance(finding, Charged):
-        return _charged(finding.charge, mistakes)
+        return _charged(finding.charge, table)
     if isinstance(finding, CheckFailed):
-        return _lost(finding, mistakes)
+        return _lost(finding, table)
     if isinstance(finding, Skipped):
         return Feedback("skipped", 0.0, f"Needs {finding}.")
     if isinstance(finding, Raised):
         kind = _kind(finding)
-        if kind == "TypeError" and not finding.fault.line:
+        if kind == "TypeError" and not finding.error.line:
             kind += " in the call itself, before a line of yours ran: compare its parameters with the sheet's"
-        id_ = mistake_of(finding.fault, mistakes)
-        hint = f"{mistakes[id_].hint} {_PUBLIC}"
+        id_ = fault_of(finding.error, table)
+        hint = f"{table[id_].hint} {_PUBLIC}"
         return Feedback(
-            "error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, mistakes=(id_,)
+            "error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, faults=(id_,)
         )
-    return _no_answer(finding, mistakes)
+    return _no_answer(finding, table)
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
@@ -65,30 +65,30 @@ def missing(finding: Missing, public: Missing | None) -> Missing:
     """Replace a finding of a process with hidden data by the one from public data, or by a constant message."""
     if public is not None:
         return public
-    return Missing(finding.name, finding.mistake, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")
+    return Missing(finding.name, finding.fault, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")
 
 
 def _kind(finding: Raised) -> str:
-    return finding.fault.type if finding.fault.type in _TOLD_TYPES else "an exception"
+    return finding.error.type if finding.error.type in _TOLD_TYPES else "an exception"
 
 
-def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
+def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a failed check: the titles of its faults and the order of magnitude of the error."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
-    kinds = [mistakes[id_].title for id_ in finding.mistakes]
+    kinds = [table[id_].title for id_ in finding.faults]
     got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or _DOES_NOT
-    own = [finding.hint] if isinstance(finding.hint, GraderText) else [mistakes[id_].hint for id_ in finding.mistakes]
+    own = [finding.hint] if isinstance(finding.hint, GraderText) else [table[id_].hint for id_ in finding.faults]
     return Feedback(
         outcome,
         finding.keeps,
         expected=_HOLDS,
         got=got,
-        hint=" ".join(own) if finding.mistakes else " ".join([*own, _PUBLIC]),
-        mistakes=finding.mistakes,
+        hint=" ".join(own) if finding.faults else " ".join([*own, _PUBLIC]),
+        faults=finding.faults,
     )
 
 
-def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
+def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback from the rows' titles and hints; a number appears only as its power of ten."""
     if not charge.costs:
         return no_more(charge)
@@ -101,13 +101,13 @@ def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
         expected=_HOLDS,
         got="; ".join([*titles, *dict.fromkeys(sizes)]) or _DOES_NOT,
         hint=hint_of(charge, rows) if names else f"{hint_of(charge, rows)} {_PUBLIC}",
-        mistakes=names,
+        faults=names,
     )
 
 
-def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
+def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
     if isinstance(finding, TimedOut):
-        return no_answer("timeout", "no answer in time", ("never-returns",), mistakes)
+        return no_answer("timeout", "no answer in time", ("never-returns",), table)
     if isinstance(finding, Crashed):
-        return no_answer("crashed", "no answer, because the process ended", ("kills-its-process",), mistakes)
-    return no_answer("crashed", "an answer that the grader cannot read", (), mistakes)
+        return no_answer("crashed", "no answer, because the process ended", ("kills-its-process",), table)
+    return no_answer("crashed", "an answer that the grader cannot read", (), table)

@@ -15,7 +15,7 @@ from typing import Any
 
 from grader.base.errors import NoAnswer, TimedOut
 from grader.base.text import printable
-from grader.engine.findings import Fault, Where
+from grader.engine.findings import StudentError, Where
 from grader.sandbox.wire import Frame
 
 _OVERRAN = "it had not ended when its time was up"
@@ -38,7 +38,7 @@ class SteppedOver:
         not be interrupted, and was not run again; ``unread``: it is not valid Python
     defines : the required names that it would have defined
     within : the required names whose code was running when it was interrupted
-    fault : the exception that it raised, or the reason
+    error : the exception that it raised, or the reason
     """
 
     path: str
@@ -47,14 +47,14 @@ class SteppedOver:
     how: str
     defines: tuple[str, ...]
     within: frozenset[str]
-    fault: Fault
+    error: StudentError
 
     @classmethod
     def of(cls, facts: Mapping[str, Any]) -> SteppedOver:
-        fault = Fault.of(facts)
-        assert fault is not None
+        error = StudentError.of(facts)
+        assert error is not None
         defines, within = tuple(facts["defines"]), frozenset(facts["within"])
-        return cls(facts["path"], facts["number"], facts["at"], facts["how"], defines, within, fault)
+        return cls(facts["path"], facts["number"], facts["at"], facts["how"], defines, within, error)
 
     @property
     def where(self) -> str:
@@ -68,8 +68,8 @@ class SteppedOver:
 
     @property
     def why(self) -> str:
-        said = printable(self.fault.message, 200) + not_handed_in(self.fault)
-        return f"{self.fault.type}: {said}" if self.fault.type else said
+        said = printable(self.error.message, 200) + not_handed_in(self.error)
+        return f"{self.error.type}: {said}" if self.error.type else said
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Loaded:
     """
 
     names: frozenset[str]
-    unreadable: Fault | None
+    unreadable: StudentError | None
     stepped_over: tuple[SteppedOver, ...]
     supplied: tuple[str, ...]
     misspelled: tuple[tuple[str, str], ...]
@@ -103,7 +103,7 @@ def loaded_from(frame: Frame, path: str) -> Loaded:
     """Return the report from a reply to `load`, without the statements of other files."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
     misspelled = tuple((name, other) for name, other in frame.fields["misspelled"])
-    names, unreadable = frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"])
+    names, unreadable = frozenset(frame.fields["names"]), StudentError.of(frame.fields["unreadable"])
     return Loaded(names, unreadable, own, tuple(frame.fields["supplied"]), misspelled, frame)
 
 
@@ -116,17 +116,17 @@ def _stepped_over(frame: Frame) -> list[SteppedOver]:
     return [SteppedOver.of(facts) for facts in frame.fields["stepped_over"]]
 
 
-def not_handed_in(fault: Fault) -> str:
+def not_handed_in(error: StudentError) -> str:
     """Return what to do about a file that the code reads and that was not handed in; "" for any other exception."""
-    name = _NO_FILE.search(fault.message) if fault.type == "FileNotFoundError" else None
+    name = _NO_FILE.search(error.message) if error.type == "FileNotFoundError" else None
     return f" (hand in {printable(name[1] or name[2], 80)}, too)" if name else ""
 
 
-def mistake_of(each: SteppedOver) -> str:
-    """Return the id of the mistake shown by a failed statement that should have defined a required name."""
-    if each.fault.type == "ModuleNotFoundError":
+def fault_of_statement(each: SteppedOver) -> str:
+    """Return the id of the fault shown by a failed statement that should have defined a required name."""
+    if each.error.type == "ModuleNotFoundError":
         return "missing-package"
-    if each.how == "overran" or each.fault.message == _OVERRAN:
+    if each.how == "overran" or each.error.message == _OVERRAN:
         return "never-returns"
     return "kills-its-process" if each.how == "ended" else "does-not-import"
 

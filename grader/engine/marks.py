@@ -24,7 +24,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
     attempted = {extension.id: extension.attempted for extension in found.extensions}
 
     def checks(weights: tuple[CheckWeight, ...]) -> tuple[CheckResult, ...]:
-        open_ = dict(rubric.mistakes)
+        open_ = dict(rubric.faults)
         return tuple(_row(rows[weight.id], weight, open_) for weight in weights)
 
     return replace(
@@ -63,25 +63,25 @@ def _score_before(found: Result, rubric: Rubric) -> float:
     """Return the score of the submission before its repairs; a check that was not judged counts as 0."""
     score = 0.0
     for criterion in rubric.criteria:
-        open_ = dict(rubric.mistakes)
+        open_ = dict(rubric.faults)
         known = [(found.unrepaired[c.id], c.max_points) for c in criterion.checks if c.id in found.unrepaired]
         score += sum(earned(each, most, open_) or 0.0 for each, most in known)
     return round(score, 2)
 
 
 def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
-    """Return a check's points: its share, or its maximum less the rubric's deductions if all its mistakes have one.
+    """Return a check's points: its share, or its maximum less the rubric's deductions if all its faults have one.
 
     A deduction counts once in a criterion: what this check takes of it is taken off `deductions`.
     """
     if found.keeps is None:
         return None
     named = found.misconceptions
-    if not named or any(mistake not in deductions for mistake in named):
+    if not named or any(fault not in deductions for fault in named):
         return round(most * found.keeps, 2)
     points = most
-    for mistake in named:
-        taken = min(points, deductions[mistake])
+    for fault in named:
+        taken = min(points, deductions[fault])
         points -= taken
-        deductions[mistake] -= taken
+        deductions[fault] -= taken
     return round(points, 2)

@@ -147,7 +147,7 @@ class _Node(Struct):
     items: Any = None
 
 
-class Fault(Struct):
+class ErrorReply(Struct):
     """An exception that the student's code raised."""
 
     type: Short
@@ -158,7 +158,7 @@ class Fault(Struct):
     name: Short | None
 
 
-class SteppedOver(Fault):
+class SteppedOver(ErrorReply):
     """A statement that was skipped because it raised."""
 
     path: Long
@@ -172,7 +172,7 @@ class SteppedOver(Fault):
 class Called(Struct):
     """Reply to a question in which the student's code may raise: it may then be incomplete."""
 
-    error: Fault | None = None
+    error: ErrorReply | None = None
 
 
 class Drawings(Called, kw_only=True):
@@ -195,7 +195,7 @@ class RunScript(Drawings, kw_only=True):
 
 class Load(RunScript, kw_only=True):
     names: Names
-    unreadable: Fault | None
+    unreadable: ErrorReply | None
     supplied: Names
     misspelled: Annotated[list[tuple[Short, Short]], Meta(max_length=64)]
 

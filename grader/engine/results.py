@@ -192,7 +192,7 @@ class Result:
 
     @property
     def misconceptions(self) -> tuple[str, ...]:
-        """Ids of the mistakes found, each once, in the order of the checks."""
+        """Ids of the faults found, each once, in the order of the checks."""
         return tuple(dict.fromkeys(m for part in self.parts for check in part.checks for m in check.misconceptions))
 
 

@@ -49,7 +49,7 @@ __all__ = [
     "shipped",
 ]
 
-_OPTIONAL = ("extra_credit", "late", "mistakes", "repairs")
+_OPTIONAL = ("extra_credit", "late", "faults", "repairs")
 CARRIED = "own_checks"
 _MOST_OWN_BYTES = 1_000_000
 
@@ -120,7 +120,7 @@ def parse(
     limits = sections.read_limits(reader, keys.get("limits"))
     settings = {key: read(reader, keys.get(key), folder or Path()) for key, read in lab.settings.items()}
     late = sections.read_late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
-    mistakes = sections.read_mistakes(reader, keys.get("mistakes"), lab)
+    faults = sections.read_faults(reader, keys.get("faults"), lab)
     repairs = sections.read_repairs(reader, keys.get("repairs"))
     if own is None:
         own = () if folder is None else own_checks(lab, folder)
@@ -132,12 +132,12 @@ def parse(
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
     written = [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []  # none: no effect on the digest
-    priced = [mistakes] if mistakes else []
+    priced = [faults] if faults else []
     digest = _digest(criteria, extensions, limits, *settings.values(), granted, *priced, *written)
     asked = _digest(limits, *settings.values(), *written)
     text = data.decode("utf-8", "surrogateescape")
     return Rubric(
-        lab, criteria, extensions, limits, settings, digest, asked, source, granted, late, mistakes, own, text, folder,
+        lab, criteria, extensions, limits, settings, digest, asked, source, granted, late, faults, own, text, folder,
         repairs,
     )  # fmt: skip
 

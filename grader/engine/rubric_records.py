@@ -64,7 +64,7 @@ class LatePolicy:
         Points deducted for each day begun after `due`.
     cut_off_days
         A submission later than this many days is not accepted; None: each is accepted.
-    extensions
+    due_dates
         Other due dates for some submissions or people, by id, name or e-mail address.
     tz
         The time zone in which days are counted, for example "Europe/Berlin"; "" counts 24 hours as a day.
@@ -74,7 +74,7 @@ class LatePolicy:
     grace_minutes: float
     per_day: float
     cut_off_days: float | None
-    extensions: Mapping[str, datetime] = field(default_factory=dict)
+    due_dates: Mapping[str, datetime] = field(default_factory=dict)
     tz: str = ""
 
 
@@ -99,8 +99,8 @@ class Rubric:
     """A valid rubric. `criteria` and `extensions` are in the sheet's order, not the file's.
 
     `settings` holds the values of the lab's own keys (`Lab.settings`). `extra_credit_cap` is the most points that all extensions
-    together can earn in addition to the score; None if they earn nothing. `mistakes` holds the rubric's deductions by id of the
-    mistake; they replace the share that a check loses. `sha256` is the digest of the content that marks depend on:
+    together can earn in addition to the score; None if they earn nothing. `faults` holds the rubric's deductions by id of the
+    fault; they replace the share that a check loses. `sha256` is the digest of the content that marks depend on:
     comments, the order of the lines and the late policy do not change it. `asked_sha256` is the digest of the content that the
     questions depend on: recorded results can be marked again by a rubric with the same one. `own_checks` are the instructor's
     checks beside the file. `text` is the whole file, and relative paths in it start from `folder`.
@@ -116,7 +116,7 @@ class Rubric:
     source: str
     extra_credit_cap: float | None
     late: LatePolicy | None
-    mistakes: Mapping[str, float]
+    faults: Mapping[str, float]
     own_checks: OwnChecks
     text: str = field(default="", repr=False)
     folder: Path | None = None

@@ -116,24 +116,24 @@ def read_late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy |
     """Return the late policy; None if the rubric has none; report problems."""
     if node is None:
         return None
-    optional = ("grace_minutes", "per_day", "cut_off_days", "extensions", "tz")
+    optional = ("grace_minutes", "per_day", "cut_off_days", "due_dates", "tz")
     keys = reader.fields(node, "late", ("due",), optional)
     zone = _zone(reader, keys.get("tz"))
     due = reader.stamp(keys.get("due"), "due", zone)
     grace = reader.number(keys.get("grace_minutes"), "grace_minutes", high=100 * LARGEST)
     cut_off = reader.number(keys.get("cut_off_days"), "cut_off_days")
     per_day = reader.share(keys.get("per_day"), "per_day", of)
-    listed = keys.get("extensions")
-    extensions: dict[str, datetime] = {}
+    listed = keys.get("due_dates")
+    due_dates: dict[str, datetime] = {}
     if isinstance(listed, yaml.MappingNode):
-        for who, (_, value) in reader.pairs(listed, "extensions").items():
-            until = reader.stamp(value, f"the extension of {printable(who, 60)}", zone)
-            extensions |= {who: until} if until else {}
+        for who, (_, value) in reader.pairs(listed, "due_dates").items():
+            until = reader.stamp(value, f"the due date of {printable(who, 60)}", zone)
+            due_dates |= {who: until} if until else {}
     elif listed is not None:
-        reader.say(listed, "extensions must be `who: date` lines; who is an id, a name or an e-mail address")
+        reader.say(listed, "due_dates must be `who: date` lines; who is an id, a name or an e-mail address")
     if due is None:
         return None
-    return LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions, str(zone or ""))
+    return LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, due_dates, str(zone or ""))
 
 
 def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
@@ -148,16 +148,16 @@ def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
         return None
 
 
-def read_mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
-    """Return the points that the rubric deducts for a mistake, by the mistake's id."""
+def read_faults(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
+    """Return the points that the rubric deducts for a fault, by the fault's id."""
     if node is None:
         return {}
     if not isinstance(node, yaml.MappingNode):
-        reader.say(node, "mistakes must be `name: points` lines; `imugrade explain` lists the names")
+        reader.say(node, "faults must be `name: points` lines; `imugrade explain` lists the names")
         return {}
     known = catalogue(lab)
     deductions: dict[str, float] = {}
-    for name, (key, value) in reader.pairs(node, "mistakes").items():
+    for name, (key, value) in reader.pairs(node, "faults").items():
         if now := next((id_ for id_, row in rows(lab).items() if name in row.formerly), None):
             reader.say(key, f"the fault {quote(key)} is no longer told apart: {now} deducts for it")
         elif name not in known:

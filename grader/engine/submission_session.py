@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 from grader.base.errors import NoAnswer, TimedOut
 from grader.base.text import enumerated, printable
 from grader.engine.breakpoints import breakpoints
-from grader.engine.findings import Fault, GraderText, Missing, Where
-from grader.engine.load_report import Loaded, loaded_from, mistake_of
+from grader.engine.findings import GraderText, Missing, StudentError, Where
+from grader.engine.load_report import Loaded, fault_of_statement, loaded_from
 from grader.engine.question import Question
 from grader.engine.session import SandboxSession
 from grader.sandbox.wire import Frame
@@ -178,12 +178,12 @@ class SubmissionSession(SandboxSession):
         for path in places:
             for each in self.load(path).stepped_over:
                 if name in each.defines:
-                    more = AVAILABLE_PACKAGES if each.fault.type == "ModuleNotFoundError" else ""
+                    more = AVAILABLE_PACKAGES if each.error.type == "ModuleNotFoundError" else ""
                     why = f"{each.where} did not define {name}: {each.why}{more}"
-                    return Missing(name, mistake_of(each), why, each.at)
+                    return Missing(name, fault_of_statement(each), why, each.at)
         for path in places:
-            if (fault := self.load(path).unreadable) is not None:
-                return _refused(name, fault, path)
+            if (error := self.load(path).unreadable) is not None:
+                return _refused(name, error, path)
         if not there:
             return Missing(name, "file-missing", f"{home} was not handed in, and no other file defines {name}")
         return Missing(name, "name-missing", f"{home} does not define {name}")
@@ -203,10 +203,10 @@ class SubmissionSession(SandboxSession):
             self.notes.append(shown)
 
 
-def _refused(name: str, fault: Fault, path: str) -> Missing:
+def _refused(name: str, error: StudentError, path: str) -> Missing:
     """Return the finding for a name that is missing because its file is not valid Python."""
-    said = f"{fault.type}: {printable(fault.message, 200)} at {fault.where or path}"
-    return Missing(name, "does-not-import", "\n".join([said, *fault.lines]), fault.at or Where(path))
+    said = f"{error.type}: {printable(error.message, 200)} at {error.where or path}"
+    return Missing(name, "does-not-import", "\n".join([said, *error.lines]), error.at or Where(path))
 
 
 def _found_in(path: str, strays: Mapping[str, str]) -> str:

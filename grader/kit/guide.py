@@ -33,7 +33,7 @@ def build(lab: Lab, rubric: Path | None = None) -> str:
     texts = {name: (folder / f"{name}.md").read_text(encoding="utf-8") for name in listed}
     texts |= {_CHECKS: _checks(lab, rubric), _FAULTS: _faults(lab)}
     index += f"- [All checks](../reference/{_CHECKS}.md): what they test, and their points.\n"
-    index += f"- [All faults](../reference/{_FAULTS}.md): every mistake that has a name, with wrong and right code.\n"
+    index += f"- [All faults](../reference/{_FAULTS}.md): each with wrong and right code.\n"
     sections = {name: Markup(_html(text, name, folder)) for name, text in {"index": index, **texts}.items()}
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     text = beside(__package__, "students/guide.html.j2").read_text(encoding="utf-8")

@@ -24,7 +24,7 @@ def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -
     policy
         None keeps the platform's "late" and deducts nothing.
     names
-        Further names under which the policy may list an extension, such as the id of the submission.
+        Further names under which the policy may list a due date, such as the id of the submission.
     """
     return replace(hand_in, submitted=in_zone(hand_in.submitted, policy), late=_late(hand_in, policy, names))
 
@@ -49,7 +49,7 @@ def judged_again(final_grade: FinalGrade, policy: LatePolicy | None) -> FinalGra
 def _late(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -> Lateness | None:
     if policy is None:
         return Lateness("", None) if hand_in.marked_late else None
-    until = read_stamp(hand_in.due) or _extension(policy, hand_in.people, names) or policy.due
+    until = read_stamp(hand_in.due) or _own_due_date(policy, hand_in.people, names) or policy.due
     came = read_stamp(hand_in.submitted)
     if came is None:
         return Lateness(in_zone(_text(until), policy), None) if hand_in.marked_late else None
@@ -79,11 +79,11 @@ def _by_clock(when: datetime, zone: str) -> datetime:
     return when.astimezone(ZoneInfo(zone) if zone else timezone.utc).replace(tzinfo=None)
 
 
-def _extension(policy: LatePolicy, people: tuple[Person, ...], names: tuple[str, ...]) -> datetime | None:
-    """Return the latest extension of the people; None if nobody has one."""
+def _own_due_date(policy: LatePolicy, people: tuple[Person, ...], names: tuple[str, ...]) -> datetime | None:
+    """Return the latest personal due date of the people; None if nobody has one."""
     called = {text.casefold() for person in people for text in person.called}
     called |= {name.casefold() for name in names}
-    return max((until for who, until in policy.extensions.items() if who.casefold() in called), default=None)
+    return max((until for who, until in policy.due_dates.items() if who.casefold() in called), default=None)
 
 
 def _text(when: datetime) -> str:

@@ -20,7 +20,7 @@ def gradebook(
 ) -> str:
     """Return the class as CSV in the order of `final_grades`, then a row for each person in `absent`.
 
-    A criterion that was not judged and its total are blank, because a fault of the grader is never a zero. Criteria and total are
+    A criterion that was not judged and its total are blank, because a failure of the grader is never a zero. Criteria and total are
     automatic points, of the repaired copy if there is one. Columns for extra credit, sections, repairs, adjustments and lateness
     appear only if the class has such data.
 

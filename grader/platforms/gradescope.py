@@ -114,7 +114,7 @@ def _output(result: Result, hidden: bool) -> str:
     said = [words.STATUS[result.status]] if words.STATUS[result.status] else []
     said += ["Graded on hidden scenarios. `imugrade check` shows the numbers on the public ones."] if hidden else []
     said += [f"Note: {note}" for note in rows.notes(result)]
-    said += [f"Known mistake: {mistake}" for mistake in words.mistakes(result)]
+    said += [f"Fault: {fault}" for fault in words.faults(result)]
     return "".join(f"<p>{html.escape(line)}</p>" for line in said) or "<p>Graded.</p>"
 
 

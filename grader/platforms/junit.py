@@ -72,7 +72,7 @@ def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:
             "max_score": words.number(check.max_points),
             "outcome": check.outcome,
             "title": printable(check.title, 300),
-            "mistake": ", ".join(_mistakes(check)),
+            "faults": ", ".join(_faults(check)),
         }
         yield from ((f"{_name(check)}.{fact}", value) for fact, value in facts.items() if value)
 
@@ -94,7 +94,7 @@ def _seconds(durations: Iterable[float]) -> str:
     return f"{sum(durations):.3f}"
 
 
-def _mistakes(check: CheckResult) -> list[str]:
+def _faults(check: CheckResult) -> list[str]:
     return [printable(id_, 80) for id_ in check.misconceptions if id_ not in words.FOR_THE_INSTRUCTOR]
 
 

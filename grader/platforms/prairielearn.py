@@ -58,7 +58,7 @@ PLATFORM = Platform(
     help=Help(
         respond="""\
 An external grader whose `entrypoint` runs `imugrade ci --format prairielearn`. What cannot be graded (an empty or unreadable
-submission, a fault of the grader) comes back as not gradable and costs no attempt.""",
+submission, a failure of the grader) comes back as not gradable and costs no attempt.""",
     ),
     respond=lambda result, _: prairielearn(result),
     recognise=lambda _, root: (root / SUBMISSION).is_dir(),

@@ -194,7 +194,7 @@ class _Check(pytest.Item):
                 ("points", check.points),
                 ("max_points", check.max_points),
                 ("outcome", check.outcome),
-                *(("misconception", id_) for id_ in check.misconceptions if id_ not in words.FOR_THE_INSTRUCTOR),
+                *(("fault", id_) for id_ in check.misconceptions if id_ not in words.FOR_THE_INSTRUCTOR),
             ]
         self._has_run = True
         if check.outcome == "skipped":

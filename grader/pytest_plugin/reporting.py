@@ -44,9 +44,7 @@ class Finding:
         got = next((each.text.partition("\n")[0] for each in row.lines if each.label == "Got"), row.title)
         self.reprcrash = Crash(path, line, got)
         self._lines = [f"{row.title}  {row.points}", *(line for each in row.lines for line in _labelled(each))]
-        read = "; ".join([row.read, *(f"imugrade explain {id_}" for id_ in causes.mistakes_of(check))]).removeprefix(
-            "; "
-        )
+        read = "; ".join([row.read, *(f"imugrade explain {id_}" for id_ in causes.faults_of(check))]).removeprefix("; ")
         self._lines += _labelled(words.Line("Read", read)) if read else []
         self._lines += _labelled(words.Line("Reproduce", f"imugrade repro {check.id}")) if lab.call_of(check.id) else []
         self._end = f"{path}:{line}: {row.outcome.word}"

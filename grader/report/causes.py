@@ -35,9 +35,9 @@ class Cause:
         return any(map(_does_not_run, self.checks))
 
     @property
-    def mistakes(self) -> tuple[str, ...]:
+    def faults(self) -> tuple[str, ...]:
         """Return the ids of the faults for `imugrade explain`."""
-        return mistakes_of(self.checks[0])
+        return faults_of(self.checks[0])
 
     @property
     def steps(self) -> tuple[int, ...]:
@@ -90,7 +90,7 @@ def _stop(cause: Cause, lab: Lab) -> Stop:
     return Stop(printable(file or lab.homes.get(name, ""), 200), line, printable(said, 500), cause.lost)
 
 
-def mistakes_of(check: CheckResult) -> tuple[str, ...]:
+def faults_of(check: CheckResult) -> tuple[str, ...]:
     """Return the ids of the check's faults that a student may see."""
     return tuple(each for each in check.misconceptions if each not in words.FOR_THE_INSTRUCTOR)
 
@@ -118,7 +118,7 @@ def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
     skipped: dict[str, list[CheckResult]] = {}
     for check in sorted(checks, key=lambda check: (not _does_not_run(check), _step(check))):
         if words.tells(check):
-            found.setdefault(mistakes_of(check) or (check.outcome, check.message), []).append(check)
+            found.setdefault(faults_of(check) or (check.outcome, check.message), []).append(check)
         elif check.outcome == "skipped":
             skipped.setdefault(part_of(check), []).append(check)
     causes = []
@@ -172,7 +172,7 @@ def next_lines(cause: Cause, lab: LabName) -> list[words.Line]:
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
     )
     read = "; ".join(
-        filter(None, [_sheet(cause, lab), *(f"imugrade explain {printable(each, 80)}" for each in cause.mistakes)])
+        filter(None, [_sheet(cause, lab), *(f"imugrade explain {printable(each, 80)}" for each in cause.faults)])
     )
     lines = [*(words.Line("Try", hint) for hint in hints), *([words.Line("Read", read)] if read else [])]
     return [*cost_now(cause), *lines]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from grader.base.text import printable
-from grader.engine.faults import Mistake
+from grader.engine.faults import FaultRow
 from grader.engine.results import CheckResult, LabName, Result
 from grader.report import causes, words
 from grader.report.causes import Cause, causes_of, part_of
@@ -36,7 +36,7 @@ class Deduction:
     next_lines: tuple[words.Line, ...]
 
 
-def deductions(result: Result, catalogue: Mapping[str, Mistake]) -> list[Deduction]:
+def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduction]:
     """Return the deductions: first the code that does not run, then the largest first.
 
     Checks that were skipped without a failed check in their criterion come last.
@@ -49,8 +49,8 @@ def deductions(result: Result, catalogue: Mapping[str, Mistake]) -> list[Deducti
     return [*known, *([_unreached(alone)] if alone else [])]
 
 
-def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, Mistake]) -> Deduction:
-    named = [catalogue[each] for each in cause.mistakes if each in catalogue]
+def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, FaultRow]) -> Deduction:
+    named = [catalogue[each] for each in cause.faults if each in catalogue]
     title = _title(cause, named)
     shown = tuple(
         DeductedCheck(anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines))
@@ -59,22 +59,22 @@ def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, Mistake]) -> 
     return Deduction(
         words.minus(cause.lost),
         title,
-        tuple(mistake.explanation.strip() for mistake in named),
+        tuple(fault.explanation.strip() for fault in named),
         shown,
         _count(cause.waiting),
         (*causes.next_lines(cause, lab), causes.again(cause)),
     )
 
 
-def _title(cause: Cause, named: Sequence[Mistake]) -> str:
+def _title(cause: Cause, named: Sequence[FaultRow]) -> str:
     """Return the title of a deduction: the fault's name, or what this submission returned if the name fits any file."""
     if not named:
-        known = [words.misconception(each) for each in cause.mistakes]
+        known = [words.fault_in_words(each) for each in cause.faults]
         return _sentence("; ".join(known)) if known else printable(cause.checks[0].title, 300)
     got = {line.text for check in cause.checks for line in words.row(check, "", LabName()).lines if line.label == "Got"}
-    if all(mistake.group == "any" for mistake in named) and len(got) == 1:
+    if all(fault.group == "any" for fault in named) and len(got) == 1:
         return _sentence(got.pop().partition("\n")[0])
-    return _sentence("; ".join(mistake.title for mistake in named))
+    return _sentence("; ".join(fault.title for fault in named))
 
 
 def _says(title: str, lines: Iterable[words.Line]) -> bool:

@@ -8,7 +8,7 @@ from functools import lru_cache
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.engine.check_catalog import Check, checks_of
-from grader.engine.faults import Mistake, catalogue
+from grader.engine.faults import FaultRow, catalogue
 from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
 from grader.engine.rubric_nodes import did_you_mean
@@ -53,7 +53,7 @@ def groups(lab: Lab) -> dict[str, str]:
     return {**{part.id: part.title for part in lab.parts}, "extensions": "Extensions", "any": "Any file"}
 
 
-def fault(lab: Lab, entry: Mistake, *, level: int = 1) -> str:
+def fault(lab: Lab, entry: FaultRow, *, level: int = 1) -> str:
     """Return what a fault is, wrong code, right code and the hint."""
     read = f"\nRead: {lab.label}, Step {entry.step}.\n" if entry.step is not None else ""
     rerun = f"\nRerun: `imugrade check --only {entry.group}`\n" if entry.group in {p.id for p in lab.parts} else ""
@@ -64,7 +64,7 @@ def fault(lab: Lab, entry: Mistake, *, level: int = 1) -> str:
     )
 
 
-def _deductions(lab: Lab, entry: Mistake) -> str:
+def _deductions(lab: Lab, entry: FaultRow) -> str:
     """Return what a fault deducts unless the rubric says otherwise: all shares of its criterion, and which there are of others."""
     worth = {weight.id: weight.max_points for weight in _rubric(lab).checks}
     shares = {_full(name, entry): share for name, share in entry.deducts.items() if share}
@@ -74,7 +74,7 @@ def _deductions(lab: Lab, entry: Mistake) -> str:
     return f"\nDeducts: {' or '.join(' and '.join(each) for each in points.values())}.\n" if points else ""
 
 
-def _full(name: str, entry: Mistake) -> str:
+def _full(name: str, entry: FaultRow) -> str:
     return name if "." in name else f"{entry.group}.{name}"
 
 

@@ -1,4 +1,4 @@
-"""Content of the class page: table rows, statistics, common mistakes, checks and isolation levels. Nothing renders here."""
+"""Content of the class page: table rows, statistics, common faults, checks and isolation levels. Nothing renders here."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Mistake:
+class CommonFault:
     tag: str
     text: str
     who: tuple[Link, ...]
@@ -213,7 +213,7 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
         yield "status:adjusted"
     if final_grade.outdated():
         yield "status:outdated"
-    yield from (f"mistake:{id_}" for id_ in deducting(final_grade.result))
+    yield from (f"fault:{id_}" for id_ in deducting(final_grade.result))
     for criterion in final_grade.result.criteria:
         yield from (f"lost:{c.id}" for c in criterion.checks if c.points is not None and c.points < c.max_points)
 
@@ -232,14 +232,14 @@ def by_name(name: str) -> list[tuple[str, int]]:
     return [(text, int(digits or 0)) for text, digits in re.findall(r"([^0-9]*)([0-9]*)", plain)]
 
 
-def filters(entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Iterable[CheckRow]) -> list[Filter]:
+def filters(entries: Iterable[Entry], faults: Iterable[CommonFault], checks: Iterable[CheckRow]) -> list[Filter]:
     """Return the filters of the class table, each with the choices that match a row."""
     counts = Counter(tag for each in entries for tag in each.tags)
     wanted = {
         ("status", "Status"): [
             (tag, tag.removeprefix("status:")) for tag in sorted(counts) if tag.startswith("status:")
         ],
-        ("mistake", "Mistake"): [(each.tag, each.text) for each in mistakes],
+        ("fault", "Fault"): [(each.tag, each.text) for each in faults],
         ("check", "Lost points on"): [(each.tag, each.title) for each in checks],
     }
     found = [
@@ -281,14 +281,14 @@ def _bin(grade: float, top: float) -> int:
     return min(max(int(_BINS * grade / (top or 1.0) + 1e-9), 0), _BINS - 1)
 
 
-def mistakes(final_grades: Iterable[FinalGrade]) -> list[Mistake]:
+def common_faults(final_grades: Iterable[FinalGrade]) -> list[CommonFault]:
     """Return the faults by how many submissions have them, most first, and which."""
     who: dict[str, list[Link]] = {}
     for final_grade in final_grades:
         for id_ in deducting(final_grade.result):
             who.setdefault(id_, []).append(link(final_grade))
     ranked = sorted(who.items(), key=lambda item: (-len(item[1]), item[0]))
-    return [Mistake(f"mistake:{id_}", words.misconception(id_), tuple(links)) for id_, links in ranked]
+    return [CommonFault(f"fault:{id_}", words.fault_in_words(id_), tuple(links)) for id_, links in ranked]
 
 
 def checks(results: list[Result], titles: Mapping[str, str]) -> list[CheckRow]:

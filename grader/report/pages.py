@@ -15,7 +15,7 @@ from markupsafe import Markup
 from grader.base.package_data import beside
 from grader.base.text import printable
 from grader.engine.chart_data import Chart
-from grader.engine.faults import Mistake
+from grader.engine.faults import FaultRow
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
 from grader.people.final_grade import FinalGrade, Person, graded
 from grader.report import adjusted, charts, overview, words
@@ -98,7 +98,7 @@ def drawn_in(page: str) -> Drawn:
 def report_page(
     final_grade: FinalGrade,
     shown: tuple[Chart, ...] = (),
-    catalogue: Mapping[str, Mistake] | None = None,
+    catalogue: Mapping[str, FaultRow] | None = None,
 ) -> str:
     """Return `report.html`, the report for one student.
 
@@ -114,7 +114,7 @@ def report_page(
     return report_around(drawn(shown), final_grade, catalogue)
 
 
-def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[str, Mistake] | None = None) -> str:
+def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[str, FaultRow] | None = None) -> str:
     """Return `report.html` around charts that are already rendered."""
     result = final_grade.result
     extensions = [extension for extension in result.extensions if extension.checks]
@@ -171,7 +171,7 @@ def index_page(
     grades = graded(final_grades.values())
     columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
     entries = overview.entries(final_grades.values(), absent, columns, top)
-    mistakes = overview.mistakes(final_grades.values())
+    faults = overview.common_faults(final_grades.values())
     checks = overview.checks(results, columns)
     return rendered(
         "index.html.j2",
@@ -187,9 +187,9 @@ def index_page(
         bonuses=any(result.extra_credit_cap is not None for result in results),
         finals=any(entry.final != entry.score for entry in entries),
         lates=any(entry.late.text for entry in entries),
-        filters=overview.filters(entries, mistakes, checks),
+        filters=overview.filters(entries, faults, checks),
         numbers=overview.numbers(entries),
-        mistakes=mistakes,
+        faults=faults,
         checks=checks,
         alike=overview.similar_pairs(final_grades, fingerprints or {}, given),
         isolation=overview.isolation(final_grades.values()),

@@ -204,12 +204,12 @@ def repairs(result: Result) -> list[str]:
     ]
 
 
-def mistakes(result: Result) -> list[str]:
+def faults(result: Result) -> list[str]:
     """Return the names of the faults that a student may see."""
-    return [misconception(id_) for id_ in result.misconceptions if id_ not in FOR_THE_INSTRUCTOR]
+    return [fault_in_words(id_) for id_ in result.misconceptions if id_ not in FOR_THE_INSTRUCTOR]
 
 
-def misconception(id_: str) -> str:
+def fault_in_words(id_: str) -> str:
     """Return a fault id such as ``sensor-id-as-address`` as words."""
     return printable(id_, 80).replace("-", " ")
 

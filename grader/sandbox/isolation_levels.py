@@ -82,7 +82,7 @@ PROMISES = (
         "The mark is decided in a process that runs no student code, from numbers that are checked there", _everywhere
     ),
     Promise(
-        "No answer, a malformed, late or early answer is a lost check, never a pass; a fault of the grader is never a zero",
+        "No answer, a malformed, late or early answer is a lost check, never a pass; a failure of the grader is never a zero",
         _everywhere,
     ),
     Promise("Nothing from a submission is written unescaped: pages, CSV, XML, terminal, CI commands", _everywhere),

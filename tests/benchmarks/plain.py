@@ -1,6 +1,6 @@
 """Plain pytest, as many courses grade: fifteen simple assertions, a fresh process for each submission.
 
-pytest tests/benchmarks/plain.py, in the submission's folder. Nothing is isolated and no mistake is named.
+pytest tests/benchmarks/plain.py, in the submission's folder. Nothing is isolated and no fault is named.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ STUDENTS = (
     Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
 )  # fmt: skip
 PAGES = (
-    "/", "/class", "/groups", "/groups/mistake/sensor-id-as-address", "/similar", "/similar/ada/cyd", "/regrade-requests",
+    "/", "/class", "/groups", "/groups/fault/sensor-id-as-address", "/similar", "/similar/ada/cyd", "/regrade-requests",
     f"/what-if?weight:{ADDRESS}=14", "/calibrate", "/calibrate?id=bob", "/calibrate?compare=yes", "/submission/bob", "/submission/ada", "/submission/void", "/submission/evil", "/submission/nobody",
 )  # fmt: skip
 

@@ -44,13 +44,13 @@ def test_a_click_on_a_heading_sorts_and_a_second_one_the_other_way_and_a_word_fi
         expect(page.locator("#shown")).to_have_text(f"{len(numbers)} of {STUDENTS + 1}")
 
 
-def test_a_mistake_leads_to_those_who_made_it_and_a_name_to_the_report(watched: Watched) -> None:
+def test_a_fault_leads_to_those_who_have_it_and_a_name_to_the_report(watched: Watched) -> None:
     page = watched.open(INDEX)
-    mistake = page.get_by_role("button", name="variance as std")
-    mistake.click()
+    fault = page.get_by_role("button", name="variance as std")
+    fault.click()
     assert column(page, "Name") == ["s09-variance-as-std"]
-    expect(page.locator("select#mistake")).to_have_value(mistake.get_attribute("data-only") or "")
-    expect(mistake).to_have_attribute("aria-pressed", "true")
+    expect(page.locator("select#fault")).to_have_value(fault.get_attribute("data-only") or "")
+    expect(fault).to_have_attribute("aria-pressed", "true")
     page.locator("#submissions").get_by_role("link", name="s09-variance-as-std").click()
     expect(page.get_by_role("heading", level=1)).to_have_text("s09-variance-as-std")
     expect(page.locator(".deductions h3").first).to_have_text(

@@ -21,7 +21,7 @@ def known_ids() -> dict[str, set[str]]:
     return {group: {id_ for id_, row in rows.items() if "explanation" in row} for group, rows in table.items()}
 
 
-def test_every_mistake_has_a_submission_that_makes_it() -> None:
+def test_every_fault_has_a_submission_with_it() -> None:
     made = {id_ for case in (*of("faulty"), *of("unforeseen"), *of("extensions")) for id_ in (case.fault, *case.also)}
     made |= {id_ for case in of("unforeseen") if case.criterion == "visualization" for id_ in case.names}
     assert set().union(*known_ids().values()) - made == set()

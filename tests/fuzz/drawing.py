@@ -212,7 +212,7 @@ def _replace_some(answer: Drawn) -> None:
         if array.dtype == np.float64 and answer.chance.random() > answer.likely:
             answer.frame.arrays[name] = answer.numbers(array.shape)
     if answer.chance.random() > answer.likely and answer.frame.fields.get("error") is None:
-        answer.frame.fields["error"] = answer.value(inspect.type_info(replies.Fault | None))
+        answer.frame.fields["error"] = answer.value(inspect.type_info(replies.ErrorReply | None))
 
 
 def _pixels_of(answer: Drawn) -> None:

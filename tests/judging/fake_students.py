@@ -34,7 +34,7 @@ from tests.recordings.answers import history_after
 WORDS = Path(__file__).parent / "words.yaml"
 Check = Callable[[Any, Any], None]
 Marked = tuple[float, list[str]] | str | None
-"""All points; the share that is kept with the mistakes; or "skipped" or "raised"."""
+"""All points; the share that is kept with the faults; or "skipped" or "raised"."""
 
 
 @cache
@@ -156,7 +156,7 @@ def marked(found: BaseException | None) -> Marked:
         return None if found is None else type(found).__name__.lower()
     told = feedback.feedback_on(found, None, rows(LAB))
     if told.outcome in ("partial", "failed"):
-        return round(told.keeps, 4), list(told.mistakes)
+        return round(told.keeps, 4), list(told.faults)
     return None if isinstance(found, Charged) and found.charge.keeps else "skipped"
 
 
@@ -178,7 +178,7 @@ def words(found: BaseException | None) -> dict[str, str]:
         texts = {"expected": said.expected, "got": said.got, "hint": said.hint, "said": said.said, "hidden": hidden.got}
         return {key: str(text) for key, text in texts.items() if text}
     if isinstance(found, Raised):  # what the exception says is Python's or NumPy's, and differs between versions
-        return {"raised": found.fault.type, "while": found.doing}
+        return {"raised": found.error.type, "while": found.doing}
     return {} if found is None else {type(found).__name__.lower(): str(found)}
 
 

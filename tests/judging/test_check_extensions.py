@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine.findings import Fault
+from grader.engine.findings import StudentError
 from grader.labs.imu.bonuses import checks, multiple_imus
 from grader.labs.imu.bonuses.live_plot import LiveRun
 from grader.labs.imu.bonuses.multiple_imus import PLACES
@@ -202,19 +202,22 @@ class Watched(FakeStudent):
 
 
 def _seen(
-    moments: Any = (0.1, 0.3, 0.5, 0.7, 0.9), simulated: float = 1.0, curves: Any = None, fault: Fault | None = None
+    moments: Any = (0.1, 0.3, 0.5, 0.7, 0.9),
+    simulated: float = 1.0,
+    curves: Any = None,
+    error: StudentError | None = None,
 ) -> LiveRun:
     pushed = truth()["watched"]["pushed"]
     time = 0.004 * np.arange(1, len(pushed) + 1)
     shown = [(time, pushed[:, i]) for i in range(6)] if curves is None else curves
     events = np.array([(moment, 10.0 * n, n + 1.0) for n, moment in enumerate(moments)]).reshape(-1, 3)
-    return LiveRun(events, tuple((np.array(x), np.array(y)) for x, y in shown), simulated, fault)
+    return LiveRun(events, tuple((np.array(x), np.array(y)) for x, y in shown), simulated, error)
 
 
 _STEPS = 0.004 * np.arange(1, 101)
 LIVE: list[Row] = [
     (checks.check_returns, "less", _seen(simulated=0.89), (0.5, [])),
-    (checks.check_returns, "raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
+    (checks.check_returns, "raises", _seen(error=StudentError("ValueError", "broken", None, None, None)), "raised"),
     (checks.check_grows_while_stepping, "three times", _seen((0.1, 0.4, 0.7)), (0.5, [])),
     (checks.check_grows_while_stepping, "once", _seen((0.5, 0.5)), (0.0, ["plot-not-live"])),
     (checks.check_grows_while_stepping, "at the end", _seen((0.5, 1.0, 1.0, 1.0, 1.0)), (0.0, [])),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, VisibleParts
-from grader.engine.findings import Fault
+from grader.engine.findings import StudentError
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import checks
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked, truth
@@ -151,8 +151,8 @@ def compared(
 
 
 SOUND_SCRIPT = compared()
-STOPPED = Drawing((), Fault("RuntimeError", "broken", "filters.py", 3, None))
-_BROKEN = Fault("ValueError", "broken", "imu_reader.py", 7, "plt.plot(x)")
+STOPPED = Drawing((), StudentError("RuntimeError", "broken", "filters.py", 3, None))
+_BROKEN = StudentError("ValueError", "broken", "imu_reader.py", 7, "plt.plot(x)")
 _PICTURE = Picture((800, 600), 0.2, np.zeros((60, 80), np.uint8), np.full((256, 3), 255, np.uint8))
 
 

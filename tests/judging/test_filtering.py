@@ -11,7 +11,7 @@ import pytest
 
 from grader.engine import hidden_feedback
 from grader.engine.faults import rows
-from grader.engine.findings import Charge, Charged, Fault
+from grader.engine.findings import Charge, Charged, StudentError
 from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array
 from grader.labs.imu.filtering import checks
@@ -90,7 +90,7 @@ def runs_of(answer: Filter) -> dict[str, FilterRun]:
     }
 
 
-def facts_of(runs: Mapping[str, FilterRun], stumbles: Fault | None = None) -> Facts:
+def facts_of(runs: Mapping[str, FilterRun], stumbles: StudentError | None = None) -> Facts:
     """What is known of a filter that answers so, and as the sheet's in all other cases."""
     return facts(CASES, list({**RAN, **runs}.values()), stumbles=stumbles)
 
@@ -128,7 +128,7 @@ def test_what_a_filter_is_charged(answer: Filter, marked: Mapping[str, tuple[flo
     assert judged(facts_of(runs_of(answer))) == marked
 
 
-FAULT = Fault("ValueError", "no", "filters.py", 7, None)
+FAULT = StudentError("ValueError", "no", "filters.py", 7, None)
 ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]]]] = [
     ("needs alpha", {"no alpha": FilterRun(None, None, FAULT)}, {OF: (0.5, "needs-alpha")}),
     ("raises", {SECOND: FilterRun(None, None, FAULT)}, dict.fromkeys((OF, START, CONSTANT, NOISE, SIGNAL), (0.0, "Raised"))),

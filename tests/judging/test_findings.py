@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grader.engine.findings import CheckFailed, Fault, Raised, Size, Where, raised
+from grader.engine.findings import CheckFailed, Raised, Size, StudentError, Where, raised
 from grader.labs.imu.compare import distinct_texts
 from tests.judging import test_filtering
 from tests.judging.fake_students import all_cases, pinned
 
 pytestmark = pytest.mark.quick
-_FAULT = Fault("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
+_ERROR = StudentError("ValueError", "no", "imu_reader.py", 12, "    return 1 / 0")
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_of_a_size_the_power_of_ten_is_told(value: float | None, unit: str, said
     ],
 )
 def test_a_place_is_told_by_file_and_line(file: str | None, line: int | None, where: str, at: Where | None) -> None:
-    fault = Fault("ValueError", "no", file, line, None)
+    fault = StudentError("ValueError", "no", file, line, None)
     assert (fault.where, fault.at) == (where, at)
 
 
@@ -54,26 +54,26 @@ def test_a_place_is_told_by_file_and_line(file: str | None, line: int | None, wh
     ],
 )
 def test_of_a_line_what_can_be_shown_is_shown_with_the_caret_below(text: str | None, lines: list[str]) -> None:
-    assert Fault("SyntaxError", "no", "a.py", 1, text).lines == lines
+    assert StudentError("SyntaxError", "no", "a.py", 1, text).lines == lines
 
 
 def test_a_loss_says_what_was_expected_and_what_came() -> None:
     lost = CheckFailed("1 m/s²", "2 m/s²")
     assert str(lost) == "expected 1 m/s²; got 2 m/s²"
     assert (lost.expected, lost.got, lost.off, lost.hint, lost.where) == ("1 m/s²", "2 m/s²", None, "", None)
-    assert (lost.mistakes, lost.keeps) == ((), 0.0)
+    assert (lost.faults, lost.keeps) == ((), 0.0)
     size = Size("it is off", 1.0)
-    more = CheckFailed("a", "b", mistakes=["no-bias"], keeps=0.5, hint="Look.", off=size, fault=_FAULT)
-    assert (more.mistakes, more.keeps, more.hint, more.off) == (("no-bias",), 0.5, "Look.", size)
+    more = CheckFailed("a", "b", faults=["no-bias"], keeps=0.5, hint="Look.", off=size, error=_ERROR)
+    assert (more.faults, more.keeps, more.hint, more.off) == (("no-bias",), 0.5, "Look.", size)
     assert more.where == Where("imu_reader.py", 12)
 
 
 def test_an_exception_stops_a_check_and_says_what_was_done() -> None:
     raised(None, "reading the sensors")
     with pytest.raises(Raised) as stopped:
-        raised(_FAULT, "reading the sensors")
+        raised(_ERROR, "reading the sensors")
     assert str(stopped.value) == "ValueError: no"
-    assert (stopped.value.fault, stopped.value.doing) == (_FAULT, "reading the sensors")
+    assert (stopped.value.error, stopped.value.doing) == (_ERROR, "reading the sensors")
 
 
 def test_two_vectors_are_never_shown_with_the_same_digits_where_they_differ() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from grader.base.errors import NoAnswer
 from grader.engine.figures import Picture
-from grader.engine.findings import NEEDS_REVIEW, Fault
+from grader.engine.findings import NEEDS_REVIEW, StudentError
 from grader.engine.load_report import SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.visualization import measure
@@ -20,7 +20,7 @@ from tests.judging.fake_students import FakeStudent, truth
 from tests.judging.test_check_visualization import SHEET, Plotted
 
 pytestmark = pytest.mark.quick
-FAULT = Fault("KeyError", "", None, None, None)
+FAULT = StudentError("KeyError", "", None, None, None)
 STOPPED = Drawing((), FAULT)
 
 
@@ -70,9 +70,9 @@ def test_a_plot_is_given_what_the_submission_itself_records(
     ("recording", "drawing", "noted"),
     [
         (NoAnswer("none"), STOPPED, True),
-        (Collection(None, None, None, fault=FAULT), STOPPED, True),
+        (Collection(None, None, None, error=FAULT), STOPPED, True),
         (_recorded(), STOPPED, False),
-        (NoAnswer("none"), Drawing((), Fault("NotImplementedError", "", None, None, None)), False),
+        (NoAnswer("none"), Drawing((), StudentError("NotImplementedError", "", None, None, None)), False),
     ],
 )
 def test_a_plot_that_stops_where_the_recorder_returns_nothing_goes_to_a_person(
@@ -99,14 +99,14 @@ def test_a_statement_that_raised_while_a_file_was_imported_broke_off_what_it_dra
 ) -> None:
     student = FakeStudent()
     stepped_over = tuple(
-        SteppedOver("filters.py", at, at, how, (), frozenset(), Fault("NameError", how, "filters.py", at, None))
+        SteppedOver("filters.py", at, at, how, (), frozenset(), StudentError("NameError", how, "filters.py", at, None))
         for at, how in enumerate(ends, 7)
     )
     loaded = replace(student.load("filters.py"), stepped_over=stepped_over, frame=Frame({"figures": []}))
     monkeypatch.setattr(student, "load", lambda path: loaded)
     drawing = student._drawn_at_import("filters.py")
     assert drawing is not None
-    assert (drawing.fault and drawing.fault.line) == line
+    assert (drawing.error and drawing.error.line) == line
 
 
 PICTURE = Picture((800, 600), 0.2, np.zeros((60, 80), np.uint8), np.full((256, 3), 255, np.uint8))

@@ -37,7 +37,7 @@ _EXCHANGED = np.array([[0.0, 1], [1, 0]])
         (replace(_SOUND, turn=-0.89 * np.eye(2)), []),
     ],
 )  # fmt: skip
-def test_the_one_mistake_that_a_response_shows_is_told(seen: Response, told: list[str]) -> None:
+def test_the_one_fault_that_a_response_shows_is_told(seen: Response, told: list[str]) -> None:
     assert [name for name, holds in tilting.FAULTS.items() if holds(seen)][:1] == told
 
 

@@ -112,7 +112,7 @@ class Proposal:
     def block(self) -> list[str]:
         """Return the lines to paste into `rubric.yaml`."""
         faults = [each for each in self.changes if each.kind == "fault"]
-        lines = ["mistakes:"] if faults else []
+        lines = ["faults:"] if faults else []
         lines += [
             f"  {each.id}: {each.after:g} # {each.before:g} at present; {words.counted(each.cells, 'mark')}"
             for each in faults
@@ -170,7 +170,7 @@ def _with(rubric: Rubric, values: Mapping[tuple[str, str], float]) -> Rubric:
     weights = {id_: value for (kind, id_), value in values.items() if kind == "check"}
     return replace(
         rubric,
-        mistakes={**rubric.mistakes, **faults},
+        faults={**rubric.faults, **faults},
         criteria=tuple(_reweighted(criterion, weights) for criterion in rubric.criteria),
     )
 
@@ -212,7 +212,7 @@ class _Problem:
         worth = self.criterion.points / sum(weights.values())
 
         def points(part: CriterionResult) -> float:
-            deductions = {**self.rubric.mistakes, **given}
+            deductions = {**self.rubric.faults, **given}
             return sum(earned(check, weights[check.id] * worth, deductions) or 0.0 for check in part.checks)
 
         return np.array([points(part) for part in self.parts])
@@ -297,7 +297,7 @@ def _deductions(rubric: Rubric, criterion: Criterion, parts: Sequence[CriterionR
     found = []
     for id_, limit in most.items():
         deducted = alone.get(id_) or shared[id_]
-        now = min(rubric.mistakes.get(id_, round(statistics.median(deducted), 2)), limit)
+        now = min(rubric.faults.get(id_, round(statistics.median(deducted), 2)), limit)
         least = min(_LEAST, now)
         if least < limit and max(deducted) - min(deducted) < _LEAST:
             found.append(Unknown("fault", id_, now, least, limit))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.engine.figures import Figure, figures_of
-from grader.engine.findings import Fault, GraderText
+from grader.engine.findings import GraderText, StudentError
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 
@@ -150,7 +150,7 @@ class Readings:
     oddities : what was odd about the form, in words, each once
     whole : whether each vector that came has three numbers
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
-    fault : what the reader raised, if it did
+    error : what the reader raised, if it did
     departs : the sheet's names of the parameters by which it could not be called as the sheet does
     """
 
@@ -160,7 +160,7 @@ class Readings:
     later_gyro: Array
     oddities: tuple[str, ...]
     disturbance: Array
-    fault: Fault | None
+    error: StudentError | None
     departs: tuple[str, ...] = ()
     whole: bool = True
 
@@ -181,7 +181,7 @@ class Collection:
     time : (n,) ndarray or None; acceleration, angular_velocity : (n, 3) ndarray or None
     keys : the submission's own name for each of the three
     extras : everything else with numbers in it, by the submission's own names
-    oddities : what was odd about names and shapes, as misconception ids with a sentence
+    oddities : what was odd about names and shapes, as ids of faults with a sentence
     changed : names of model fields that differ afterwards
     first_step : what the sandbox says of the state before the first step: a hint, to be run again before it is believed
     absent : the sensor whose rows could not be made out, where the other's could: NaN stands in their place
@@ -197,7 +197,7 @@ class Collection:
     extras: Mapping[str, Array] = field(default_factory=dict)
     oddities: tuple[tuple[str, str], ...] = ()
     changed: tuple[str, ...] = ()
-    fault: Fault | None = None
+    error: StudentError | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
     absent: str = ""
     last_alone: bool = False
@@ -421,7 +421,7 @@ class NoiseRun:
     gyro: Array
     disturbance: Array
     odd: str | None
-    fault: Fault | None
+    error: StudentError | None
     departs: tuple[str, ...] = ()
 
 
@@ -440,7 +440,7 @@ class FilterRun:
 
     output: Array | None
     odd: str | None
-    fault: Fault | None
+    error: StudentError | None
     input_changed: bool = False
     output_changed: bool = False
     departs: tuple[str, ...] = ()
@@ -457,7 +457,7 @@ class Drawing:
     """
 
     figures: tuple[Figure, ...]
-    fault: Fault | None = None
+    error: StudentError | None = None
     departs: tuple[str, ...] = ()
 
 
@@ -465,4 +465,4 @@ def drawing_of(frame: Frame) -> Drawing:
     """Return the figures that an answer reports."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
-    return Drawing(figures, Fault.of(frame.fields.get("error")), tuple(frame.fields.get("departs", ())))
+    return Drawing(figures, StudentError.of(frame.fields.get("error")), tuple(frame.fields.get("departs", ())))

@@ -90,15 +90,15 @@ class Plotting(SubmissionSession):
         own_form: bool,
     ) -> Drawing:
         drawing = self._plotted(data)
-        if drawing.fault is None and not (own_form and curves.lacking(drawing.figures, sheet)):
+        if drawing.error is None and not (own_form and curves.lacking(drawing.figures, sheet)):
             return drawing
         own = self._plotted_as_recorded(data, sheet, ids)
-        if own is not None and own.fault is None and (drawing.fault or not curves.lacking(own.figures, sheet)):
+        if own is not None and own.error is None and (drawing.error or not curves.lacking(own.figures, sheet)):
             return own
-        if drawing.fault is None:
+        if drawing.error is None:
             return drawing
         as_on_sheet = drawing if data.keys() == sheet.keys() else self._plotted(sheet)
-        return drawing if as_on_sheet.fault else as_on_sheet
+        return drawing if as_on_sheet.error else as_on_sheet
 
     def _plotted_as_recorded(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
@@ -109,7 +109,7 @@ class Plotting(SubmissionSession):
         """
         with self.without_standins():
             own = self._plotted_with_recorder(data, sheet, ids)
-        return self._plotted_with_recorder(data, sheet, ids) if self.broken and (own is None or own.fault) else own
+        return self._plotted_with_recorder(data, sheet, ids) if self.broken and (own is None or own.error) else own
 
     def _plotted_with_recorder(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
@@ -161,8 +161,8 @@ class Plotting(SubmissionSession):
             loaded = self.load(path)
         except NoAnswer:
             return None
-        fault = next((each.fault for each in loaded.stepped_over if each.how == "raised"), None)
-        return replace(drawing_of(loaded.frame), fault=fault)
+        error = next((each.error for each in loaded.stepped_over if each.how == "raised"), None)
+        return replace(drawing_of(loaded.frame), error=error)
 
     def _drawn_as_script(self, path: str) -> Drawing | None:
         if path.endswith(".ipynb") or not (

@@ -11,7 +11,7 @@ from grader.engine.replies import (
     Answer,
     Called,
     Drawings,
-    Fault,
+    ErrorReply,
     Points,
     Rule,
     Wrong,
@@ -100,7 +100,7 @@ def _draws(answer: Answer, reply: Draws, rows: int) -> None:
 class TiltCase(Struct):
     output: Short | None
     odd: Any
-    error: Fault | None
+    error: ErrorReply | None
 
 
 class FilterCase(TiltCase):

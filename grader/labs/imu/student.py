@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from grader.base.errors import NoAnswer
-from grader.engine.findings import Fault, Missing
+from grader.engine.findings import Missing, StudentError
 from grader.engine.question import Question, key_of
 from grader.labs.imu.answers import (
     Array,
@@ -203,7 +203,7 @@ def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
         later_gyro=_grid([call.gyro for call in later], shape[:1]),
         oddities=oddities,
         disturbance=frame.arrays["disturbance"],
-        fault=Fault.of(frame.fields.get("error")),
+        error=StudentError.of(frame.fields.get("error")),
         departs=tuple(frame.fields["departs"]),
         whole=all(call.whole for call in calls),
     )
@@ -211,10 +211,10 @@ def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
 
 def _collected(frame: Frame) -> Collection:
     """Convert the worker's reply to `simulate`; without any series if the student's code raised."""
-    fault = Fault.of(frame.fields.get("error"))
+    error = StudentError.of(frame.fields.get("error"))
     changed = tuple(frame.fields["changed"])
-    if fault is not None:
-        return Collection(None, None, None, changed=changed, fault=fault)
+    if error is not None:
+        return Collection(None, None, None, changed=changed, error=error)
     collected = as_collection(frame.fields["value"], frame.arrays).with_zeros_for_empty_rows()
     return replace(
         collected, changed=changed, first_step=_believable(frame.arrays), departs=tuple(frame.fields["departs"])
@@ -249,7 +249,7 @@ def _noise_run(frame: Frame) -> NoiseRun:
         gyro=frame.arrays["gyro"],
         disturbance=frame.arrays.get("disturbance", np.zeros((0, 4))),
         odd=as_reading(odd, frame.arrays).oddity if odd else None,
-        fault=Fault.of(frame.fields.get("error")),
+        error=StudentError.of(frame.fields.get("error")),
         departs=tuple(frame.fields["departs"]),
     )
 
@@ -267,7 +267,7 @@ def _filter_run(answer: Mapping[str, Any], frame: Frame) -> FilterRun:
     return FilterRun(
         output=frame.arrays[answer["output"]] if answer["output"] else None,
         odd=shape_in_words(odd, frame.arrays) if odd else None,
-        fault=Fault.of(answer["error"]),
+        error=StudentError.of(answer["error"]),
         input_changed=bool(answer["input_changed"]),
         output_changed=bool(answer["output_changed"]),
         departs=tuple(answer["departs"]),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from grader.engine.chart_data import Chart
-from grader.engine.findings import Fault, raised
+from grader.engine.findings import StudentError, raised
 from grader.engine.lab import Lab, Part
 from grader.engine.question import Question
 from grader.engine.replies import Answer, Called, Rule, checked
@@ -26,7 +26,7 @@ class Student(SubmissionSession):
     def call(self, name: str, values: np.ndarray) -> np.ndarray | None:
         """What the function makes of an array; None where no array of numbers came."""
         frame = self.answer(Question("call", name, lambda frame: frame, {"name": name}, {"values": values}))
-        raised(Fault.of(frame.fields.get("error")), f"calling {name}")
+        raised(StudentError.of(frame.fields.get("error")), f"calling {name}")
         value = frame.fields["value"]
         return frame.arrays[value["key"]] if value and "key" in value else None
 

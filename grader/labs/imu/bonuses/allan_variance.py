@@ -14,7 +14,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from grader.engine.charging import Part
-from grader.engine.findings import Fault, Raised, Skipped
+from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
 from grader.engine.traces import Traces
@@ -50,7 +50,7 @@ class AllanRun:
     taus: Array | None
     adev: Array | None
     shape: str
-    fault: Fault | None
+    error: StudentError | None
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
@@ -65,8 +65,8 @@ class AllanRun:
     @property
     def stop(self) -> Exception | None:
         """The exception because of which the curve cannot be judged; None if it can."""
-        if self.fault:
-            return Raised(self.fault, "computing the Allan deviation")
+        if self.error:
+            return Raised(self.error, "computing the Allan deviation")
         if self.curve is None:
             return Skipped("averaging times and deviations")
         return None if len(self.curve[0]) >= _FEWEST else Skipped("three averaging times or more")
@@ -82,7 +82,7 @@ def allan(student: Student, samples: Array, sample_rate_hz: float) -> AllanRun:
 def _run(frame: Frame, columns: int) -> AllanRun:
     node = frame.fields["value"]
     taus, adev = _curve(node, frame.arrays, columns)
-    return AllanRun(taus, adev, shape_in_words(node, frame.arrays), Fault.of(frame.fields.get("error")))
+    return AllanRun(taus, adev, shape_in_words(node, frame.arrays), StudentError.of(frame.fields.get("error")))
 
 
 def _curve(node: Node | None, arrays: Arrays, columns: int) -> tuple[Array | None, Array | None]:
@@ -250,9 +250,9 @@ def measure(student: Student, truth: Traces) -> Allan:
     stop = next(filter(None, (run.stop for run in runs.values())), None)
     compared = ("averaging_times", "matches_definition", "shows_kinds_of_noise")
     stops: dict[str, Exception | None] = dict.fromkeys(compared, stop)
-    stops["returns_times_and_deviations"] = runs["white"].stop if runs["white"].fault else None
+    stops["returns_times_and_deviations"] = runs["white"].stop if runs["white"].error else None
     one = None if together.adev is None else next(filter(None, (run.stop for run in alone)), None)
-    stops["takes_three_axes"] = together.stop if together.fault else one
+    stops["takes_three_axes"] = together.stop if together.error else one
     records = {} if stop else {kind: (*run.curve, scenario[kind]) for kind, run in runs.items() if run.curve}
     stopped = {check: stop for check, stop in stops.items() if stop}
     return Allan(rate, runs["white"], together, alone, records, stopped)

@@ -14,7 +14,7 @@ import numpy as np
 
 from grader.base.errors import NoAnswer
 from grader.engine.charging import Part
-from grader.engine.findings import Fault, Raised, Skipped
+from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
 from grader.engine.traces import Scenario, Traces
@@ -61,11 +61,11 @@ class TiltRun:
 
     output: Array
     odd: str
-    fault: Fault | None
+    error: StudentError | None
 
     @property
     def raised(self) -> Exception | None:
-        return Raised(self.fault, "updating the filter") if self.fault else None
+        return Raised(self.error, "updating the filter") if self.error else None
 
     @property
     def stop(self) -> Exception | None:
@@ -89,7 +89,7 @@ def _runs(frame: Frame) -> list[TiltRun]:
 def _run(answer: Mapping[str, Any], arrays: Mapping[str, Array]) -> TiltRun:
     odd = shape_in_words(answer["odd"], arrays) if answer["odd"] else ""
     output = np.zeros((0, 2)) if answer["output"] is None else arrays[answer["output"]]  # it raised before the first
-    return TiltRun(output, odd, Fault.of(answer["error"]))
+    return TiltRun(output, odd, StudentError.of(answer["error"]))
 
 
 # ---- the facts

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from grader.engine.charging import Part
-from grader.engine.findings import Fault, Raised, Skipped
+from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
 from grader.engine.traces import Traces
@@ -52,7 +52,7 @@ class LiveRun:
     events: Array
     curves: tuple[tuple[Array, Array], ...]
     simulated: float
-    fault: Fault | None = None
+    error: StudentError | None = None
 
     @property
     def updates(self) -> int:
@@ -87,7 +87,7 @@ def live(
 def _run(frame: Frame) -> LiveRun:
     answer, arrays = frame.fields, frame.arrays
     curves = tuple((arrays[curve["x"]], arrays[curve["y"]]) for curve in answer["curves"])
-    return LiveRun(arrays["events"], curves, float(answer["simulated"]), Fault.of(answer.get("error")))
+    return LiveRun(arrays["events"], curves, float(answer["simulated"]), StudentError.of(answer.get("error")))
 
 
 # ---- what a curve follows
@@ -194,8 +194,8 @@ def measure(student: Student, truth: Traces) -> Live:
     ids = torso_ids(truth)
     run = live(student, model=truth.models["lab"], ids=ids, duration_s=duration, timestep=timestep, push=push)
     stopped: dict[str, Exception] = {}
-    if run.fault:
-        raised = Raised(run.fault, "plotting live")
+    if run.error:
+        raised = Raised(run.error, "plotting live")
         stopped = dict.fromkeys(("returns", "grows_while_stepping", "shows_true_data"), raised)
     elif not len(run.events):
         stopped["shows_true_data"] = Skipped("a curve on a figure that is shown")

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from grader.engine.charging import Part
-from grader.engine.findings import Fault, Raised, Skipped
+from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
 from grader.engine.traces import Scenario, Traces
@@ -35,7 +35,7 @@ class ImuReadings:
     calls: tuple[Mapping[str, Reading], ...]
     later: Mapping[str, Reading]
     shape: str
-    fault: Fault | None
+    error: StudentError | None
 
 
 def imus(student: Student, *, model: str, qpos: Array, qvel: Array) -> ImuReadings:
@@ -49,7 +49,7 @@ def _readings(frame: Frame) -> ImuReadings:
     shape = shape_in_words(nodes[0], frame.arrays) if nodes else "nothing"
     calls = tuple(_by_place(node, frame.arrays) for node in nodes)
     return ImuReadings(
-        calls, _by_place(frame.fields["later"], frame.arrays), shape, Fault.of(frame.fields.get("error"))
+        calls, _by_place(frame.fields["later"], frame.arrays), shape, StudentError.of(frame.fields.get("error"))
     )
 
 
@@ -138,9 +138,9 @@ def measure(student: Student, truth: Traces) -> Imus:
         stops[_MATCHES] = Skipped("a reading by place")
     if not lab.with_numbers:
         stops[_COPIES] = Skipped("a reading by place, with numbers in it")
-    for checks, fault in (((_FINDS, _MATCHES), lab.got.fault or other.got.fault), ((_COPIES,), lab.got.fault)):
-        if fault:
-            stops |= dict.fromkeys(checks, Raised(fault, "reading all IMUs"))
+    for checks, error in (((_FINDS, _MATCHES), lab.got.error or other.got.error), ((_COPIES,), lab.got.error)):
+        if error:
+            stops |= dict.fromkeys(checks, Raised(error, "reading all IMUs"))
     return Imus(lab, other, stops)
 
 

@@ -47,8 +47,8 @@ _STAMPS = "time stamps; the returned value has none"
 def measured(student: Student, truth: Traces) -> Explained:
     """Ask for both recordings and explain them; ask for further ones only if these leave the cause open."""
     push = facts_of.run(student, truth, "push")
-    if push.series.fault is not None:
-        raised = Raised(push.series.fault, "collecting data")
+    if push.series.error is not None:
+        raised = Raised(push.series.error, "collecting data")
         return Explained(facts_of.facts_of(truth, push, None, stopped=dict.fromkeys(CHECKS, raised)))
     origin, push = origin_of(student, truth, push, "push")
     follows = True
@@ -100,8 +100,8 @@ def _of_later_run(student: Student, truth: Traces, push: Run) -> tuple[RowOrigin
         later = facts_of.run(student, truth, "push_dirty", push)
     except NoAnswer as nothing:
         return None, None, nothing
-    if later.series.fault is not None:
-        return None, None, Raised(later.series.fault, "collecting data with another time step, after an earlier run")
+    if later.series.error is not None:
+        return None, None, Raised(later.series.error, "collecting data with another time step, after an earlier run")
     return *origin_of(student, truth, later, "push_dirty"), None
 
 
@@ -124,7 +124,7 @@ def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:
         stops.setdefault(RESET, Skipped(_BOTH))
     if series.oddities and series.time is None and not any(rows is not None for rows in series.sensors):
         got = series.oddities[0][1].removeprefix("got ")
-        stops[NAMED] = Unusable(FORM, got, mistakes=[series.oddities[0][0]], hint=if_nothing(got))
+        stops[NAMED] = Unusable(FORM, got, faults=[series.oddities[0][0]], hint=if_nothing(got))
     return stops
 
 

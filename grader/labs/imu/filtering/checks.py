@@ -63,13 +63,13 @@ def check_instances_independent(facts: Facts) -> Deviation | None:
     other = next((y for y in others if not same(y, own.alone, ATOL)), None)
     if other is None and not (own.stumbles or own.input_changed or own.output_changed):
         return None
-    fault = own.stumbles
+    error = own.stumbles
     row = 0 if other is None else int(np.argmax(np.abs(other - own.alone).max(axis=1)))
     alone, came = distinct_texts(own.alone[row], own.alone[row] if other is None else other[row])
-    if fault:
-        came = f"{fault.type}: {printable(fault.message, 200)}"
-    size = Size("no output where another filter was before") if fault else None
-    return Deviation({"alone": alone, "sample": row + 1, "came": came}, size=size, fault=fault)
+    if error:
+        came = f"{error.type}: {printable(error.message, 200)}"
+    size = Size("no output where another filter was before") if error else None
+    return Deviation({"alone": alone, "sample": row + 1, "came": came}, size=size, error=error)
 
 
 def _off(wanted: Array, came: Array, *, share: float = 1.0, **numbers: object) -> Deviation:

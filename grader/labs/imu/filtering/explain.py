@@ -286,11 +286,11 @@ def _form(facts: Facts) -> Deviation | None:
 
 
 def _default(facts: Facts) -> Deviation | None:
-    fault = facts.needs_alpha
-    if fault is None:
+    error = facts.needs_alpha
+    if error is None:
         return None
-    came = f"{fault.type}{f' at {fault.where}' if fault.where else ''}: {printable(fault.message, 200)}"
-    return Deviation({"came": came}, size=Size("no filter where no alpha is given"), fault=fault)
+    came = f"{error.type}{f' at {error.where}' if error.where else ''}: {printable(error.message, 200)}"
+    return Deviation({"came": came}, size=Size("no filter where no alpha is given"), error=error)
 
 
 PART: Part[Facts] = Part(

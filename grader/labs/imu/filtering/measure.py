@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine.findings import Fault, Raised, Skipped, Unusable
+from grader.engine.findings import Raised, Skipped, StudentError, Unusable
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import FilterRun, if_nothing
 from grader.labs.imu.compare import Array, not_finite_in_words, same
@@ -104,7 +104,7 @@ class Ownership:
     spoilt_input: Array
     spoilt_output: Array
     another_past: Array
-    stumbles: Fault | None = None
+    stumbles: StudentError | None = None
     input_changed: bool = False
     output_changed: bool = False
 
@@ -150,7 +150,7 @@ class Facts:
     own: Ownership
     odd: str = ""
     nothing_at_first: bool = False
-    needs_alpha: Fault | None = None
+    needs_alpha: StudentError | None = None
     departs: tuple[str, ...] = ()
     stopped: Mapping[str, Exception] = field(default_factory=dict)
 
@@ -183,9 +183,9 @@ def measure(student: Student, truth: Traces) -> Facts:
     """Ask one filter for each case, all in one question; in processes of their own where a filter stumbles over an earlier one."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
-    if runs[0].fault or not runs[1].fault:
+    if runs[0].error or not runs[1].error:
         return facts(cases, runs)
-    return facts(cases, [runs[0], *map(student.filter_alone, [*cases.values()][1:])], stumbles=runs[1].fault)
+    return facts(cases, [runs[0], *map(student.filter_alone, [*cases.values()][1:])], stumbles=runs[1].error)
 
 
 def asked(scenario: Scenario) -> dict[str, FilterCase]:
@@ -212,13 +212,13 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
     }
 
 
-def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: Fault | None = None) -> Facts:
+def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: StudentError | None = None) -> Facts:
     """Return the facts from the answers to all cases, in their order."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}
     plain = [name for name in runs if "alpha" in name]
-    needs_alpha = None if any(said[name].fault for name in plain[:-1]) else said[plain[-1]].fault
+    needs_alpha = None if any(said[name].error for name in plain[:-1]) else said[plain[-1]].error
     plain = plain[:-1] if needs_alpha else plain
     own = ("alone", "again", "beside", "spoilt_input", "spoilt_output", "another_past")
     unwatched = ("spoilt_input", "spoilt_output")
@@ -243,7 +243,7 @@ def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumble
 def _from_first_vector(case: FilterCase, run: FilterRun) -> tuple[FilterCase, FilterRun]:
     """Return a case without its first sample if update() returned nothing for it; this is one fault, judged as such."""
     missing = [] if run.output is None else np.flatnonzero(~np.isfinite(run.output).all(axis=1)).tolist()
-    if run.fault or missing != [0] or not run.odd:
+    if run.error or missing != [0] or not run.odd:
         return case, run
     assert run.output is not None
     return replace(case, signal=case.signal[1:]), replace(run, output=run.output[1:])
@@ -278,13 +278,11 @@ def _whatever_goes_in(run: Run) -> dict[str, Exception]:
 
 
 def _stop(run: FilterRun, *, may_end: bool = False) -> Exception | None:
-    if run.fault:
-        return Raised(run.fault, "filtering measurements")
+    if run.error:
+        return Raised(run.error, "filtering measurements")
     if run.output is None:
         return Skipped("an output")
     if np.isfinite(run.output).all() or (may_end and not run.odd):
         return None
-    mistake = "wrong-return-type" if run.odd else "not-finite"
-    return Unusable(
-        FORM, run.odd or not_finite_in_words(run.output), mistakes=[mistake], hint=if_nothing(run.odd or "")
-    )
+    fault = "wrong-return-type" if run.odd else "not-finite"
+    return Unusable(FORM, run.odd or not_finite_in_words(run.output), faults=[fault], hint=if_nothing(run.odd or ""))

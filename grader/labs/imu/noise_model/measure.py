@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from grader.base.errors import NoAnswer
-from grader.engine.findings import Fault, Missing, Raised, Unusable, raised
+from grader.engine.findings import Missing, Raised, StudentError, Unusable, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
@@ -223,11 +223,11 @@ def _without_noise(ask: Callable[[tuple[float, float]], NoiseRun]) -> NoiseRun:
     return run if _is_sound(run := ask(_SILENT)) else ask(_ALMOST_SILENT)
 
 
-def _with_biases(ask: Callable[..., NoiseRun]) -> tuple[NoiseRun, Fault | None]:
+def _with_biases(ask: Callable[..., NoiseRun]) -> tuple[NoiseRun, StudentError | None]:
     """Return a run with given biases and None; if the model fails only with these, a run without them and the fault."""
     run = ask(given=True)
-    if run.fault is not None and (own := ask(given=False)).fault is None:
-        return own, run.fault
+    if run.error is not None and (own := ask(given=False)).error is None:
+        return own, run.error
     return run, None
 
 
@@ -236,16 +236,16 @@ def _is_whole(run: NoiseRun) -> bool:
 
 
 def _is_sound(run: NoiseRun) -> bool:
-    return run.fault is None and _is_whole(run)
+    return run.error is None and _is_whole(run)
 
 
 def _usable(run: NoiseRun) -> None:
     """Raise if the model raised an exception or returned numbers that are not finite."""
-    raised(run.fault, "reading the noisy IMU")
+    raised(run.error, "reading the noisy IMU")
     if not _is_whole(run):
-        mistake = "wrong-return-type" if run.odd else "not-finite"
+        fault = "wrong-return-type" if run.odd else "not-finite"
         came = run.odd or not_finite_in_words(np.array([run.accel, run.gyro]))
-        raise Unusable(FORM, came, mistakes=[mistake])
+        raise Unusable(FORM, came, faults=[fault])
 
 
 # ---- the facts
@@ -268,8 +268,8 @@ def measure(student: Student, truth: Traces) -> Facts:
         nothing = Reads(np.zeros((1, 1, 3)), np.zeros((1, 3)), 1.0, np.zeros(3))
         return Facts((Sensor(nothing, nothing),) * 2, disturbance=disturbance, stopped=dict.fromkeys(failing, stop))
     stopped: dict[str, Exception] = {}
-    if fault := refused or refused_quiet:
-        stopped["given_bias"] = Raised(fault, "reading the noisy IMU with given biases")
+    if error := refused or refused_quiet:
+        stopped["given_bias"] = Raised(error, "reading the noisy IMU with given biases")
     reads = ask.reads(run, clean, None if refused else ask.biases)
     silent = ask.reads(quiet, clean, (np.zeros(3), np.zeros(3)))
     follows = _follow(ask, reads, truth)

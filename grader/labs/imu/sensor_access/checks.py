@@ -34,12 +34,12 @@ def check_follows_address(found: Explained) -> Deviation | None:
     if (wrong := found.misplaced()) is not None:
         visit, sensor = wrong
         return _off(visit, sensor, visit.scene.true(sensor), {}, found.share_misplaced)
-    if (fault := next((visit.fault for visit in found.facts.others if visit.fault), None)) is None:
+    if (error := next((visit.error for visit in found.facts.others if visit.error), None)) is None:
         return None
-    came = f"{fault.type}: {printable(fault.message, 200)}{f' at {fault.where}' if fault.where else ''}"
+    came = f"{error.type}: {printable(error.message, 200)}{f' at {error.where}' if error.where else ''}"
     wanted = "a reading of the sensors whose ids are given, in a model with other sensor names"
     return Deviation(
-        {"wanted": wanted, "got": came}, size=Size("an exception in a model with other sensor names"), fault=fault
+        {"wanted": wanted, "got": came}, size=Size("an exception in a model with other sensor names"), error=error
     )
 
 

@@ -210,7 +210,7 @@ class Explained:
         """The faults of the address. Ignored ids also show in other IMUs, or as an exception in another model."""
         known = _named_places([each for each in self.sensors if each])
         ignored = any(_is_ignored(self.facts.torso, v, i) for v in self.facts.visits[1:] for i in BOTH)
-        raised = any(v.fault.type in _NOT_FOUND for v in self.facts.others if v.fault)
+        raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (ignored or raised)
 
     @property

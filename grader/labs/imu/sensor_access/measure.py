@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from grader.engine.findings import Fault, Raised, Unusable
+from grader.engine.findings import Raised, StudentError, Unusable
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import Readings, if_nothing
 from grader.labs.imu.compare import Array, triple
@@ -76,7 +76,7 @@ class Visit:
 
     scene: Scene
     got: tuple[Array, Array]
-    fault: Fault | None = None
+    error: StudentError | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Facts:
     @property
     def visits(self) -> list[Visit]:
         """The visits in which the reader returned something."""
-        return [visit for visit in (self.torso, *self.others) if visit.fault is None]
+        return [visit for visit in (self.torso, *self.others) if visit.error is None]
 
 
 def measure(student: Student, truth: Traces) -> Facts:
@@ -120,7 +120,7 @@ def measure(student: Student, truth: Traces) -> Facts:
     return Facts(
         torso,
         again,
-        () if readings.fault else tuple(_others(student, truth)),
+        () if readings.error else tuple(_others(student, truth)),
         later=np.concatenate([readings.later_accel, readings.later_gyro]),
         disturbance=readings.disturbance.max(axis=0, initial=0.0),
         odd="; ".join(readings.oddities[:2]),
@@ -153,16 +153,16 @@ def _read(student: Student, truth: Traces, scenario: Scenario, pairs: slice, vis
 
 def _visit(scenario: Scenario, number: int, readings: Readings, row: int, states: slice) -> Visit:
     got = readings.accel[row, states], readings.gyro[row, states]
-    return Visit(Scene.of(scenario, number), got, readings.fault)
+    return Visit(Scene.of(scenario, number), got, readings.error)
 
 
 def _stopped(readings: Readings) -> dict[str, Exception]:
-    if readings.fault is not None:
-        return dict.fromkeys(CHECKS, Raised(readings.fault, "reading the robot's IMU"))
+    if readings.error is not None:
+        return dict.fromkeys(CHECKS, Raised(readings.error, "reading the robot's IMU"))
     if not readings.oddities or np.isfinite([readings.accel, readings.gyro]).any():
         return {}
     odd = "; ".join(readings.oddities[:2])
-    return dict.fromkeys(CHECKS, Unusable(FORM, odd, mistakes=["wrong-return-type"], hint=if_nothing(odd)))
+    return dict.fromkeys(CHECKS, Unusable(FORM, odd, faults=["wrong-return-type"], hint=if_nothing(odd)))
 
 
 def with_stops(facts: Facts, stop: Exception, *names: str) -> Facts:

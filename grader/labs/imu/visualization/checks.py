@@ -88,7 +88,7 @@ def check_comparison_plot(facts: Facts) -> Deviation | None:
             return None
         affected = 0.5 if comparison.drawn or comparison.handed_in else 1.0
         numbers = {"came": comparison.in_words, "stop": comparison.stop_in_words}
-        return Deviation(numbers, affected=affected, fault=comparison.fault)
+        return Deviation(numbers, affected=affected, error=comparison.error)
     if explain.names_are_exchanged(facts):
         return Deviation({"came": "the raw curve with the name of the filtered one"}, share=0.5)
     return None if comparison.noisy else Deviation(share=0.5)

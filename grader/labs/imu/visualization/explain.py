@@ -34,8 +34,8 @@ def to_the_end(measured: Callable[[Facts], Deviation | None]) -> Callable[[Facts
     @functools.wraps(measured)
     def judged(facts: Facts) -> Deviation | None:
         found = measured(facts)
-        if found is not None and facts.fault is not None:
-            raise Raised(facts.fault, DOING)
+        if found is not None and facts.error is not None:
+            raise Raised(facts.error, DOING)
         return found
 
     return judged
@@ -203,7 +203,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(TITLES, 9, "no-title", lambda facts: words.share_untitled(facts.plot) > 0),
     Reason(COMPARISON, 1, "legend-order-wrong", lambda f: bool(f.comparison.saved) and names_are_exchanged(f)),
     Reason(COMPARISON, 2, "comparison-wrong-data", lambda f: f.comparison.meant[0] > 1 and not f.comparison.drawn),
-    Reason(COMPARISON, 3, "script-stops", lambda f: f.comparison.fault is not None and not f.comparison.drawn),
+    Reason(COMPARISON, 3, "script-stops", lambda f: f.comparison.error is not None and not f.comparison.drawn),
     Reason(COMPARISON, 4, "comparison-missing", lambda f: not f.comparison.saved),
     Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
     Reason("parameters", 2, "other-parameters", lambda _: True),

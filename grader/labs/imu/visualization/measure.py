@@ -18,11 +18,11 @@ from grader.engine.findings import (
     Charged,
     Cost,
     Deviation,
-    Fault,
     GraderText,
     Missing,
     Raised,
     Skipped,
+    StudentError,
 )
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
@@ -86,7 +86,7 @@ class Comparison:
     drawn : whether any figure has such a pair
     meant : the number of curves of a figure that is meant to compare and has no such pair, and what they are in words
     handed_in : whether a picture of it was handed in
-    fault : the exception that stopped a program
+    error : the exception that stopped a program
     clean : whether the noise model has lost points, so that no noise is asked for
     """
 
@@ -94,7 +94,7 @@ class Comparison:
     drawn: bool = False
     meant: tuple[int, str] = (0, "")
     handed_in: bool = False
-    fault: Fault | None = None
+    error: StudentError | None = None
     clean: bool = False
 
     @property
@@ -109,10 +109,10 @@ class Comparison:
     @property
     def stop_in_words(self) -> str:
         """The exception that stopped a program, with its file and line; "" if none did."""
-        if self.fault is None:
+        if self.error is None:
             return ""
-        said = printable(f"{self.fault.type}: {self.fault.message}", 300)
-        return f"{said} at {self.fault.where}" if self.fault.where else said
+        said = printable(f"{self.error.type}: {self.error.message}", 300)
+        return f"{said} at {self.error.where}" if self.error.where else said
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class Facts:
     plot : the figure that shows most of the data
     cut_off : the channels that lie outside the axis limits for the most part, with the share that is inside
     recorded : the unit in which the submission itself records each sensor, if a label names another one than is drawn
-    fault : the exception that broke the plot off
+    error : the exception that broke the plot off
     departs : the sheet's parameters that `plot_imu_data` could not be called with
     stopped : by check, what kept its property from being measured
     """
@@ -134,7 +134,7 @@ class Facts:
     comparison: Comparison = field(default_factory=Comparison)
     cut_off: Mapping[Channel, float] = field(default_factory=dict)
     recorded: tuple[str, str] = ("", "")
-    fault: Fault | None = None
+    error: StudentError | None = None
     departs: tuple[str, ...] = ()
     stopped: Mapping[str, Exception] = field(default_factory=dict)
 
@@ -146,10 +146,10 @@ def measure(student: Student, truth: Traces) -> Facts:
     """Ask for the plot of the tumbling run, then for what the programs draw."""
     try:
         drawing = drawing_of_data(student, truth)
-        if drawing.fault is not None and drawing.fault.type in _NOT_THERE:
+        if drawing.error is not None and drawing.error.type in _NOT_THERE:
             _note_missing_recording(student, truth)
-        if drawing.fault is not None and not drawing.figures:
-            raise Raised(drawing.fault, DOING)
+        if drawing.error is not None and not drawing.figures:
+            raise Raised(drawing.error, DOING)
     except (Missing, NoAnswer, Raised) as stop:
         stopped = _drawn_by_no_code(student) or dict.fromkeys(OF_PLOT, stop)
         return Facts(_NO_PLOT, comparison=_comparison(student), stopped=stopped)
@@ -160,15 +160,15 @@ def measure(student: Student, truth: Traces) -> Facts:
     if not stopped:
         outside = _cut_off(student, truth, plot)
         stopped = _unseen(student, truth, plot, outside)
-    if drawing.fault is not None:
-        stopped = {name: Raised(drawing.fault, DOING) for name in stopped}
+    if drawing.error is not None:
+        stopped = {name: Raised(drawing.error, DOING) for name in stopped}
     return Facts(
         plot,
         file,
         _comparison(student),
         outside,
         _recorded_units(student, truth, plot),
-        drawing.fault,
+        drawing.error,
         tuple(drawing.departs),
         stopped,
     )
@@ -391,14 +391,14 @@ def _comparison(student: Student) -> Comparison:
     to rest is smoother than another.
     """
     drawn, meant = False, (0, "")
-    fault: Fault | None = None
+    error: StudentError | None = None
     clean: Comparison | None = None
     charged = _past_the_plot(student)
     for drawing in student.scripts():
-        fault = fault or (drawing.fault if drawing.fault != charged else None)
+        error = error or (drawing.error if drawing.error != charged else None)
         pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
         if saved := tuple(pair for figure, pair in pairs if pair and figure.is_saved):
-            _note_stopped(student, drawing.fault)
+            _note_stopped(student, drawing.error)
             found = Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
             if found.noisy:
                 return found
@@ -407,28 +407,28 @@ def _comparison(student: Student) -> Comparison:
         meant = max(meant, *_meant(figure for figure, pair in pairs if not pair))
     if clean is not None and meant[0] < 2:
         return clean
-    return Comparison((), drawn, meant, _handed_in(student, COMPARISON), fault)
+    return Comparison((), drawn, meant, _handed_in(student, COMPARISON), error)
 
 
-def _past_the_plot(student: Student) -> Fault | None:
+def _past_the_plot(student: Student) -> StudentError | None:
     """Let scripts go on beside a stand-in where `plot_imu_data` does not end, which is charged. Return what it raised."""
     drawing = student.stored_answer("plot")
-    if drawing is None or drawing.fault is not None:
+    if drawing is None or drawing.error is not None:
         student.replace_broken(["plot_imu_data"])
-    return None if drawing is None else drawing.fault
+    return None if drawing is None else drawing.error
 
 
-def _note_stopped(student: Student, fault: Fault | None) -> None:
+def _note_stopped(student: Student, error: StudentError | None) -> None:
     """Add a note on a statement that stopped in a program and was stepped over, unless the import has noted it.
 
     A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault.
     """
-    if fault is None or not fault.where or (fault.type == "AttributeError" and student.broken):
+    if error is None or not error.where or (error.type == "AttributeError" and student.broken):
         return
-    if not any(note.startswith(f"{fault.where} ") for note in student.notes):
-        why = printable(fault.type or fault.message, 60)
+    if not any(note.startswith(f"{error.where} ") for note in student.notes):
+        why = printable(error.type or error.message, 60)
         student.note(
-            f"{fault.where} was stopped when the file was run: {why}. The grader went on with the next line",
+            f"{error.where} was stopped when the file was run: {why}. The grader went on with the next line",
             GraderText("A statement was stopped when a file was run as a script. The grader went on with the next one"),
         )
 

@@ -18,7 +18,7 @@ def check_known_points(student: Student, truth: Traces) -> None:
     if got is None or got.shape != wanted.shape or np.abs(got - wanted).max() > 1e-9:
         forgot = got is not None and np.allclose(got, fahrenheit / 1.8)
         raise CheckFailed(
-            f"{wanted[0]:g} °C", f"{got[0]:g} °C" if got is not None else "no array", mistakes=["no-offset"] * forgot
+            f"{wanted[0]:g} °C", f"{got[0]:g} °C" if got is not None else "no array", faults=["no-offset"] * forgot
         )
 
 

@@ -1,4 +1,4 @@
-"""The catalogue of mistakes: complete, within its limits, and true: its examples are run."""
+"""The table of faults: complete, within its limits, and true: its examples are run."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ import pytest
 
 from grader.engine import rubric
 from grader.engine.faults import catalogue, rows
-from grader.engine.feedback import mistake_of
-from grader.engine.findings import Fault
+from grader.engine.feedback import fault_of
+from grader.engine.findings import StudentError
 from grader.labs.imu.lab import LAB
 
 ENTRIES = catalogue(LAB)
@@ -54,10 +54,10 @@ def example(key: str, version: str, parameters: str) -> Callable[..., Any]:
         ("AttributeError", None, "alpha", "raises"),
     ],
 )
-def test_what_was_raised_shows_a_mistake(exception: str, line: str | None, name: str, key: str) -> None:
+def test_what_was_raised_shows_a_fault(exception: str, line: str | None, name: str, key: str) -> None:
     """Whatever its text says: Python, NumPy and MuJoCo change it."""
     place = (None, None) if line is None else ("imu_reader.py", 3)
-    assert mistake_of(Fault(exception, "Invalid name 'imu'", *place, line, name), catalogue(LAB)) == key
+    assert fault_of(StudentError(exception, "Invalid name 'imu'", *place, line, name), catalogue(LAB)) == key
 
 
 # --- the file ---------------------------------------------------------------------------------------------------------
