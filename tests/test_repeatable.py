@@ -113,8 +113,13 @@ def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):
 """
 
 
-def test_memory_that_was_never_written_is_said_to_be_so_and_shows_no_number(marker: Marker) -> None:
-    files = edit(verbatim(), "imu_reader.py", ("def simulate_and_collect", EMPTY + "\n\ndef simulate_and_collect"))
+@pytest.mark.parametrize("made", ["np.empty(3)", "np.ndarray(3)", "np.ndarray(shape=(3,), dtype=float)"])
+def test_memory_that_was_never_written_is_said_to_be_so_and_shows_no_number(made: str, marker: Marker) -> None:
+    files = edit(
+        verbatim(),
+        "imu_reader.py",
+        ("def simulate_and_collect", f"{EMPTY.replace('np.empty(3)', made)}\n\ndef simulate_and_collect"),
+    )
     first, second = (settled(marked(marker, files, "sensor_access")) for _ in range(2))
     assert first == second
     told = {check.id: check.message for criterion in first.criteria for check in criterion.checks}

@@ -74,7 +74,20 @@ def _units(text: str, path: str, flags: int) -> list[statements.Unit]:
     tree = ast.parse(text, own)
     if _RELATIVE.search(text):
         packages.make_imports_absolute(tree, path)  # let files that were written as a package import each other
+    if ".ndarray(" in text:
+        _make_ndarrays_empty(tree)
     return statements.units_of(tree, own, flags=flags)
+
+
+def _make_ndarrays_empty(tree: ast.Module) -> None:
+    """Call `np.empty` where the code calls `np.ndarray` with a shape alone: both leave the memory unwritten, and `np.empty` marks it."""
+    for call in ast.walk(tree):
+        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Attribute) or call.func.attr != "ndarray":
+            continue
+        is_numpy = isinstance(call.func.value, ast.Name) and call.func.value.id in ("np", "numpy")
+        given = {keyword.arg for keyword in call.keywords}
+        if is_numpy and len(call.args) <= 2 and given <= {"shape", "dtype", "order"}:  # no buffer
+            call.func.attr = "empty"
 
 
 def _decoded(source: bytes) -> str:

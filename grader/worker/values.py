@@ -62,7 +62,7 @@ def _number(value: Any) -> float:
     try:
         return float(value)
     except OverflowError:  # an integer beyond the range of float64
-        return math.copysign(math.inf, value)
+        return math.inf if value > 0 else -math.inf
 
 
 class Packer:

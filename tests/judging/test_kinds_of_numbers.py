@@ -35,6 +35,7 @@ KINDS: Mapping[str, tuple[Kind, str]] = {
     "masked array without a masked value": (np.ma.array, NUMBERS),
     "masked array, all masked": (lambda x: np.ma.array(x, mask=True), NAN),
     "list of masked values": (lambda x: [np.ma.masked] * len(x), NAN),
+    "list of integers beyond float64": (lambda x: [10**400, *[-(10**400)] * (len(x) - 1)], NAN),
     "NaN": (lambda x: x * np.nan, NAN),
     "complex": (lambda x: x + 1j, NONE),
     "complex with a tiny imaginary part": (lambda x: x + 1e-300j, NONE),
