@@ -80,14 +80,12 @@ def _units(text: str, path: str, flags: int) -> list[statements.Unit]:
 
 
 def _make_ndarrays_empty(tree: ast.Module) -> None:
-    """Call `np.empty` where the code calls `np.ndarray` with a shape alone: both leave the memory unwritten, and `np.empty` marks it."""
+    """Call `np.empty` in place of `np.ndarray` with a shape alone: neither writes to the memory, and `np.empty` marks it."""
     for call in ast.walk(tree):
-        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Attribute) or call.func.attr != "ndarray":
-            continue
-        is_numpy = isinstance(call.func.value, ast.Name) and call.func.value.id in ("np", "numpy")
-        given = {keyword.arg for keyword in call.keywords}
-        if is_numpy and len(call.args) <= 2 and given <= {"shape", "dtype", "order"}:  # no buffer
-            call.func.attr = "empty"
+        if isinstance(call, ast.Call) and ast.unparse(call.func) in ("np.ndarray", "numpy.ndarray"):
+            named = {keyword.arg for keyword in call.keywords}
+            if len(call.args) <= 2 and named <= {"shape", "dtype", "order"}:  # no buffer
+                vars(call.func)["attr"] = "empty"
 
 
 def _decoded(source: bytes) -> str:
