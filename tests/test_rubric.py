@@ -347,6 +347,13 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
     assert (granted.extra_credit_cap, sum(criterion.points for criterion in granted.criteria)) == (cap, 100.0)
 
 
+def test_a_rubric_of_an_earlier_version_is_read_with_the_names_that_its_keys_had() -> None:
+    earlier = f"late:\n  {DUE}\n  extensions: {{jane: 2026-11-24T23:59+01:00}}\nmistakes: {{no-bias: 1}}\n"
+    now = earlier.replace("extensions", "due_dates").replace("mistakes", "faults")
+    assert read(edited("", earlier)).sha256 == read(edited("", now)).sha256
+    assert read(edited("", earlier)).late == read(edited("", now)).late
+
+
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [

@@ -28,6 +28,9 @@ LARGEST = 1000.0  # largest weight, points and seconds of a call
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
+EARLIER = {"mistakes": "faults", "extensions": "due_dates"}
+"""Names that rubric keys had in earlier versions, whose rubrics the records of classes hold."""
+
 
 class RubricError(RequestError):
     """The rubric cannot be used. One line for each problem: ``rubric.yaml:LINE: what is wrong; what to do``."""
@@ -131,7 +134,11 @@ class Reader:
             self.say(node, f"{what} must be `key: value` lines with the keys {', '.join((*required, *optional))}")
             return {}
         keys = (*required, *optional)
-        given = self.pairs(node, what)
+        written = self.pairs(node, what)
+        given = {
+            now if (now := EARLIER.get(name, name)) in keys and now not in written else name: pair
+            for name, pair in written.items()
+        }
         meant = {nearest(name, keys) for name in given}  # a misspelt key is not reported as missing as well
         for name, (key, _) in given.items():
             if name not in keys:
