@@ -1,0 +1,65 @@
+"""The worked check and the worked fault of the contributors' pages: both patches apply, and grade as the page says."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = (ROOT / "docs" / "contributors" / "worked-check.md").read_text(encoding="utf-8")
+CHECK, FAULT = re.findall(r"```diff\n(.*?)```", PAGE, re.DOTALL)
+NEW, ROW = "filtering.takes_alpha_one", "alpha-at-most-nine-tenths"
+CHECK_EACH = """
+import sys
+from pathlib import Path
+from grader import cli
+from tests.corpus.cases import of
+from tests.corpus.pieces import tidy
+from tests.corpus.writing import write
+rows = {case.name: case.files for case in of("faulty")} | {"sound": tidy()}
+for name in sys.argv[1:]:
+    write(rows[name], Path(name))
+    assert cli.main(["check", name, "--only", "filtering", "--json", f"{name}.json"]) == 0
+"""
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of what the patches change, and of what grades."""
+    copy = tmp_path_factory.mktemp("tree")
+    for name in ("grader", "reference", "tests/corpus"):
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("rubric.yaml", "tests/__init__.py"):
+        shutil.copyfile(ROOT / name, copy / name)
+    return copy
+
+
+def lost(tree: Path, patch: str, *names: str) -> list[dict[str, dict[str, Any]]]:
+    """Apply a patch, check these rows of the corpus, and return what each does not pass, by check."""
+    subprocess.run(["git", "apply", "-"], cwd=tree, input=patch, text=True, check=True)
+    environment = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
+    subprocess.run([sys.executable, "-c", CHECK_EACH, *names], cwd=tree, env=environment, check=True)
+    results = [json.loads((tree / f"{name}.json").read_text(encoding="utf-8")) for name in names]
+    checks = [[check for part in result["criteria"] for check in part["checks"]] for result in results]
+    return [{check["id"]: check for check in each if check["outcome"] not in ("passed", "skipped")} for each in checks]
+
+
+def test_the_worked_check_and_fault_apply_and_grade_as_the_page_says(tree: Path) -> None:
+    sound, new = lost(tree, CHECK, "sound", ROW)
+    assert sound == {}
+    assert [*new] == [NEW]
+    assert (new[NEW]["points"], new[NEW]["max_points"], new[NEW]["misconceptions"]) == (0, 1, [])
+    assert all(line.strip() in PAGE for line in new[NEW]["message"].splitlines())
+
+    named, swapped = lost(tree, FAULT, ROW, "weights-exchanged")
+    assert [*named] == [NEW]
+    assert named[NEW]["misconceptions"] == ["alpha-limited"]
+    assert [*swapped] == ["filtering.follows_recursion"]
