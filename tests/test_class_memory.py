@@ -9,11 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from grader.base.errors import RequestError
+from grader.course.class_grading import settings_on_record
 from grader.course.database import FILE_NAME
 from grader.course.secret_strength import guessable
 from grader.desk.overviews import queue
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from grader.platforms.gradescope import gradescope
 from tests.class_commands import CHECK, Run, column, commands, graded, hand_in, late_policy, rubric_with
 from tests.conftest import SECRET
@@ -157,10 +160,12 @@ def test_without_its_secret_a_class_is_not_graded(
     for more in ((), ("--change",), ("--dry-run",)):
         assert refused(run, *more).startswith(without)
     monkeypatch.setenv("IMUGRADE_SEED", "another secret")
-    told = "other scenarios (another secret, model or version of MuJoCo): 3 on record are graded again"
+    told = "other scenarios (another secret or model, or another version of MuJoCo or imugrade): 3 on record are graded again"
     with monkeypatch.context() as here:  # what another secret records takes seconds to make
         here.setattr(bundles, "obtain", lambda *_, **__: replace(hidden, sha256="another"))
         assert told in refused(run)
+        with pytest.raises(RequestError, match="the class on record was graded on other scenarios"):
+            settings_on_record(LAB, Path("out"), "another secret")
     assert (totals(), ran) == (scores, so_far)
     monkeypatch.setenv("IMUGRADE_SEED", SECRET)
     graded(run)

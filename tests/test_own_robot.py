@@ -209,7 +209,9 @@ def test_another_file_that_the_model_includes_makes_other_traces(cache: Path, tm
         seen.append(bundles.obtain(LAB, None, cache, model))
     assert seen[0].sha256 == seen[2].sha256 != seen[1].sha256
     settings = [ClassSettings.of(rubric.load(LAB), NO_ROSTER, "latest", each) for each in seen]
-    assert causes(settings[0], settings[1]) == ("other scenarios (another secret, model or version of MuJoCo)",)
+    assert causes(settings[0], settings[1]) == (
+        "other scenarios (another secret or model, or another version of MuJoCo or imugrade)",
+    )
     assert causes(settings[0], settings[2]) == ()
 
 

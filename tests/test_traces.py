@@ -190,7 +190,7 @@ def test_a_hidden_bundle_is_recorded_once_for_its_owner_only_and_does_not_tell_i
     recordings: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     first, again = (bundles.obtain(LAB, SECRET, tmp_path) for _ in range(2))
-    assert recordings == [("hidden", SECRET)]
+    assert recordings == [("hidden", recording.stretched(SECRET))]
     assert first.sha256 == again.sha256
     (entry,) = (tmp_path / "traces").iterdir()
     assert re.fullmatch("[0-9a-f]{32}", entry.name)
@@ -199,7 +199,24 @@ def test_a_hidden_bundle_is_recorded_once_for_its_owner_only_and_does_not_tell_i
     for _ in range(2):  # a damaged one is recorded again
         assert bundles.obtain(LAB, SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
     bundles.obtain(LAB, "another", tmp_path)
-    assert recordings[1:] == [("hidden", SECRET), ("hidden", "another")]
+    assert recordings[1:] == [("hidden", recording.stretched(seed)) for seed in (SECRET, "another")]
+
+
+def test_a_guess_at_a_secret_costs_scrypt_and_a_process_pays_once_for_a_secret(
+    recordings: list[tuple[str, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    costs: list[tuple[bytes, int]] = []
+
+    def counted(secret: bytes, *, n: int, r: int, p: int, dklen: int, **_: object) -> bytes:
+        costs.append((secret, n * r * p))
+        return bytes(dklen)
+
+    monkeypatch.setattr("hashlib.scrypt", counted)
+    for _ in range(2):
+        bundles.obtain(LAB, "one of its own", tmp_path)
+    recording.stretched.cache_clear()  # of seeds that `counted` made
+    assert costs == [(b"one of its own", 2**21)]
+    assert not any("one of its own" in path.read_text("latin-1") for path in tmp_path.rglob("*.*"))
 
 
 def test_public_traces_are_the_shipped_ones_on_the_simulator_that_recorded_them(
@@ -246,6 +263,7 @@ def test_a_folder_called_reference_where_the_command_runs_is_not_run(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, hidden: Path
 ) -> None:
     monkeypatch.chdir(reference_that(tmp_path, "raise SystemExit('a student was here')"))
+    monkeypatch.setattr(recording, "stretched", lambda secret: secret)
     assert bundles.obtain(LAB, SECRET, tmp_path / "cache").sha256 == truth.load(hidden).sha256
 
 

@@ -16,11 +16,12 @@ def settings_on_record(lab: Lab, out: Path, secret: str | None, *, trusted: bool
     Raises
     ------
     RequestError
-        If the class was graded on hidden scenarios and there is no secret.
+        If the class was graded on hidden scenarios and there is no secret, or one that makes other scenarios.
     """
     settings = classroom.on_record(out)
     class_settings.refuse_without_secret(settings, secret)
     rubric = class_settings.rubric_of(lab, settings)
     traces = lab.truth(secret, rubric.settings)
+    class_settings.refuse_other_scenarios(settings, traces)
     level = settings.isolation if settings else ""
     return GradingSettings(rubric, traces, partial(classroom.guarded_marker, rubric, traces, None, trusted, level))

@@ -26,7 +26,7 @@ from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.roster import NO_ROSTER, Roster
 from grader.report.causes import stops
 
-_SCENARIOS = "other scenarios (another secret, model or version of MuJoCo)"
+_SCENARIOS = "other scenarios (another secret or model, or another version of MuJoCo or imugrade)"
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class ClassSettings:
         Which of several attempts counts.
     traces_sha256, hidden
         Digest of the scenarios with the whole text of the robot's model, and whether they come from a secret. A model file that
-        changes under the same path makes other scenarios. To find the secret from the digest takes seconds of simulation
-        for each guess.
+        changes under the same path makes other scenarios. To find the secret from the digest takes a second of scrypt and
+        seconds of simulation for each guess.
     grader
         Version of imugrade.
     isolation
@@ -311,4 +311,19 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
         raise RequestError(
             "the class on record was graded on hidden scenarios; set IMUGRADE_SEED to the secret that it was graded with, or grade "
             "into another folder with -o"
+        )
+
+
+def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
+    """Refuse to grade one submission of a class on other hidden scenarios than the class.
+
+    Raises
+    ------
+    RequestError
+        If these traces are not those that the class was graded with.
+    """
+    if old is not None and old.hidden and old.traces_sha256 != traces.sha256:
+        raise RequestError(
+            f"the class on record was graded on {_SCENARIOS}; set IMUGRADE_SEED to the secret of this class, or grade all of it "
+            "again with `imugrade grade --change`"
         )

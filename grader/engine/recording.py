@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Protocol
@@ -26,6 +27,9 @@ from grader.engine.traces import SCHEMA, Traces, load
 
 CACHE_VARIABLE = "IMUGRADE_CACHE"
 RECORDING_LIMIT_S = 300
+SCRYPT_COST = {"n": 1 << 17, "r": 8, "p": 2}
+"""About a second and 128 MiB for each secret: what somebody pays who tests one guess. Student code sees some 39 bits of what a seed
+chose, such as masses and durations, and could test thousands of short secrets a second without this."""
 
 _SOURCES = beside("grader", "").parent
 
@@ -61,14 +65,29 @@ def default_cache_dir() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "imugrade"
 
 
+@cache
+def stretched(secret: str) -> str:
+    """Return the seed that scrypt makes of a secret.
+
+    Only this process keeps it, so each command pays once and hands the traces to its markers. A file by which a later command knew
+    the secret sooner would let whoever reads that file test guesses as fast.
+    """
+    salt, text = b"imugrade hidden scenarios", secret.encode("utf-8", "surrogatepass")
+    return hashlib.scrypt(text, salt=salt, **SCRYPT_COST, maxmem=256 << 20, dklen=32).hex()
+
+
 def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject | None = None) -> Traces:
     """Return traces from the cache, or record and cache them. A damaged entry is recorded again; an unwritable cache is no error.
+
+    Hidden traces are those of the stretched secret: neither their numbers nor the name of the entry tests a guess faster.
 
     Raises
     ------
     GraderError
         If the recorder fails.
     """
+    if name != "public":
+        seed = stretched(seed)
     entry = cache_dir / "traces" / _cache_key(lab, name, seed, subject)
     try:
         return load(entry / f"{name}.npz")
