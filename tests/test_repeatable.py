@@ -190,7 +190,7 @@ def test_a_thread_that_polls_by_the_clock_takes_the_same_samples_in_every_run(ma
 
 
 def test_threads_that_wait_for_each_other_take_no_real_time(marker: Marker) -> None:
-    pool = """import time
+    pool = """import contextlib, queue, threading, time
 from concurrent.futures import ThreadPoolExecutor
 
 
@@ -201,6 +201,10 @@ def rest(seconds):
 
 with ThreadPoolExecutor() as pool:
     assert list(pool.map(rest, [600, 100])) == [600, 100]
+with contextlib.suppress(queue.Empty):
+    queue.Queue().get(timeout=600)
+with threading.Condition() as condition:
+    assert not condition.wait_for(lambda: False, timeout=600)
 """
     assert lost_by(marked(marker, lab(collect=f"{pool}\n\n{part('tidy', 'collect')}"), "data_collection")) == {}
 

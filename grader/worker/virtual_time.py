@@ -192,6 +192,7 @@ def _replace_condition(clock: Clock) -> None:
         return notified
 
     setattr(threading.Condition, "wait", wait)  # noqa: B010
+    vars(threading)["_time"] = vars(queue)["time"] = lambda: clock.passed_s  # by which they count the rest of a timeout
 
 
 def _replace_threads(clock: Clock) -> None:
