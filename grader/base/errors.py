@@ -46,4 +46,4 @@ class Crashed(NoAnswer):
 
 
 class Malformed(NoAnswer):
-    """The worker's reply violates the protocol."""
+    """Exception: the worker's reply violates the protocol."""

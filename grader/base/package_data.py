@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def beside(package: str, name: str) -> Path:
-    """Return a file or folder in the folder of a package.
+    """Return the path of a file or folder in the folder of a package.
 
     Parameters
     ----------

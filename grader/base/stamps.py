@@ -9,7 +9,7 @@ _FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *([Z
 
 
 def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
-    """Return a point in time, to the second, from text or what a YAML reader made of it.
+    """Parse a point in time, to the second, from text or from what a YAML reader made of it.
 
     None if it is none, or has no offset and no `zone` says by which clock it is meant.
     """

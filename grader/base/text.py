@@ -32,7 +32,7 @@ def _shown(char: str) -> str:
 
 
 def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
-    r"""Text that a terminal, a page and a log can show as it is.
+    r"""Return text that a terminal, a page and a log can show as it is, from untrusted text.
 
     Parameters
     ----------

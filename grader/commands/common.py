@@ -65,7 +65,7 @@ def console() -> Console:
 
 
 def login() -> str:
-    """Return the login name, or "unknown" where the machine has none."""
+    """Return the login name, the author of a decision if none is given; "unknown" if the machine has none."""
     import getpass  # noqa: PLC0415
 
     try:

@@ -25,7 +25,7 @@ _PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")
 
 @dataclass(frozen=True)
 class Finding:
-    """One line: a name, whether the finding is good (None: neutral), and its text."""
+    """One line of `imugrade doctor`: a name, whether the finding is good (None: neutral), and its text."""
 
     name: str
     good: bool | None

@@ -37,7 +37,7 @@ def found(lab: Lab, submission: Submission) -> str:
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
-    """Say how many public checks run now, and what else there is.
+    """Return the line that says how many public checks run, and that hidden scenarios may follow.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ _MOST_LINES, _LONGEST = 30, 300
 
 
 class Prints:
-    """Printed lines by part, each with its count."""
+    """Lines that student code printed, by the criterion that was checked, each with its count."""
 
     def __init__(self) -> None:
         self._lines: dict[str, Counter[str]] = {}

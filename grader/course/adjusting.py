@@ -82,7 +82,7 @@ def _request(row: Mapping[str, str | None], place: str) -> OverrideRequest:
 
 
 def adjust(lab: Lab, out: Path, store: Store, requests: Sequence[OverrideRequest], author: str, what: str) -> list[str]:
-    """Record all requests or none, and rewrite the pages; return a line on each request.
+    """Check and record requests for overrides, all or none, and rewrite the pages; return a line on each request.
 
     A request that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an
     override have changed, the same request confirms it.
@@ -109,7 +109,7 @@ def adjust(lab: Lab, out: Path, store: Store, requests: Sequence[OverrideRequest
 
 @dataclass(frozen=True)
 class RecordedOverride:
-    """A recorded request; `fresh` is False if it was already in force."""
+    """A request for an override as it was recorded; `fresh` is False if it was already in force."""
 
     id: str
     adjustment: Adjustment
@@ -125,7 +125,7 @@ def decide(
     seen: int | None = None,
     what: str = "",
 ) -> list[RecordedOverride]:
-    """Record all requests or none. `Store.adjust` explains `seen` and `what`.
+    """Check and record requests for overrides, all or none. `Store.adjust` explains `seen` and `what`.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def _problem(
 
 
 def objections(override: OverrideRequest, final_grade: FinalGrade) -> dict[str, str]:
-    """Return what is wrong with the points and with the comment of a request, by field."""
+    """Return the problems of a request for an override, by field of the form: points and comment."""
     found = {}
     most = maximum_points(final_grade.result, override.criterion)
     if override.points and not override.alone and most is not None:

@@ -92,7 +92,7 @@ class ClassSettings:
         return self.late != repr(None)
 
     def with_rubric(self, rubric: Rubric) -> ClassSettings:
-        """Return the same settings with another rubric."""
+        """Return the settings of the class with another rubric in place of its own."""
         return replace(self, **_of_rubric(rubric))
 
 
@@ -275,7 +275,7 @@ def change(
 
 
 def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
-    """Describe the differences between settings. Rubric text that does not affect scores is ignored."""
+    """Say in words what differs between two settings of a class. Rubric text that affects no score is ignored."""
     rubric = "another rubric" if old.rubric_sha256 != new.rubric_sha256 else "another late policy"
     found = {
         rubric: (old.rubric_sha256, old.late) != (new.rubric_sha256, new.late),

@@ -47,7 +47,7 @@ together."""
 
 
 class ProgressListener(Protocol):
-    """Receiver of progress reports of a run."""
+    """Protocol of what shows the progress of a run: a bar, lines, or nothing."""
 
     def started(self, total: int) -> None: ...
 
@@ -342,7 +342,7 @@ def _jobs(request: GradeRequest) -> int:
 
 
 def opener(request: GradeRequest) -> OpenMarker:
-    """Return the picklable function with which each worker process opens its marker."""
+    """Return the function with which each worker process opens its marker; it is picklable, because it is sent there."""
     return partial(
         guarded_marker, request.rubric, request.traces, request.isolation_level, request.trusted, request.at_least
     )

@@ -38,7 +38,7 @@ def plain(result: Result) -> dict[str, Any]:
 
 
 def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
-    """Mark one submission with the plugin of a run. This function is the task that Dask executes."""
+    """Mark one submission with the marker that the run's plugin holds. Dask executes this function as a task."""
     plugin = get_worker().plugins[run]
     assert isinstance(plugin, GradingPlugin)
     return plugin.mark(Submission(**submission))

@@ -20,7 +20,7 @@ Kind = Literal["above maximum", "two grades", "not judged", "no row", "unknown l
 
 @dataclass(frozen=True)
 class Contradiction:
-    """One contradiction.
+    """A contradiction between a grade and the settings or the file, which `export` names before it writes.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Contradiction:
 def contradictions(
     final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None, without_row: Mapping[str, str] | None = None
 ) -> list[Contradiction]:
-    """Return the contradictions of a class.
+    """Return the contradictions of a class, such as an override above its maximum, so that a person solves them before an export.
 
     Parameters
     ----------

@@ -132,7 +132,7 @@ class Database:
         self._db.close()
 
     def changes(self) -> int:
-        """Return a number that changes when another connection writes to the record."""
+        """Return a number that changes when another connection writes to the record, so that cached pages are read anew."""
         return int(self._value("PRAGMA data_version"))
 
     def _value(self, query: str, *parameters: object) -> Any:

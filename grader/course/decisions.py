@@ -18,7 +18,7 @@ _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decis
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a fact in the review queue. A review applies to this fact only."""
+    """Return a digest of a fact in the review queue. If the fact changes, its review no longer counts."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
@@ -33,7 +33,7 @@ def is_reviewed(id_: str, result: Result, reviews: Collection[tuple[str, str, st
 
 
 class OvertakenError(RequestError):
-    """Another person changed the same submission since the page was loaded."""
+    """Exception: another person changed the same submission since the page was loaded, so that nothing is overwritten."""
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ class Draft:
 
 @dataclass(frozen=True)
 class Plan:
-    """An export that is ready to be written."""
+    """An export that is ready to be written, with what it would do."""
 
     order: Export
     draft: Draft
@@ -131,7 +131,7 @@ class Plan:
 
 
 def plan(order: Export) -> Plan:
-    """Make the file of grades; nothing is written.
+    """Prepare the file of grades without writing it, so that the effects can be shown first.
 
     Raises
     ------

@@ -68,7 +68,7 @@ def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
 
 
 def similar_group(ids: Sequence[str]) -> Group:
-    """Return a group of submissions with the same files or similar code."""
+    """Return these submissions, which have the same files or similar code, as a group to decide on together."""
     digest = hashlib.sha256(" ".join(ids).encode()).hexdigest()[:16]
     return Group(ALIKE, digest, f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
 

@@ -45,7 +45,7 @@ def failed(result: Result) -> set[str]:
 
 
 def available() -> set[str]:
-    """Return the modules of installed packages that student code can import on this machine."""
+    """Return the names that student code can import from installed packages on this machine."""
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders())}
 
 

@@ -30,7 +30,7 @@ KILLED = "the marking process was killed"
 
 
 class Marking(Protocol):
-    """Interface of a marker."""
+    """Protocol of a marker, which grades one submission after the other in a worker process."""
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
@@ -81,7 +81,7 @@ class Backlog:
         self._again: deque[Task] = deque()
 
     def next(self) -> Task | None:
-        """Return the next task; None if there is none at present."""
+        """Return the next submission to mark; None if there is none at present."""
         if self._again:
             return self._again.popleft()
         submission = next(self._submissions, None)

@@ -44,7 +44,7 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
 
 
 def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab, figures: Drawn | None = None) -> None:
-    """Write the two files of one submission unless they are current. `figures` are its charts if they are already drawn.
+    """Write `result.json` and `report.html` of a submission unless they are current. `figures`: its charts, if drawn already.
 
     `result.json` holds the automatic points only; the report shows the final grade. The record holds digests of both. Charts in an
     existing report are reused while they match the record.
@@ -59,7 +59,7 @@ def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab, figures:
 
 
 def publish_all(out: Path, final_grades: Iterable[FinalGrade], store: Store, lab: Lab) -> None:
-    """Write the two files of each submission, unless they are current."""
+    """Write `result.json` and `report.html` of each submission, unless they are current."""
     for final_grade in final_grades:
         publish(out, final_grade, store, lab)
 

@@ -67,7 +67,7 @@ class Key:
 
 
 class Store(Decisions, RepairLog, Drafts):
-    """The record in `OUT/results.sqlite`."""
+    """The record of a class in `OUT/results.sqlite`: results, hand-ins, decisions and settings."""
 
     def __init__(self, out: Path) -> None:
         self._known: dict[str, tuple[str, Result]] = {}
@@ -220,7 +220,7 @@ class Store(Decisions, RepairLog, Drafts):
         return "" if record is None else hashlib.sha256(self._read(str.encode, record)).hexdigest()
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
-        """Return the charts of a submission's present result."""
+        """Return the charts of a submission's present result, for its report."""
         return self._read(unpacked, self.packed_charts(id_))
 
     def packed_charts(self, id_: str) -> bytes:
@@ -248,7 +248,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
-        """Record people and time of a submission in place of the earlier record."""
+        """Record who handed in a submission and when, in place of the earlier record."""
         row = (id_, _hand_in_text(hand_in))
         if self._value("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", *row) is None:
             self._write(_HAND_IN, *row)

@@ -21,7 +21,7 @@ from grader.intake import Submission
 
 
 class Mark(Protocol):
-    """Grades a submission in the sandbox; its code has `cpu_s` seconds of CPU time, or those of the rubric."""
+    """Protocol of a function that grades a submission in the sandbox; its code has `cpu_s` seconds, or those of the rubric."""
 
     def __call__(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 

@@ -92,7 +92,7 @@ class GradingSettings:
 
     @contextmanager
     def opened(self) -> Iterator[Grading]:
-        """Grade in this process. The marker is opened when the first submission is graded."""
+        """Return a grading in this process, whose marker is opened when the first submission is graded."""
         with ExitStack() as stack:
             marker = cache(lambda: stack.enter_context(self.open_marker()))
             yield self.by(lambda submission, cpu_s=None: marker().mark(submission, cpu_s))
@@ -121,7 +121,7 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
 
 @dataclass(frozen=True)
 class Preview:
-    """A submission as it is graded now and as it would be with a repair, which is not recorded.
+    """The grades of a submission without and with a repair that is not recorded.
 
     `problem` says why this repair could not be recorded; "" if it could.
     """
@@ -293,7 +293,7 @@ def _handed_in(store: Store, final_grade: FinalGrade) -> Submission:
 
 
 def publish(out: Path, who: str, grading: Grading) -> None:
-    """Write the pages of a submission and of its class anew."""
+    """Write the pages of a submission and of its class anew after a repair."""
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)

@@ -124,6 +124,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield the names in lines of `A_LINE`, separated by semicolons because many names are ``Last, First``."""
+    """Yield a warning with names, `A_LINE` names a line, separated by semicolons because many names are ``Last, First``."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"

@@ -33,7 +33,7 @@ HEADERS = {
 
 @dataclass(frozen=True)
 class Keys:
-    """The token in the first address and the secret in the cookie. Neither reveals the other."""
+    """Access keys of the desk: the token in the printed address and the secret in the cookie. Neither reveals the other."""
 
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)

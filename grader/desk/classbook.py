@@ -105,7 +105,7 @@ class Classbook:
         return self.once("absent", facts, lambda: blank_grades(*facts))
 
     def once(self, name: str, facts: object, make: Callable[[], T]) -> T:
-        """Return `make()`, or the cached value if the facts are the same as in the last call."""
+        """Return `make()`, or its cached value while `facts` are the same as in the last call, so that a page is computed once."""
         known = self._made.get(name)
         if known is None or known[0] != facts:
             known = self._made[name] = (facts, make())
@@ -161,7 +161,7 @@ class Classbook:
         self._publisher.changed(marked)
 
     def settled(self) -> None:
-        """Wait until the files of OUT match the record."""
+        """Wait until the pages in OUT that are written in the background match the record."""
         self._publisher.settled()
 
     @property

@@ -25,7 +25,7 @@ _MOST_FILES = 20
 
 @dataclass(frozen=True)
 class Piece:
-    """Consecutive lines, after `skipped` lines that are not shared."""
+    """Consecutive lines of code that two submissions share, after `skipped` lines that they do not share."""
 
     skipped: int
     lines: tuple[Line, ...]
@@ -33,7 +33,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Excerpt:
-    """The shared lines of one file: `count` of `of`."""
+    """The lines of one file that another submission shares: `count` of `of`."""
 
     path: str
     pieces: tuple[Piece, ...]

@@ -34,7 +34,7 @@ def editable(path: str, content: bytes) -> Editable:
 
 
 def as_bytes(before: bytes, text: str) -> bytes:
-    """Return the file that an edited text means.
+    """Return the bytes of a file from its edited text.
 
     The lines above the first change and below the last one keep their bytes. The others get the usual line ending of the file.
     """

@@ -25,7 +25,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def send(book: Classbook, web_request: WebRequest) -> Response:
-    """Answer with the file, or with the page that says who would be left blank or what is wrong with which field."""
+    """Send the file of grades, or the page that says who would be left blank or which field is wrong."""
     feedback = web_request.text("do") == "feedback"
     try:
         with tempfile.TemporaryDirectory() as folder:

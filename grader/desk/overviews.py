@@ -55,7 +55,7 @@ def review_queue(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def class_page(book: Classbook, web_request: WebRequest) -> Response:
-    """Return the class page of the desk."""
+    """Return the desk's page of all submissions, with search, filters and sorting."""
     waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
     everybody = book.final_grades().values()
     results = [each.result for each in everybody]

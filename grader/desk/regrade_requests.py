@@ -47,7 +47,7 @@ _TEXT = ("request", "appeal", "text", "message", "reason", "comment")
 
 @dataclass(frozen=True)
 class ReceivedRequest:
-    """One request as received: the student, the check and the text."""
+    """A regrade request as it was received: the student, the check and the text, none of them verified."""
 
     who: str
     about: str
@@ -142,7 +142,7 @@ def _read_file(path: Path) -> list[ReceivedRequest]:
 
 
 def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
-    """Yield the requests in a text, which may have any of the forms.
+    """Yield the regrade requests in a text: JSON, a CSV table, or plain text.
 
     Parameters
     ----------

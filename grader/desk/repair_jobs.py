@@ -74,7 +74,7 @@ class Job(ABC):
 
     @abstractmethod
     def run(self, grading: Grading) -> None:
-        """Do the work, on the thread of the jobs."""
+        """Do the work of the job, on the thread that grades, while the page waits."""
 
     def grading_step(self) -> str:
         """Return what is being done while a copy is graded, in words."""
@@ -108,7 +108,7 @@ class RepairJobs:
         self._results: OrderedDict[str, Result] = OrderedDict()
 
     def start(self, job: Job) -> Job:
-        """Queue a job."""
+        """Queue a job for the thread that grades."""
         job.number = max(self._jobs, default=0) + 1
         self._jobs[job.number] = job
         while len(self._jobs) > _KEPT_JOBS:

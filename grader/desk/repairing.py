@@ -95,7 +95,7 @@ class Editor:
 def editor(
     book: Classbook, final_grade: FinalGrade, web_request: WebRequest, errors: Mapping[str, str] | None = None
 ) -> Editor | None:
-    """Return the editor for the job, refused form or file of a request; None if there is nothing to edit."""
+    """Return the editor that a request asks for, by its job, refused form or file; None if there is nothing to edit."""
     job = book.jobs.get(web_request.number("job") or web_request.number("seen"))
     if job is not None and job.id != final_grade.id:
         job = None

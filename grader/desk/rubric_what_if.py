@@ -49,7 +49,7 @@ class GradeChange:
 
 @dataclass(frozen=True)
 class Preview:
-    """The changes, largest first, both distributions, and a sentence on each grade that would be above its maximum."""
+    """Effect of a changed rubric: changed grades, largest first, both distributions, and grades above their maximum."""
 
     changes: tuple[GradeChange, ...]
     more: int

@@ -85,7 +85,7 @@ class Overrides:
 
 @dataclass(frozen=True)
 class Place:
-    """A line of a shown file."""
+    """A line of a submitted file to which a check's feedback links."""
 
     path: str
     anchor: str
@@ -238,7 +238,7 @@ def _comments(book: Classbook) -> list[str]:
 
 
 def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
-    """Return the submission in the address, or the blank grade of a person without one."""
+    """Return the final grade of the submission in the address; a blank one for a person without a submission."""
     id_ = web_request.path["id"]
     final_grade = book.final_grades().get(id_) or book.absent().get(id_)
     if final_grade is None:

@@ -22,7 +22,7 @@ class TooLargeError(Exception):
 
 @dataclass(frozen=True)
 class WebRequest:
-    """One request.
+    """One HTTP request to the desk, with its fields read.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ async def read(request: Request, cookie: str, author: str) -> WebRequest:
 
 
 def name(text: str) -> str:
-    """Return an author's name without control characters."""
+    """Return the name under which a person decides, without control characters."""
     return printable(text.strip(), _NAME)
 
 

@@ -21,7 +21,7 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class Measurement(Protocol):
-    """The facts of one criterion."""
+    """Base class of the facts that a criterion measures of a submission."""
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
@@ -43,7 +43,7 @@ class Part(Generic[Facts]):
     ----------
     measure : runs the student's code and returns the facts; it judges nothing
     reasons : the known faults, each with the property in which it shows
-    others : properties that no check measures, by name
+    others : functions of the facts that measure properties without a check of their own, such as other parameters, by name
     """
 
     lab: Lab

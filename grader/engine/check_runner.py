@@ -231,12 +231,12 @@ class Session:
 
     @pytest.fixture
     def student(self) -> SubmissionSession:
-        """Return the session about the submission that is checked."""
+        """Return the session about the submission that is checked; pytest passes it to checks as the argument `student`."""
         return self._now.student
 
     @pytest.fixture
     def truth(self) -> Traces:
-        """Return the ground truth."""
+        """Return the ground truth; pytest passes it to checks as the argument `truth`."""
         return self._now.truth
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:

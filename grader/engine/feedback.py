@@ -43,12 +43,12 @@ class Feedback:
 
     @property
     def message(self) -> str:
-        """The sentence, the expected and the actual value, as one text."""
+        """The text that a student reads: the sentence, or the expected and the actual value."""
         return message_of(self.said, self.expected, self.got)
 
 
 def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback for the finding that ended a check.
+    """Return what a student reads on the finding that ended a check, for public scenarios.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def not_reached(title: str) -> Feedback:
 
 
 def no_more(charge: Charge) -> Feedback:
-    """Return the feedback of a check that shows a fault which costs nothing there."""
+    """Return the feedback of a check that shows a fault whose points were deducted at another check."""
     return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{charge.see}”.")
 
 
@@ -216,7 +216,7 @@ def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
 
 
 def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback for an answer that did not come."""
+    """Return the feedback for a question that got no answer: a timeout or a crash."""
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
     return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, faults=named)

@@ -37,7 +37,7 @@ PARTS = 100
 
 @dataclass(frozen=True, eq=False)
 class VisibleParts:
-    """Visible parts of a curve.
+    """Which parts of a curve a reader of the picture can see, for checks that deduct hidden curves.
 
     Attributes
     ----------
@@ -216,12 +216,12 @@ class Picture:
 
 
 def figures_of(frame: Frame) -> list[Figure]:
-    """Return the figures of a reply that passed the rule for drawings."""
+    """Return the figures that a reply of the worker describes; the reply has been validated (`replies.drawings`)."""
     return decode_figures(frame, lambda _, name: frame.arrays[name])
 
 
 def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Figure]:
-    """Return the figures of a reply; `array_of(type, name)` returns each array that they name.
+    """Build the figures that a reply describes; `array_of(type, name)` returns each array that they name.
 
     Raises
     ------

@@ -116,7 +116,7 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Cost:
-    """Deduction of one fault at one check.
+    """Deduction of one fault at one check, as a share of the check's points.
 
     Attributes
     ----------

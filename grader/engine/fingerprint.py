@@ -31,7 +31,7 @@ _TOKEN = re.compile(
 
 
 def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
-    """Return the distinct hashes of all Python files and notebook cells, sorted.
+    """Return hashes of the code of a submission, sorted, by which similar code is found.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def _winnowed(source: str) -> set[int]:
 
 
 def lines_with(source: str, wanted: Set[int]) -> set[int]:
-    """Return the line numbers, from 1, of the grams whose hash is in `wanted`."""
+    """Return the numbers, from 1, of the lines whose code has a hash in `wanted`, to mark similar code on a page."""
     tokens = [found for found in _TOKEN.finditer(source) if not found[0].startswith("#")]
     hashes = _hashes([_normal(found[0]) for found in tokens])
     starts = np.cumsum([0, *(len(line) + 1 for line in source.split("\n"))])

@@ -33,7 +33,7 @@ from grader.sandbox.sandbox import Sandbox
 
 
 class Stopped(KeyboardInterrupt):
-    """Interrupt while a submission is graded, with the result so far; checks that were not reached have no points."""
+    """Exception for an interrupt (Ctrl-C) during grading, with the result so far; checks not reached have no points."""
 
     def __init__(self, result: Result) -> None:
         super().__init__()

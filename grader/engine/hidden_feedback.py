@@ -33,7 +33,7 @@ _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 def feedback_on(
     finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, table: Mapping[str, FaultRow]
 ) -> Feedback:
-    """Return the feedback for the finding that ended a check."""
+    """Return what a student reads on the finding that ended a check on hidden scenarios: its kind and size, and no data."""
     if isinstance(finding, Charged):
         return _charged(finding.charge, table)
     if isinstance(finding, CheckFailed):
@@ -62,7 +62,7 @@ def cause_key(finding: BaseException, part: str) -> str | None:
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:
-    """Replace a finding of a process with hidden data by the one from public data, or by a constant message."""
+    """Replace why a name is missing beside hidden data by the reason beside public data, or by a constant message: it may leak."""
     if public is not None:
         return public
     return Missing(finding.name, finding.fault, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")

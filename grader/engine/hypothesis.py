@@ -19,14 +19,14 @@ class Hypothesis(Protocol):
 
     @property
     def cause(self) -> Hashable:
-        """The reported cause; hypotheses of equal cost with an equal one do not contradict each other."""
+        """The cause that is reported; two hypotheses of equal cost contradict each other only if their causes differ."""
 
     @property
     def cost(self) -> int:
         """Cost of the hypothesis (prior implausibility)."""
 
     def fits(self, seen: Any, /) -> bool:
-        """Return whether it predicts the observations."""
+        """Return whether the hypothesis predicts the observations."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """Do the same as `explain` for hypotheses grouped by cost; a group is read only after all cheaper ones have failed."""
+    """Do the same as `explain` for hypotheses grouped by cost; a group is made only after all cheaper ones have failed."""
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.cause for each in fitting}) == 1 else None

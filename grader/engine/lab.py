@@ -181,12 +181,12 @@ class Lab:
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
-        """The required names, each with the file in which it is expected."""
+        """The names that a submission must define, each with the file in which it is expected."""
         return {name: part.home for part in (*self.parts, *self.bonuses) for name in part.names}
 
     @cached_property
     def files(self) -> tuple[str, ...]:
-        """The required files, in the sheet's order."""
+        """The files that the lab asks for, in the sheet's order."""
         return tuple(dict.fromkeys(part.home for part in self.parts))
 
     @cached_property
@@ -223,6 +223,6 @@ class Lab:
 
 
 def lab_of(module: str) -> Lab:
-    """Return the `LAB` of a module."""
+    """Import a module and return its value `LAB`, so that another process gets the same lab."""
     lab: Lab = importlib.import_module(module).LAB
     return lab

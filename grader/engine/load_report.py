@@ -74,7 +74,7 @@ class SteppedOver:
 
 @dataclass(frozen=True)
 class Loaded:
-    """Report of loading one file.
+    """Report of the worker on loading one file of a submission.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ def loaded_from(frame: Frame, path: str) -> Loaded:
 
 
 def overran(frame: Frame) -> list[SteppedOver]:
-    """Return the statements of all files that exceeded their time and were interrupted."""
+    """Return the statements, in whichever file, that a reply reports as interrupted because they exceeded their time."""
     return [each for each in _stepped_over(frame) if each.how == "overran"]
 
 

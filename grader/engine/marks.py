@@ -9,12 +9,12 @@ from grader.engine.rubric import CheckWeight, Rubric
 
 
 def marked(found: Result, rubric: Rubric) -> Result:
-    """Return a result with the points of a rubric; it holds the examined parts in the rubric's order.
+    """Compute the points of a result by a rubric, without running code; the result has the examined parts in the rubric's order.
 
     Parameters
     ----------
     found
-        The outcomes, with `keeps` in each check that was judged. Its own points are ignored.
+        The result with its outcomes, and `keeps` in each check that was judged. Points that it already has are ignored.
     rubric
         A rubric for which `fits` holds.
     """

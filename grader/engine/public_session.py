@@ -15,7 +15,7 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class PublicSession:
-    """Session over the same files with public data only; it starts at its first use.
+    """Session over the same files with public data only, whose texts may be shown to students; it starts at its first use.
 
     Parameters
     ----------

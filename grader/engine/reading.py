@@ -27,7 +27,7 @@ _ENDED_WITHIN_S = 5.0
 
 
 class Readable(Protocol):
-    """An unread submission; it is pickled and sent to the reading process."""
+    """Protocol of a submission that was not read yet; it is pickled and sent to the process that reads it."""
 
     @property
     def id(self) -> str: ...

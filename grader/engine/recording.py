@@ -35,7 +35,7 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """Subject of a recording, given to the recorder in place of its own."""
+    """What the recorder simulates in place of the lab's own, such as an instructor's robot."""
 
     @property
     def identity(self) -> Sequence[str]:
@@ -48,14 +48,14 @@ class Subject(Protocol):
 
 
 def folder_of(lab: Lab) -> Path | None:
-    """Return the recorder's folder beside this package; None without it. An import could find a student's folder of that name."""
+    """Return the folder of the reference solution beside this package; None without it. An import could find a student's folder."""
     package, _, module = lab.recorder.partition(".")
     folder = _SOURCES / package
     return folder if (folder / f"{module}.py").is_file() else None
 
 
 def default_cache_dir() -> Path:
-    """Return `$IMUGRADE_CACHE`, or the platform's folder for caches."""
+    """Return the grader's cache folder: `$IMUGRADE_CACHE`, or `imugrade` in the platform's folder for caches."""
     if given := os.environ.get(CACHE_VARIABLE):
         return Path(given)
     if sys.platform == "win32":

@@ -34,7 +34,7 @@ Paths = Annotated[list[Long], Meta(max_length=5000)]
 
 
 class Wrong(Exception):  # noqa: N818 - it never leaves this module
-    """A reply breaks a rule; the message says where."""
+    """Exception for a reply of the worker that breaks a rule; the message says where."""
 
 
 Asked = Mapping[str, np.ndarray]
@@ -42,7 +42,7 @@ Asked = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Answer:
-    """A reply, with the question's fields and arrays.
+    """A reply of the worker that is being validated, with the fields and arrays of its question.
 
     A reply may name each array only once, as the worker code does; so records made from it are no larger than what was sent.
     """
@@ -134,7 +134,7 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 
 
 def no_arrays(answer: Answer, reply: Any) -> None:
-    """Accept a reply without arrays."""
+    """Rule of a question whose reply has no arrays: nothing more is validated."""
 
 
 # --- replies that every lab's sandbox gives ------------------------------------------------------------------------------

@@ -50,11 +50,11 @@ class CheckResult:
 
     @property
     def message(self) -> str:
-        """The sentence, the expected and the actual value, as one text."""
+        """The text that a student reads: the sentence, or the expected and the actual value."""
         return message_of(self.said, self.expected, self.got)
 
     def with_message(self, sentence: str) -> CheckResult:
-        """Return the row with this sentence as its message and without a place; the hint stays."""
+        """Return the check's result with this sentence as its message and without a place in a file; the hint stays."""
         return replace(self, said=sentence, expected="", got="", where=None)
 
 
@@ -162,7 +162,7 @@ class Result:
 
     @property
     def extra_credit(self) -> float:
-        """Points of the extensions together, up to the cap."""
+        """Points that the extensions earn together, at most the rubric's cap."""
         if self.extra_credit_cap is None:
             return 0.0
         return min(self.extra_credit_cap, _total(tuple(extension.points for extension in self.extensions)))

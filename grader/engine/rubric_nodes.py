@@ -66,7 +66,7 @@ def quote(node: yaml.Node) -> str:
 
 
 class Reader:
-    """Reads nodes as values. It collects each problem with its line and returns a placeholder for the value."""
+    """Reads YAML nodes of a rubric as values; collects every problem with its line, so that one run reports all of them."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -80,7 +80,7 @@ class Reader:
         self.problems.append((node.start_mark.line + 1, problem))
 
     def compose(self, data: bytes) -> yaml.Node:
-        """Return the root node; raise RubricError at once if the file is not YAML."""
+        """Parse the file and return its root node; raise RubricError at once if it is not YAML."""
         if len(data) > MAX_BYTES:
             refuse(self.source, [(1, "the file is larger than 1 MB; start again from the shipped rubric.yaml")])
         try:

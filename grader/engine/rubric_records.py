@@ -26,7 +26,7 @@ class CheckWeight:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A part whose checks earn points."""
+    """A criterion of the rubric: a part of the lab with its points and checks."""
 
     id: str
     title: str

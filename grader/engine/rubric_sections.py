@@ -35,7 +35,7 @@ def read_criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) ->
 
 
 def read_extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the points of an extension that names none of its own, and the cap of all together (None: no cap)."""
+    """Return the extra credit of each extension without points of its own, and the cap of all together (None: no cap)."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))

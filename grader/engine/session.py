@@ -36,7 +36,7 @@ Listener = Callable[[str, str], None]
 
 
 class Sheet(Protocol):
-    """The attributes of a lab that a session uses."""
+    """Protocol of the attributes of a lab that a session uses, so that a test may give a smaller one."""
 
     @property
     def parts(self) -> Collection[Any]: ...
@@ -126,13 +126,13 @@ class SandboxSession:
         self.end_session()
 
     def replace_broken(self, names: Sequence[str]) -> None:
-        """Replace these names by sound stand-ins from now on; their own checks are over."""
+        """Replace these names by sound stand-ins from now on, so that the parts that use them lose nothing."""
         if not self.broken.issuperset(names):
             self.broken |= set(names)
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission without stand-ins in this context, see `beside`."""
+        """Use the submission's own definitions in place of stand-ins while this context lasts, see `beside`."""
         return self.beside(())
 
     @contextmanager
@@ -149,7 +149,7 @@ class SandboxSession:
             self.end_session()
 
     def remember(self, answers: Mapping[Any, Any]) -> None:
-        """Keep these answers; they replace earlier answers to the same questions."""
+        """Store these answers for later questions; they replace earlier answers to the same questions."""
         self._answers |= answers
 
     def end_session(self) -> None:
@@ -213,7 +213,7 @@ class SandboxSession:
 
     @property
     def used_cpu_s(self) -> float:
-        """CPU time of the submission's code so far."""
+        """CPU time (s) that the submission's code has used so far."""
         return sum(self._used_cpu_s.values())
 
     def account_to(self, part: str) -> None:
@@ -299,7 +299,7 @@ class SandboxSession:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
     def once(self, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to a question, asking it only once; that no answer came is remembered, too."""
+        """Return the answer to a question, asking it only once. If no answer came, that is remembered and raised again."""
         if key not in self._answers:
             try:
                 self._answers[key] = self.retried(ask)
@@ -317,12 +317,12 @@ class SandboxSession:
         return self.once(key, ask)
 
     def stored_answer(self, called: str) -> Any:
-        """Return the stored answer of a name; None if there is none. No question is asked."""
+        """Return the answer that `once_named` stored under a name, for charts; None if there is none. No question is asked."""
         answer = self._answers.get(self._called.get(called))
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Ask, and ask once more in a new process if the first one ended.
+        """Ask a question, and ask it once more in a new process if the worker's process ended.
 
         A process may also end because the system is short of memory, or because of another file in it; code that ends its process
         does so twice. If a statement was found to end the process, ask again without it.

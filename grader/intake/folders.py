@@ -17,7 +17,7 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 
 
 
 def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
-    """Read the files of a folder in the order of their names."""
+    """Read the files of a handed-in folder in the order of their names, within the budget."""
     budget = FileBudget(required=required)
     for parts, path, size in sorted(_listed(root, budget)):
         _take(budget, parts, path, size)
@@ -25,7 +25,7 @@ def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
 
 
 def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> FileBudget:
-    """Read some files and folders of a folder, each under the path that it has in the submission."""
+    """Read those files and folders of a class download that are one submission, each under its path in the submission."""
     budget = FileBudget(required=required)
     found: list[tuple[tuple[str, ...], str, int]] = []
     for place, name in places:

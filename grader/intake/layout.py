@@ -54,7 +54,7 @@ def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
 
 
 def outwards(folder: str, levels: int) -> str:
-    """Return the folder this many levels above a folder, with a slash; "" for the top."""
+    """Return the folder that lies `levels` above another one, with a slash; "" for the top."""
     parts = folder.split("/") if folder else []
     return "".join(f"{part}/" for part in parts[: len(parts) - levels])
 

@@ -76,7 +76,7 @@ def portable(path: str) -> bool:
 
 
 def folded(path: str) -> str:
-    """Equal for two names that a case-insensitive file system takes for one."""
+    """Return a form of a path that is equal for two names which a case-insensitive file system takes for one."""
     return unicodedata.normalize("NFC", path.casefold())
 
 

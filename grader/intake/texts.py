@@ -31,7 +31,7 @@ def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
 
 
 def as_programs(budget: FileBudget, required: Collection[str]) -> None:
-    """Take `filters.py.txt` for `filters.py`, and where there is no code at all `filters.txt`, if the lab asks for `filters.py`."""
+    """Take `filters.py.txt` for `filters.py`, as browsers rename downloads; if there is no code at all, also `filters.txt`."""
     there = set(map(folded, budget.files))
     no_code = not any(map(is_code, budget.files))
     taken = []

@@ -31,7 +31,7 @@ _EDITORS = {
 
 @dataclass(frozen=True)
 class Kit:
-    """One kit that was written: where, for whom, and which scenarios it grades with."""
+    """A kit that was written: its place, its platform or "students", and the scenarios that it grades with."""
 
     place: Path
     title: str
@@ -53,7 +53,7 @@ class KitRequest:
 
 
 def kits(request: KitRequest) -> Iterator[Kit]:
-    """Write them one after the other."""
+    """Write the requested kits one after the other."""
     if request.student is not None:
         yield student(request.lab, request.student, request.rubric)
     if request.gradescope is not None:

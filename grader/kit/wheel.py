@@ -37,7 +37,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever it is made
 
 
 def name() -> str:
-    """``imugrade-0.1.0-py3-none-any.whl``"""
+    """Return the file name of the students' wheel: ``imugrade-0.1.0-py3-none-any.whl``."""
     return f"imugrade-{__version__}-py3-none-any.whl"
 
 

@@ -235,7 +235,7 @@ class FinalGrade:
 
     @property
     def final(self) -> float | None:
-        """Return the sum of the terms; None while points are open."""
+        """Return the final grade, the sum of its terms; None while points are open."""
         return _sum_of(self.terms) if self.terms else None
 
     @property
@@ -320,7 +320,7 @@ def maximum_by_check(result: Result, ids: Collection[str]) -> dict[str, float]:
 
 
 def summed(points: Mapping[str, float | None]) -> float | None:
-    """Return the sum of the points; None while any of them is open."""
+    """Return the sum of points; None while any of them is open because a check was not judged."""
     return None if None in points.values() else round(sum(p for p in points.values() if p is not None), 2)
 
 
@@ -335,7 +335,7 @@ def maximum_points(result: Result, target: str) -> float | None:
 
 
 def hand_in_from_dict(record: Mapping[str, Any]) -> HandIn:
-    """Return the hand-in of a record that `dataclasses.asdict` made."""
+    """Return the hand-in from its stored form, which `dataclasses.asdict` made."""
     people = tuple(Person(**{**person, "ids": tuple(person.get("ids", ()))}) for person in record["people"])
     late = None if record["late"] is None else Lateness(**record["late"])
     return HandIn(**{**record, "people": people, "late": late})

@@ -65,11 +65,11 @@ class Directory:
                     self._add(kind, word, Match(id_, person))
 
     def find(self, row: Row) -> Match | None:
-        """Return the match of a row; None if nobody or more than one submission fits."""
+        """Return the submission and person that a row of a table names; None if nobody or more than one submission fits."""
         return self._best_match(row)[1]
 
     def find_each(self, rows: Sequence[Row]) -> list[Match | None]:
-        """Return the match of each row. Of two rows that match one person the surer wins; equally sure ones match nobody."""
+        """Return the match of each row of a table. Of two rows for one person the surer wins; equally sure ones match nobody."""
         found = [self._best_match(row) for row in rows]
         claims: dict[Match, set[tuple[int, Row]]] = {}
         for row, (sureness, match) in zip(rows, found, strict=True):

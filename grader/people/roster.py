@@ -191,7 +191,7 @@ class RosterMatch:
 
 
 def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
-    """Match the roster with the hand-ins, and add its facts to them.
+    """Match the roster with the hand-ins, and add its names, sections and dates to them.
 
     Parameters
     ----------

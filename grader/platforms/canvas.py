@@ -38,7 +38,7 @@ def fill(
     scaled: bool = False,
     missing: str = "",
 ) -> Filled:
-    """Return the student columns unchanged and the assignment's column with the final points.
+    """Fill the final points into a gradebook of Canvas: return its student columns unchanged, and the assignment's column.
 
     `column` is the title, the number or the whole heading of the assignment.
 

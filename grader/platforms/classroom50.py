@@ -64,7 +64,7 @@ class Identity:
 
 
 def classroom50(result: Result, identity: Identity, committed: str) -> str:
-    """Return the text of `result.json`.
+    """Return the text of Classroom 50's `result.json`, which has whole points.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ _COMMA = re.compile(r"-?\d+,\d+")
 
 @dataclass
 class Filled:
-    """A filled file, and the rows by outcome.
+    """A platform's file with grades filled in, and which rows got one, kept theirs or matched nobody.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ def reply_to(final_grade: FinalGrade, person: Person) -> str:
 
 
 def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
-    """Return the directory of all people in the class."""
+    """Return an index of all people in the class, by which rows of a file are matched."""
     return Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
 
 

@@ -35,7 +35,7 @@ SUBMISSION = "autograder/submission"
 
 
 def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility = "visible") -> str:
-    """Return the text of `results.json`: one test per check, numbered in the order of the rubric.
+    """Return the text of Gradescope's `results.json`: one test per check, numbered in the order of the rubric.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ def visible(when: str) -> Visibility:
 
 
 def named(name: str) -> Platform:
-    """Return the platform of a `--format`; "auto" recognises it from the environment.
+    """Return the record of a platform by its `--format`; "auto" recognises it from the environment.
 
     Raises
     ------

@@ -43,7 +43,7 @@ def fill(
     scaled: bool = False,
     missing: str = "",
 ) -> Filled:
-    """Fill in grades and comments; keep comments of teachers and all other bytes. `column` names the column of grades.
+    """Fill grades and comments into a grading worksheet; keep teachers' comments and all other bytes. `column`: that of the grades.
 
     Raises
     ------

@@ -18,7 +18,7 @@ from grader.intake import Submission
 
 @dataclass(frozen=True)
 class Place:
-    """A file by its path in the CI, and a line in it."""
+    """A line of a student's file, by its path in the repository, at which the CI shows a message."""
 
     file: str
     line: int | None = None
@@ -44,7 +44,7 @@ class Places:
 
 
 def find_places(lab: Lab, submission: Submission, path: Path, root: Path) -> Places:
-    """Look up the places of a submission.
+    """Find the lines at which the CI can show messages about a submission.
 
     Parameters
     ----------

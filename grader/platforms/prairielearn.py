@@ -16,7 +16,7 @@ LIMIT_BYTES = 1_000_000  # PrairieLearn refuses more
 
 
 def prairielearn(result: Result) -> str:
-    """Return the text of `results.json`."""
+    """Return the text of PrairieLearn's `results.json` for a result."""
     text = _text(_record(result))
     return text if len(text.encode()) <= LIMIT_BYTES else _text({**_record(result), "tests": [], "output": ""})
 

@@ -48,7 +48,7 @@ LISTED: dict[str, Listed] = {
 
 
 def names(*deeds: Deed) -> tuple[str, ...]:
-    """Return the names of the platforms that support at least one of these."""
+    """Return the names of the platforms that support at least one of these capabilities, such as "respond"."""
     return tuple(name for name, listed in LISTED.items() if set(deeds) & set(listed.does))
 
 
@@ -69,5 +69,5 @@ def platform(name: str) -> Platform:
 
 
 def platforms(*deeds: Deed) -> Iterator[Platform]:
-    """Return the records of the platforms that support at least one of these."""
+    """Return the records of the platforms that support at least one of these capabilities, such as "respond"."""
     return (platform(name) for name in names(*deeds))

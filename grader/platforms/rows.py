@@ -40,7 +40,7 @@ def plain(check: CheckResult, part: Part, lab: LabName) -> str:
 
 
 def together(cause: Cause, lab: LabName) -> str:
-    """Return the text of the checks of one cause, each sentence once."""
+    """Return the feedback of all checks with one cause as text, each sentence once."""
     said = [line for _, lines in causes.lines_by_check(cause) for line in lines]
     again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
     return "\n".join(_plain_line(line) for line in [*said, *causes.next_lines(cause, lab), *again])
@@ -52,7 +52,7 @@ def _plain_line(line: words.Line) -> str:
 
 
 def notes(result: Result) -> list[str]:
-    """Return the repairs and notes, at most `NOTES_LIMIT`, and the number of further ones."""
+    """Return lines on repairs and notes of a result, at most `NOTES_LIMIT`; the last line counts those left out."""
     lines = [*words.repairs(result), *words.notes(result)]
     more = [f"… and {len(lines) - NOTES_LIMIT} more"] if len(lines) > NOTES_LIMIT else []
     return lines[:NOTES_LIMIT] + more

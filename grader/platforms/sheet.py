@@ -51,7 +51,7 @@ class Sheet:
         row.cells[column] = '"{}"'.format(text.replace('"', '""')) if needs else text
 
     def keep(self, columns: list[int]) -> None:
-        """Remove all columns except these."""
+        """Remove all columns of the table except these."""
         for row in self.rows:
             row.cells = [row.cells[i] for i in columns if i < len(row.cells)]
 

@@ -34,7 +34,7 @@ _CODE = ("-c", "import sys; from grader.cli import main; sys.exit(main())")
 
 
 class PluginRun:
-    """The pytest plugin of one run that asked for it."""
+    """The pytest plugin of one run with `--imugrade`."""
 
     def __init__(self, config: pytest.Config) -> None:
         try:
@@ -57,7 +57,7 @@ class PluginRun:
         return f"imugrade: {self._name}, public scenarios"
 
     def pytest_collection(self, session: pytest.Session) -> bool | None:
-        """Collect the student's files: the arguments of the command line are no paths of pytest's own tests."""
+        """Collect the student's files: the arguments name criteria and checks, not paths of pytest's own tests."""
         if session.config.pluginmanager.hasplugin("dsession"):
             return None  # with pytest-xdist the workers collect
         session.perform_collect([])

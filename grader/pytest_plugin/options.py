@@ -14,7 +14,7 @@ _CODE = (".py", ".ipynb")
 
 @dataclass(frozen=True)
 class Name:
-    """The target of one argument: a file, or everything in it below these names."""
+    """What one argument selects: a file, a criterion or a check, as names from the outside in."""
 
     file: Path | None
     names: tuple[str, ...]
@@ -35,7 +35,7 @@ class PluginOptions:
 
 
 def options_of(arguments: Sequence[str], criteria: Collection[str]) -> PluginOptions:
-    """Sort the arguments.
+    """Tell arguments that name criteria and checks from the one that is the submission's path.
 
     ``sensor_access`` and ``sensor_access::follows_address`` are names, and so is what pytest and editors call a test:
     ``imu_reader.py::sensor_access::follows_address``. Any other argument is the path.

@@ -13,14 +13,14 @@ _INDENT, _LABEL_WIDTH = 3, 10
 
 
 class Writer(Protocol):
-    """pytest's terminal."""
+    """Protocol of pytest's terminal writer, as far as a report uses it."""
 
     def line(self, s: str = "", **markup: bool) -> None: ...
 
 
 @dataclass(frozen=True)
 class Crash:
-    """The line of pytest's short summary, and the message of JUnit's."""
+    """Place and message of a failed check for pytest's short summary and JUnit file."""
 
     path: str
     lineno: int
@@ -31,7 +31,7 @@ class Crash:
 
 
 class Finding:
-    """A lost check; pytest asks it to write itself.
+    """A failed check as pytest's report: it writes the text of the student's report.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from grader.report import words
 
 @dataclass(frozen=True)
 class Override:
-    """Points or a comment that a person gave."""
+    """An override or a comment as a page shows it: points, author, time and reason."""
 
     title: str
     points: str
@@ -38,7 +38,7 @@ def is_changed(final_grade: FinalGrade) -> bool:
 
 
 def total(final_grade: FinalGrade) -> tuple[str, str]:
-    """Return the final points and the maximum."""
+    """Format the final points with the maximum."""
     points, most = words.total_points(final_grade.result).split(" / ")
     if final_grade.unseen:
         return "–", most
@@ -133,7 +133,7 @@ def overrides(final_grade: FinalGrade) -> list[Override]:
 
 
 def repaired_file(repair: Repair) -> RepairedFile:
-    """Format a repair for a page."""
+    """Return a repair as a page shows it: file, deduction, comment and the lines of the diff."""
     return RepairedFile(
         printable(repair.file, 200),
         words.minus(repair.deduction) if repair.deduction else "0",

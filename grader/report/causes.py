@@ -26,7 +26,7 @@ class Cause:
 
     @property
     def lost(self) -> float:
-        """Return the points lost on the failed checks and on those that wait for them."""
+        """Return the points lost on a cause's failed checks and on those that wait for them."""
         return words.points_lost((*self.checks, *self.waiting))
 
     @property
@@ -41,7 +41,7 @@ class Cause:
 
     @property
     def steps(self) -> tuple[int, ...]:
-        """Return the steps of the lab sheet to read."""
+        """Return the steps of the lab sheet that the failed checks are about, to read again."""
         return tuple(dict.fromkeys(check.lab_step for check in self.checks if check.lab_step is not None))
 
 
@@ -110,7 +110,7 @@ def parts_of(result: Result, only: str | None) -> list[CriterionResult | Extensi
 
 
 def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
-    """Return the causes: first the code that does not run, then the rest, both in the order of the lab steps.
+    """Group failed checks by their cause: first the code that does not run, then the rest, both in the order of the lab steps.
 
     Checks that were not judged have no cause.
     """

@@ -11,7 +11,7 @@ from grader.report.words import number
 
 @dataclass(frozen=True)
 class Change:
-    """Points of each check in the previous run, by check id."""
+    """Points of each check in the previous run, to show what changed since."""
 
     before: Mapping[str, float]
 
@@ -23,12 +23,12 @@ class Change:
         return f"{_signed(points) if points else 'no change'} since the last check"
 
     def of(self, checks: Iterable[CheckResult]) -> str:
-        """Return the change as ``+6``; "" if nothing changed."""
+        """Return the change of some checks' points as ``+6``; "" if nothing changed."""
         points = _gained(self.before, checks)
         return _signed(points) if points else ""
 
     def was(self, check: CheckResult) -> str:
-        """Return the earlier points as ``, was 6``; "" if they are the same."""
+        """Return the earlier points as ``, was 6``; "" if they are the same or unknown."""
         points = self.before.get(check.id)
         return f", was {number(points)}" if points is not None and points != check.points else ""
 

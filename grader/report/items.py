@@ -29,7 +29,7 @@ _ENOUGH = 30
 
 @dataclass(frozen=True)
 class Item:
-    """One check over a class.
+    """Item analysis of one check over a class: how hard it is, and whether strong submissions pass it.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Item:
 
 
 def items(results: Iterable[Result]) -> list[Item]:
-    """Return every check of the criteria in the order of the rubric. A result counts for the checks that were judged."""
+    """Analyse every check of the criteria, in the order of the rubric. A result counts for the checks that were judged."""
     rows: dict[str, list[tuple[CheckResult, float]]] = {}
     for result in results:
         if result.status in ("empty", "unreadable"):

@@ -32,7 +32,7 @@ _LABELS = {
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of a table cell, and its sort key."""
+    """Text of a cell of the class table, and the key by which the table sorts it."""
 
     text: str
     key: float
@@ -219,7 +219,7 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
 
 
 def deducting(result: Result) -> list[str]:
-    """Return the faults of a result without those that only extensions show: these deduct nothing."""
+    """Return the faults of a result that deduct from the score; those that only extensions show do not."""
     of_criteria = {id_ for part in result.criteria for check in part.checks for id_ in check.misconceptions}
     of_extensions = {id_ for part in result.extensions for check in part.checks for id_ in check.misconceptions}
     return [id_ for id_ in result.misconceptions if id_ in of_criteria or id_ not in of_extensions]
@@ -250,7 +250,7 @@ def filters(entries: Iterable[Entry], faults: Iterable[CommonFault], checks: Ite
 
 
 def numbers(entries: Iterable[Entry]) -> dict[str, int]:
-    """Return a number for each tag: the names would be most of the page for a class of thousands."""
+    """Return a short number for each filter tag: full names would make a page of thousands much larger."""
     return {tag: number for number, tag in enumerate(dict.fromkeys(tag for each in entries for tag in each.tags))}
 
 

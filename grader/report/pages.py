@@ -38,7 +38,7 @@ _LIBRARIES = ("Python", "MuJoCo", "NumPy")
 
 @dataclass(frozen=True)
 class Figure:
-    """A chart, ready for the template."""
+    """A chart as SVG, ready for the template of a report."""
 
     title: str
     caption: str
@@ -75,7 +75,7 @@ _FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<sec
 
 
 def drawn(shown: Iterable[Chart]) -> Drawn:
-    """Render charts. This takes ten times as long as the rest of a page."""
+    """Render charts as HTML, once for each result: this takes ten times as long as the rest of a page."""
     macros: Any = _environment().get_template("charts.html.j2").module
     found: dict[str, str] = {}
     for chart in shown:
@@ -86,7 +86,7 @@ def drawn(shown: Iterable[Chart]) -> Drawn:
 
 
 def drawn_in(page: str) -> Drawn:
-    """Extract the charts from an existing page. Text of students cannot contain a tag there, because it is escaped."""
+    """Extract the rendered charts from an existing page, to reuse them. Escaping keeps students' text from looking like one."""
     found = {}
     for section in page.split(_SECTION)[1:]:
         starts, ends = section.find(_FIGURE), section.rfind(_FIGURE_ENDS)
@@ -115,7 +115,7 @@ def report_page(
 
 
 def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[str, FaultRow] | None = None) -> str:
-    """Return `report.html` around charts that are already rendered."""
+    """Return `report.html` with charts that are already rendered."""
     result = final_grade.result
     extensions = [extension for extension in result.extensions if extension.checks]
     return rendered(

@@ -61,7 +61,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Row:
-    """One check, formatted for a page or the terminal."""
+    """The feedback of one check as text for a page or the terminal."""
 
     outcome: Word
     title: str

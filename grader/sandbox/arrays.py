@@ -28,7 +28,7 @@ def _padded(size: int) -> int:
 
 
 def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], list[bytes]]:
-    """Descriptions for the frame's JSON, and the bytes that follow it.
+    """Return descriptions of arrays for the frame's JSON, and the bytes that follow it.
 
     Raises
     ------

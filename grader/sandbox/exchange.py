@@ -18,11 +18,11 @@ _CORES = os.cpu_count() or 1
 
 
 class LineClosedError(Exception):
-    """The other end is gone."""
+    """Exception: the process at the other end of the socket is gone."""
 
 
 class DeadlineError(Exception):
-    """Time is up; `within` says which."""
+    """Exception: a worker's CPU time or wall-clock time is used up; `within` says which."""
 
     def __init__(self, within: str, cpu_s: float, wall_s: float) -> None:
         super().__init__()
@@ -32,7 +32,7 @@ class DeadlineError(Exception):
 
 
 class Deadline:
-    """CPU time first. The clock on the wall is the backstop for code that sleeps: it runs while next to no CPU time is used.
+    """Time limit of one answer, by CPU time. The wall clock limits code that sleeps: it runs while next to no CPU time is used.
 
     Code that computes on a busy machine may take many times its CPU time; it is never cut off for that, or a mark would depend
     on what else the machine does: the wall clock leaves out what was spent waiting for a processor. At ten times the limit, or

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class IsolationLevel:
-    """One isolation level.
+    """One isolation level: what it consists of, and how to set it up.
 
     Attributes
     ----------

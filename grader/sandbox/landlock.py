@@ -77,5 +77,5 @@ def _allow(rules: int, path: str, rights: int) -> None:
 
 
 def enforce(rules: int) -> None:
-    """Confine this process for ever; needs no_new_privs."""
+    """Restrict this process to a Landlock rule set for ever; needs no_new_privs."""
     linux.syscall("landlock_restrict_self", rules, 0)

@@ -222,14 +222,14 @@ class Zygote:
                 self._refused[message["failed"]] = message["reason"]
 
     def spawn(self, printed: Printed, warm: Sequence[str]) -> Sandboxed:
-        """Fork a worker that finds these modules imported.
+        """Fork a worker from the zygote, with these modules already imported.
 
         Raises
         ------
         ZygoteGoneError
-            If there is no zygote to do it.
+            If the zygote is gone.
         GraderError
-            If there is, and it cannot.
+            If the zygote cannot fork a worker.
         """
         ours, theirs = socket.socketpair()
         try:
@@ -279,7 +279,7 @@ class Zygote:
 
 
 class Sandboxed:
-    """A worker that a zygote forked; see `process.Process`."""
+    """Handle of a worker that the zygote forked, see `process.Process`."""
 
     def __init__(self, zygote: Zygote, number: int, pidfd: int, line: socket.socket) -> None:
         self.line = line

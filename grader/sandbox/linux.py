@@ -51,7 +51,7 @@ def _checked(result: int, what: str) -> int:
 
 
 def syscall(name: str, *arguments: Any) -> int:
-    """Call by number; integers are passed as long, everything else as it is."""
+    """Make a system call by its number, for calls that Python lacks; integers are passed as long."""
     values = [ctypes.c_long(a) if isinstance(a, int) else a for a in arguments]
     return _checked(_libc.syscall(ctypes.c_long(NUMBERS[name]), *values), name)
 
@@ -93,7 +93,7 @@ def mount_setattr(path: str, attributes: int, *, recursive: bool) -> None:
 
 
 def close_from(first: int) -> None:
-    """Close every descriptor from `first` on."""
+    """Close every file descriptor from `first` on, so that student code inherits none."""
     try:
         syscall("close_range", first, 0xFFFFFFFF, 0)
     except OSError:  # Linux before 5.9

@@ -15,7 +15,7 @@ from typing import Any
 
 
 def start(arguments: Sequence[str]) -> Callable[[], None]:
-    """Take over the line and the worker code; return what is left to do."""
+    """Set up a worker without isolation: socket, limits and worker code; return the function that answers questions."""
     line, plan = _line(int(arguments[0])), json.loads(arguments[1])
     sys.argv[:] = [""]
     sys.path[:] = plan["search"]  # packages may lie where only the grader's own environment says

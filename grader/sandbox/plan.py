@@ -39,7 +39,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class Plan:
-    """Paths are absolute and, but for `visible`, free of links.
+    """What a zygote has to set up. Paths are absolute and, but for `visible`, free of links.
 
     Attributes
     ----------

@@ -63,7 +63,7 @@ def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str]
 
 
 def copies(plan: Plan) -> Mapping[str, str]:
-    """Return the folders that are copied to a place of their own, by that place."""
+    """Return the folders that are copied into the sandbox, by their place there."""
     return {WORKER_CODE: plan.worker_code, **({QUESTIONS: plan.questions} if plan.questions else {})}
 
 
@@ -81,7 +81,7 @@ def _mount_cache() -> None:
 
 
 def freeze_cache() -> None:
-    """Make the cache read-only: one worker could leave there what the next one reads."""
+    """Make the cache of matplotlib and fonts read-only: one worker could leave there what the next one reads."""
     linux.mount_setattr(CACHE, _READ_ONLY | linux.MS_NOEXEC, recursive=False)
 
 

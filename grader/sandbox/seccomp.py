@@ -62,7 +62,7 @@ Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, op
 
 
 def program(machine: Machine, pid: int, *, own_files_only: bool) -> bytes:
-    """Write the filter.
+    """Return the seccomp filter program that allows a worker the system calls that it needs, and no others.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def _thread_only() -> list[Instruction]:
 
 
 def enforce(filter_program: bytes) -> None:
-    """Install the filter for ever; needs no_new_privs."""
+    """Install a seccomp filter in this process for ever; needs no_new_privs."""
     code = ctypes.create_string_buffer(filter_program, len(filter_program))
     header = struct.pack("@HP", len(filter_program) // 8, ctypes.addressof(code))
     linux.syscall("seccomp", _SET_MODE_FILTER, 0, ctypes.c_char_p(header))

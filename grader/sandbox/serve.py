@@ -36,7 +36,7 @@ class _GraderGoneError(Exception):
 
 
 def main(control_fd: int) -> Callable[[], None] | None:
-    """Serve until the grader closes the socket; in a forked worker, return its work."""
+    """Run the zygote: fork workers until the grader closes the socket. In a forked worker, return the function that it runs."""
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.unpacked(control.recv(_MAX_MESSAGE))
     try:

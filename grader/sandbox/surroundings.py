@@ -147,12 +147,12 @@ def compile_once(folders: Sequence[str]) -> None:
 
 
 def zygote() -> str:
-    """Return the script that a zygote runs."""
+    """Return the path of the script with which a zygote is started."""
     return str(_HERE / "zygote.py")
 
 
 def font_lists() -> tuple[str, ...]:
-    """matplotlib's lists of fonts that this user already has, where `matplotlib.get_cachedir()` is."""
+    """Return matplotlib's cached lists of fonts, which a sandbox would need 150 ms to make."""
     folder = os.path.expanduser("~/.matplotlib")
     if sys.platform == "linux":
         folder = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "matplotlib")

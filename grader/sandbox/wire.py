@@ -41,7 +41,7 @@ each under a path of 1,000 characters, with 24 MB in all."""
 
 
 class WireError(ValueError):
-    """The bytes are not a frame, or the values do not fit into one."""
+    """Exception: received bytes are no frame, or values do not fit into one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ def pack(
 
 
 def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER) -> Frame:
-    """Read a frame's two parts.
+    """Return the frame in its two parts, JSON and array bytes.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER
 
 
 class Incoming:
-    """One frame as its bytes arrive, from whatever source and in whatever pieces."""
+    """Receiver of one frame, whose bytes arrive in pieces."""
 
     def __init__(self, caps: Caps = ANSWER) -> None:
         self._caps = caps

@@ -23,7 +23,7 @@ _CHUNK_BYTES = 1 << 18
 
 
 def run(line: socket.socket, answer: Answer) -> None:
-    """Say that everything is ready, then answer until the other end closes."""
+    """Report that the worker is ready, then answer questions until the grader closes the socket."""
     line.sendall(wire.pack(NO_NONCE, {"ready": True}, {}))
     while (question := _receive(line)) is not None:
         nonce, frame = question

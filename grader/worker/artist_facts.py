@@ -21,7 +21,7 @@ _ASKED |= {"__class__", "__getattr__", "__getattribute__"}
 
 
 class OverriddenArtistError(ValueError):
-    """An artist, or its class, that answers in place of matplotlib."""
+    """Exception: student code overrides a method of a matplotlib artist, so that its answers cannot be believed."""
 
 
 # --- matplotlib as it was ------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ import numpy as np
 
 
 def install() -> None:
-    """Add each removed name that is still missing, with the replacement that the release notes recommend."""
+    """Add names that NumPy, SciPy and matplotlib removed, with the replacement that the release notes recommend."""
     _restore_numpy_names()
     _restore_matplotlib_names()
     for name in _SCIPY_NAMES:

@@ -57,7 +57,7 @@ class _Stub(types.ModuleType):
 
 
 def install(run_magic: RunMagic) -> None:
-    """Put the stubs in place."""
+    """Install stubs of desktop packages (tqdm, seaborn styles, IPython), so that code which imports them runs."""
     for name in _MODULES:
         sys.modules[name] = _Stub(name)
     vars(sys.modules["msvcrt"])["kbhit"] = lambda: False

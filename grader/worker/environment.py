@@ -20,7 +20,7 @@ _MAX_INPUTS = 100
 
 
 def import_libraries() -> None:
-    """Import the libraries that every submission needs, and pyplot's back end, which is otherwise loaded at the first figure."""
+    """Import the libraries of every submission and pyplot's back end in the zygote, so that no worker pays for them."""
     with contextlib.suppress(ImportError):
         import _ssl  # noqa: F401 - see `repeatability`
 

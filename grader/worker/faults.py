@@ -33,7 +33,7 @@ def fault_at(path: str, line: int, message: str) -> dict[str, Any]:
 
 
 def describe(error: BaseException) -> dict[str, Any]:
-    """Facts of an exception: what was raised and the innermost line of the student's that was running.
+    """Return the facts of an exception: what was raised, and the innermost line of the student's code that was running.
 
     Returns
     -------

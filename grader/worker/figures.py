@@ -27,7 +27,7 @@ _MAX_INKS = 8
 
 
 def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
-    """Return the facts of a figure; arrays go into the packer.
+    """Return the facts of a matplotlib figure that the grader judges; arrays go into the packer.
 
     Raises
     ------

@@ -14,11 +14,11 @@ from typing import Any
 
 
 class ChangedError(RuntimeError):
-    """The worker code differs from what was loaded."""
+    """Exception: student code has replaced a part of the worker code, so that the answer cannot be believed."""
 
 
 class Guard:
-    """Record of the worker code's functions and classes before any student code ran."""
+    """Record of the worker code's functions and classes before any student code ran, to notice changes before each answer."""
 
     def __init__(self, package: str) -> None:
         self._modules = [

@@ -69,7 +69,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Import one file, or run one notebook, and return the required names that it defines and the skipped statements."""
+    """Import a file of the submission, or run a notebook; return the required names that it defines and the skipped statements."""
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):

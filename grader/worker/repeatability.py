@@ -53,7 +53,7 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Replace the real sources by repeatable ones; code in `folder` is the student's."""
+    """Replace sources of chance by repeatable ones, so that a regrade gives the same; `folder` holds the student's code."""
     _LIBRARY.own_folder = folder
     virtual_time.install(CLOCK)
     _replace_clocks()

@@ -13,7 +13,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Create the stand-ins from their source, by name."""
+    """Create stand-ins, sound definitions of the lab's names that replace broken ones of the student's, from their source."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():

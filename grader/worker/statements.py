@@ -127,7 +127,7 @@ def time_limit(within_s: float) -> Iterator[None]:
 
 
 class StatementRunner:
-    """Runner of the statements of files; it records the skipped ones.
+    """Runner of a file's statements one by one, so that a failing one does not cost those after it; records the skipped ones.
 
     Parameters
     ----------

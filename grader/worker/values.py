@@ -66,7 +66,7 @@ def _number(value: Any) -> float:
 
 
 class Packer:
-    """Collector of the arrays of one answer; it names them."""
+    """Collector of the arrays of one answer, which names them for the frame."""
 
     def __init__(self) -> None:
         self.arrays: dict[str, np.ndarray] = {}

@@ -33,7 +33,7 @@ class _Wait:
 
 
 class Clock:
-    """Seconds that have passed for student code, and the order in which its threads run."""
+    """Virtual clock of student code: the seconds that have passed for it, and the order in which its threads run."""
 
     def __init__(self) -> None:
         self.passed_s = 0.0

@@ -47,7 +47,7 @@ def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
 
 
 def drawn(results: Mapping[str, Result], size: int) -> list[str]:
-    """Return the ids of a sample of the submissions that can be compared."""
+    """Draw a sample of the submissions that can be compared with marks, and return their ids."""
     able = {id_: result for id_, result in results.items() if comparison.is_comparable(result)}
     if not able:
         raise RequestError("the class has no submission that is graded as it was handed in; grade it first")
@@ -81,5 +81,5 @@ def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path], r
 
 
 def read(store: Store, file: Path) -> Marks:
-    """Read a person's marks of a class on record."""
+    """Read the file with a person's marks for a class on record."""
     return read_marks(file, adjusting.person_lookup(store).by, comparison.maxima(store.present()))

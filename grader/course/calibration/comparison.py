@@ -19,7 +19,7 @@ FULL = 1e-6
 
 @dataclass(frozen=True)
 class ComparedCell:
-    """One criterion of one submission: our points, and the mark of each person who gave one."""
+    """One criterion of one submission: the grader's points, and the mark of each person who gave one."""
 
     id: str
     criterion: CriterionResult
@@ -77,7 +77,7 @@ _FIRST = ("false deduction", "missed fault")
 
 @dataclass(frozen=True)
 class Agreement:
-    """Summary of some cells.
+    """How far the grader's points are from the marks, over some cells (criteria of submissions).
 
     Attributes
     ----------
@@ -120,12 +120,12 @@ def is_comparable(result: Result) -> bool:
 
 
 def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
-    """Return the maximum of every cell of a class."""
+    """Return the maximum points of every cell (criterion of a submission) of a class."""
     return {(id_, part.id): part.max_points for id_, result in results.items() for part in result.criteria}
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Summarize cells; there must be at least one."""
+    """Summarize how far points and marks of these cells are apart; there must be at least one cell."""
     apart = [each.apart for each in cells if each.apart is not None]
     return Agreement(
         title,

@@ -56,7 +56,7 @@ class Unknown:
 
 @dataclass(frozen=True)
 class Change:
-    """A value that the proposal changes, and how many marked cells speak of it."""
+    """A deduction or weight that the proposal changes, before and after, and the number of marked cells that it rests on."""
 
     kind: str
     id: str

@@ -41,7 +41,7 @@ class Unmarked:
 
 
 def draw(results: Mapping[str, Result], size: int) -> list[str]:
-    """Return the ids of a sample: the same for the same results, in an order that tells nothing.
+    """Return the ids of a sample to mark by hand: the same for the same results, in an order that reveals no grade.
 
     A quarter is sound work. Each other one is the submission with most that the sample does not show yet: faults, criteria that
     lose points, and scores.

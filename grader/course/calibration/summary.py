@@ -28,7 +28,7 @@ _DIGEST = 12
 
 @dataclass(frozen=True)
 class Dot:
-    """Cells with the same points: where the dot is, and how large."""
+    """Dot of the chart of points against marks: all cells with the same points, and its size."""
 
     x: float
     y: float
@@ -67,7 +67,7 @@ class Summary:
 
     @property
     def sentence(self) -> str:
-        """The figures of all cells in words."""
+        """Return one sentence with the mean distance between points and marks of all cells."""
         whole = self.criteria[-1]
         told = [f"{whole.cells - len(self.differences)} of {words.counted(whole.cells, 'cell')} agree."]
         if whole.apart is not None:
@@ -79,7 +79,7 @@ class Summary:
 
 
 def short_digest(rubric: Rubric) -> str:
-    """Return the digest of a rubric as a file of marks keeps it."""
+    """Return the short digest of a rubric that a file of marks keeps, to notice marks made under another rubric."""
     return rubric.sha256[:_DIGEST]
 
 
@@ -153,7 +153,7 @@ def _difference(cell: ComparedCell, final_grade: FinalGrade, rubric: Rubric) -> 
 
 
 def lines_of(found: Summary) -> Iterator[str]:
-    """Yield the lines for a terminal."""
+    """Yield the comparison with the marks as lines for a terminal."""
     yield from found.notes
     yield from comparison.table(found.criteria)
     for each in found.differences[:_MOST_LINES]:

@@ -26,7 +26,7 @@ Arrays = Mapping[str, Array]
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """Return the numbers of a node as one array; None if it has none or its rows differ in length."""
+    """Return the numbers of a reported value (a node of the reply) as one array; None without any or if rows differ."""
     if node is None:
         return None
     if "key" in node:
@@ -81,7 +81,7 @@ _RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Reading:
-    """One call of a reader: two vectors, as far as they can be made out, and what is odd about their form.
+    """One call of a student's reader: its two vectors, as far as they can be found, and what is odd about their form.
 
     `whole` is whether each vector that there is has three numbers.
     """
@@ -93,7 +93,7 @@ class Reading:
 
 
 def as_reading(node: Node | None, arrays: Arrays) -> Reading:
-    """Take the pair (acceleration, angular velocity) out of whatever a reader returned."""
+    """Find acceleration and angular velocity in whatever a reader returned: a pair, an array of six, or named items."""
     parts = _pair(node, arrays)
     if parts is None:
         return Reading(None, None, shape_in_words(node, arrays))
@@ -184,8 +184,8 @@ class Collection:
     oddities : what was odd about names and shapes, as ids of faults with a sentence
     changed : names of model fields that differ afterwards
     first_step : what the sandbox says of the state before the first step: a hint, to be run again before it is believed
-    absent : the sensor whose rows could not be made out, where the other's could: NaN stands in their place
-    last_alone : whether the last row alone was filled, which stands for all of them then
+    absent : the sensor whose rows could not be found while the other's were; its rows are NaN
+    last_alone : whether only the last row was filled; all rows then have its numbers
     unfilled : whether rows without any number were returned; zeros stand in their place, as in an array of `np.zeros`
     departs : as of `Readings`
     """
@@ -206,7 +206,7 @@ class Collection:
 
     @property
     def sensors(self) -> tuple[Array | None, Array | None]:
-        """The rows of each of `SENSORS`."""
+        """The rows of the accelerometer and of the gyroscope, in the order of `SENSORS`."""
         return self.acceleration, self.angular_velocity
 
     @cached_property
@@ -254,7 +254,7 @@ class Collection:
         return replace(self, acceleration=accel, angular_velocity=gyro, last_alone=True)
 
     def rows(self, first: int, end: int | None = None) -> Collection:
-        """Return a part of the recording."""
+        """Return the recording's rows from `first` up to `end`."""
         time, acceleration, angular_velocity = (
             None if array is None else array[first:end]
             for array in (self.time, self.acceleration, self.angular_velocity)
@@ -263,7 +263,7 @@ class Collection:
 
 
 def as_collection(node: Node | None, arrays: Arrays) -> Collection:
-    """Take the three series out of whatever was returned: by their names, else by similar names, else by their shapes."""
+    """Find time and both sensors in whatever a recorder returned: by their names, else by similar names, else by their shapes."""
     if node is None or node["kind"] == "none":
         return _nothing_collected("got None")
     oddities: list[tuple[str, str]] = []
@@ -337,7 +337,7 @@ _COLUMN_NAMES = {
 
 
 def column_named(name: str) -> str | None:
-    """Return the sensor of which a key such as `ax` or `gyro_z` names one axis."""
+    """Return the sensor of which a dictionary key such as `ax` or `gyro_z` names one axis; None if it names no axis."""
     return next((key for key, pattern in _COLUMN_NAMES.items() if pattern.fullmatch(name)), None)
 
 
@@ -448,11 +448,11 @@ class FilterRun:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Everything that was drawn while something ran.
+    """The figures that were drawn while a function or a file of the submission ran.
 
     Attributes
     ----------
-    figures : each with what is seen of its curves
+    figures : each with the facts that the sandbox reports of its axes and curves
     departs : as of `Readings`
     """
 
@@ -462,7 +462,7 @@ class Drawing:
 
 
 def drawing_of(frame: Frame) -> Drawing:
-    """Return the figures that an answer reports."""
+    """Return the figures, the exception and the departures that a reply of the worker reports."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
     return Drawing(figures, StudentError.of(frame.fields.get("error")), tuple(frame.fields.get("departs", ())))

@@ -26,7 +26,7 @@ def shipped() -> Traces:
 
 
 def obtain(lab: Lab, seed: str | None, cache_dir: Path | None = None, model: Model = LAB_MODEL) -> Traces:
-    """The bundle to grade with.
+    """Return the trace bundle to grade with: the public one, or one that is recorded from the secret.
 
     Parameters
     ----------

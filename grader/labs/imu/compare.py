@@ -21,7 +21,7 @@ SENSOR_NAMES, BOTH = ("accel", "gyro"), (0, 1)
 
 @dataclass(frozen=True)
 class Deviation:
-    """The distance of ``got`` from ``expected``.
+    """Distance of an array of answers from the expected one.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Deviation:
 
 
 def deviation(got: Array, expected: Array) -> Deviation:
-    """Difference of two arrays (n, …) of equal shape, in the rows that both have."""
+    """Return the distance of two arrays (n, …), compared in the rows that both have."""
     n = min(len(got), len(expected))
     with np.errstate(over="ignore"):  # numbers near the limit differ by infinity, which says it well
         return _deviation(np.abs(np.asarray(got[:n], float) - np.asarray(expected[:n], float)))
@@ -71,7 +71,7 @@ def share_among(values: Array, others: Array, atol: float) -> float:
 
 
 def thinned(n: int, most: int = 200) -> NDArray[np.intp]:
-    """Indices of at most `most` of n points, first and last among them: so many show a curve as well as a million."""
+    """Return the indices of at most `most` of n points, with the first and the last, so that a chart of a long run stays small."""
     return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(np.intp))
 
 
@@ -93,7 +93,7 @@ def never_written(values: Array) -> NDArray[np.bool_]:
 
 
 def not_finite_in_words(values: Array) -> str:
-    """Say why values are no finite numbers."""
+    """Say in words why values are not finite: NaN, infinity, or memory that was never written."""
     return "memory that was never written (np.empty)" if never_written(values).any() else "NaN or infinity"
 
 
@@ -110,7 +110,7 @@ def vector(values: Array, digits: int = 3) -> str:
 
 
 def distinct_texts(wanted: Array, got: Array) -> tuple[str, str]:
-    """Format both vectors with the fewest decimals, at least three, in which they differ."""
+    """Format two vectors for a message with the fewest decimals, at least three, in which they differ."""
     pairs = ((vector(wanted, decimals), vector(got, decimals)) for decimals in range(3, 17))
     return next((pair for pair in pairs if pair[0] != pair[1]), (vector(wanted), vector(got)))
 
@@ -121,7 +121,7 @@ def changed(disturbance: Array) -> NDArray[np.bool_]:
 
 
 def changes_in_words(disturbance: Array) -> str:
-    """Say which of them a call changed, and by how much; "" if none."""
+    """Say in words which of time, qpos, qvel and sensordata a call changed, and by how much; "" if none."""
     names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
     every = zip(names, disturbance, changed(disturbance), strict=True)
     return "; ".join(f"{name} changed by {size:.3g}" for name, size, is_changed in every if is_changed)

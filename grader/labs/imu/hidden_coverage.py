@@ -11,7 +11,7 @@ _UNMOVED = 1e-3  # m/s², rad/s: less than what rows are told apart by
 
 
 def blind_spot(truth: Traces) -> str:
-    """Return what cannot be tested, in a sentence; "" for a robot whose IMU moves when it is pushed."""
+    """Return a warning that an own robot does not move when it is pushed, so that some checks prove nothing; "" if it moves."""
     push = truth["push"]
     for key in ("acceleration", "angular_velocity"):
         still = push[f"alt_no_push_{key}"]

@@ -14,13 +14,13 @@ STUDENTS_TIMESTEP = 0.002
 
 
 def learnt_ids(truth: Traces) -> tuple[int, int]:
-    """Ids of the accelerometer and gyroscope in the model that students have."""
+    """Return the ids of the accelerometer and gyroscope in the model that students have, which code may hold as constants."""
     first, second = truth.manifest.get("robot", {}).get("ids", STUDENTS_IDS)
     return int(first), int(second)
 
 
 def learnt_timestep(truth: Traces) -> float:
-    """Return the time step in s of the model that students have."""
+    """Return the time step (s) of the model that students have, which code may hold as a constant."""
     return float(truth.manifest.get("robot", {}).get("timestep", STUDENTS_TIMESTEP))
 
 

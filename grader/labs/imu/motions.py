@@ -18,7 +18,7 @@ _PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Ang
 
 
 class Series(Protocol):
-    """Another program's series of a motion, with rows in the order of the truth's."""
+    """Recording of a motion by a student's program, for plotting over the true one."""
 
     @property
     def time(self) -> Array | None: ...

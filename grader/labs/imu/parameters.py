@@ -10,7 +10,7 @@ _GLOBAL, _NAME = "global ", "name for "
 
 
 def reads_global(departs: Sequence[str]) -> bool:
-    """Return whether a definition reads a global in the place of a parameter."""
+    """Return whether a student's definition reads a global in place of a parameter of the sheet."""
     return any(each.startswith(_GLOBAL) for each in departs)
 
 

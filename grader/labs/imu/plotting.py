@@ -34,11 +34,11 @@ _FURTHER = 3  # programs that are run to see what they draw
 
 
 class Plotting(SubmissionSession):
-    """The questions about plots.
+    """Questions to the submission about what it draws, for the checks of *Visualization*.
 
     Parameters
     ----------
-    truth : holds the model that is graded with, which lies where the sheet loads it from
+    truth : holds the model that is graded with; scripts find it at the path that the sheet loads
     """
 
     def __init__(self, sandbox: Sandbox, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:

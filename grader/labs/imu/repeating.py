@@ -53,24 +53,24 @@ class Asked:
     expected: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def given(self, name: str) -> str:
-        """Return the expression that reads one of the arrays in the program."""
+        """Return the Python expression with which the generated program reads one of this question's arrays."""
         return f'given["{name}_{self.number}"]'
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """The arrays of this question that `repro.npz` stores, by their names in it."""
+        """The arrays of this question by the names under which `repro.npz` stores them."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
         expected = {f"expected_{name}": array for name, array in self.expected.items()}
         return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model, **expected}.items()}
 
     @property
     def module(self) -> str:
-        """The name by which the program calls the file's module."""
+        """The name of the student's module in the generated program."""
         return self._dotted if self._can_be_imported else "file_" + re.sub(r"\W", "_", self._dotted)
 
     @property
     def import_line(self) -> str:
-        """The line that imports the file, whose name may be no identifier, such as `imu-reader.py`."""
+        """The line with which the generated program imports the student's file, also one like `imu-reader.py`."""
         if self._can_be_imported:
             return f"import {self.module}"
         return f"{self.module} = importlib.import_module({self._dotted!r})"
@@ -99,7 +99,7 @@ class Recorder(Student):
         ] = {}  # a check's id, or a question's key -> keys of the questions that it asked
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Record the question for the check, or for the question that is being answered, and answer it once."""
+        """Answer a question once, and record it for the check that asks or for the question that needs this answer."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)
@@ -114,7 +114,7 @@ class Recorder(Student):
         return super().ask(op, fields, arrays)
 
     def questions(self, check_id: str) -> list[Asked]:
-        """Return the questions of a check in order, also those that another check had asked first."""
+        """Return the questions that a check asked, in order, with those whose answers an earlier check had fetched."""
         keys = [key for key in dict.fromkeys(self._below(check_id)) if key in self._questions]
         asked = [(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
         return [Asked(*each, expected=expected(*each[1:], self.truth)) for each in asked]

@@ -44,7 +44,7 @@ class Model:
 
     @property
     def file(self) -> str:
-        """The name of the model's file."""
+        """The file name of the model, without its folder."""
         return self.path.name if self.path else LAB_FILE
 
     def line(self, key: str) -> int:
@@ -62,7 +62,7 @@ class Robot:
 
     @property
     def identity(self) -> Sequence[str]:
-        """Everything that its traces depend on."""
+        """Everything that the traces of this robot depend on, as a key of the trace cache."""
         return (self.file, self.xml, *self.imu)
 
     def options(self, folder: Path) -> list[str]:
@@ -89,7 +89,7 @@ def read_model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
 
 
 def robot_of(traces: Traces) -> Robot:
-    """Return the robot of some traces; the lab's where their manifest names none."""
+    """Return the robot for which traces were recorded; the lab's if their manifest names none."""
     about = traces.manifest.get("robot", {"file": LAB_FILE, "imu": LAB_IMU})
     return Robot(about["file"], traces.models.get("lab", ""), tuple(about["imu"]))
 

@@ -35,7 +35,7 @@ READS = 1250
 
 
 def spread_bounds(values: int, estimated_means: int) -> tuple[float, float]:
-    """Bounds of the ratio sample standard deviation / sigma for normal samples, from the chi-squared law.
+    """Return the bounds within which chance leaves sample standard deviation / sigma of normal samples (chi-squared distribution).
 
     With 7,500 values they are 0.945 and 1.056: a standard deviation wrong by 10 % is outside with probability > 0.9999.
     """
@@ -45,7 +45,7 @@ def spread_bounds(values: int, estimated_means: int) -> tuple[float, float]:
 
 
 def mean_bound(values: int, sigma: float) -> float:
-    """Largest credible distance of a sample mean from the true one; 0.136 sigma for 2,500 values.
+    """Return the largest distance of a sample mean from the true mean that chance explains; 0.136 sigma for 2,500 values.
 
     A bias off by a fifth of sigma is outside with probability 0.9993.
     """
@@ -53,7 +53,7 @@ def mean_bound(values: int, sigma: float) -> float:
 
 
 def correlation_bound(values: int) -> float:
-    """Largest credible sample correlation of independent normal samples (Fisher's z); 0.135 for 2,500 values.
+    """Return the largest correlation of independent normal samples that chance explains (Fisher's z); 0.135 for 2,500 values.
 
     A correlation of 0.2 is outside with probability 0.9996.
     """
@@ -61,13 +61,13 @@ def correlation_bound(values: int) -> float:
 
 
 def geary(standardised: Array) -> float:
-    """Geary's ratio of mean deviation to standard deviation; sqrt(2/pi) = 0.798 for a normal law."""
+    """Return Geary's ratio, mean absolute over standard deviation, a test of normality: sqrt(2/pi) = 0.798 if normal."""
     centred = standardised - standardised.mean()
     return float(np.mean(np.abs(centred)) / np.sqrt(np.mean(centred**2)))
 
 
 def geary_bounds(values: int) -> tuple[float, float]:
-    """Bounds of Geary's ratio for normal samples: nine standard errors.
+    """Return the bounds within which chance leaves Geary's ratio of normal samples: nine standard errors.
 
     The normal approximation would allow 6.8; nine leave six orders of magnitude for its error in the far tail. With 7,500 values
     the bounds are 0.798 ± 0.022: a uniform (0.866), a Laplace (0.707), an exponential (0.736) and a two-point law (1) are outside
@@ -78,7 +78,7 @@ def geary_bounds(values: int) -> tuple[float, float]:
 
 
 def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Standard deviation and mean deviation of the unit normal law within ± `cut`: clipped to it, and drawn anew beyond it.
+    """Return standard and mean absolute deviation of normal noise with a bound: clipped to ± `cut`, and drawn anew beyond it.
 
     Clipped: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; drawn anew: without Q and divided by P, where p is the
     density, P the probability of ± c and Q that of more than c (by parts).

@@ -33,7 +33,7 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class FilterCase:
-    """One filter over one signal.
+    """A question to the student's filter: the signal that goes in, and the arguments of the filter.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Student(Plotting):
         return self.answer(Question("read", "get_imu_readings", becomes, {"model": model}, arrays))
 
     def read_in_new_process(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        """Return the same as `read`, from a new process: a reader that counts its calls starts again."""
+        """Ask the same as `read` in a new process, so that a reader that remembers earlier calls starts again."""
         self.end_session()
         return self.read(model=model, qpos=qpos, qvel=qvel, pairs=pairs)
 
@@ -110,7 +110,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return the readings (steps, 6) of the submission's own reader after each step of such a run; None if it fails."""
+        """Return the readings (steps, 6) of the submission's own reader after each step of a reported run; None if it fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -171,7 +171,7 @@ class Student(Plotting):
 
         Parameters
         ----------
-        cases : a new filter is made for each
+        cases : signals and arguments; a new filter is made for each case
         called : a name by which the charts of a report find the answer; leave it out
         """
         arrays: dict[str, np.ndarray] = {}
@@ -186,7 +186,7 @@ class Student(Plotting):
         return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
 
     def filter_alone(self, case: FilterCase) -> FilterRun:
-        """Run one filter case in a new process, in which no filter existed before."""
+        """Run one filter case in a new process, so that a state shared by all filters is as at the start."""
         self.end_session()
         return self.filter([case])[0]
 

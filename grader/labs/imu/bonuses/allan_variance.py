@@ -45,7 +45,7 @@ _FEWEST = 3  # averaging times that tell a curve
 
 @dataclass(frozen=True)
 class AllanRun:
-    """Averaging times (k,) in s and deviations (k, c), c columns as in the input; None if the answer has no such arrays."""
+    """Answer of `allan_deviation`: averaging times (k,) in s, deviations (k, c) for c input columns; None without such arrays."""
 
     taus: Array | None
     adev: Array | None
@@ -128,7 +128,7 @@ _CURVES: Mapping[str, Estimate] = {
 
 
 def in_seconds(taus: Array, rate: float) -> Array:
-    """Return the cluster sizes (samples) of averaging times in seconds."""
+    """Convert averaging times in seconds to cluster sizes in samples."""
     return np.round(taus * rate)
 
 
@@ -145,7 +145,7 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """Which estimate all curves show: an Allan deviation (`fault` is ""), that of a fault, or an unknown one (None)."""
+    """What a student's curves show: an Allan deviation (`fault` is ""), the estimate of a fault, or an unknown one (None)."""
 
     fault: str | None
     seconds: bool = True
@@ -180,7 +180,7 @@ def meaning(records: Sequence[Record], rate: float) -> Meaning:
 
 
 def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
-    """Return the slope of the overlapping estimate and that of a curve, where the record has thirty clusters or more."""
+    """Return the log-log slopes of the true deviation and of a student's curve, where the record has thirty clusters or more."""
     taus, curve, samples = record
     sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
     wanted = np.array([allan_deviation(samples, int(m)) for m in sizes])

@@ -48,7 +48,7 @@ def wrapped(angle: Array) -> Array:
 
 @dataclass(frozen=True)
 class TiltCase:
-    """A filter's input: specific force and angular velocity (n, 3), every `dt` seconds."""
+    """Input of a complementary filter: specific force and angular velocity (n, 3), sampled every `dt` seconds."""
 
     dt: float
     acceleration: Array
@@ -57,7 +57,7 @@ class TiltCase:
 
 @dataclass(frozen=True)
 class TiltRun:
-    """A filter's output: roll and pitch (n, 2), fewer rows where it raised; `odd` is the first value that is no such pair."""
+    """Output of a complementary filter: roll and pitch (n, 2), fewer rows if it raised; `odd`: the first value that is no pair."""
 
     output: Array
     odd: str
@@ -75,7 +75,7 @@ class TiltRun:
 
 
 def tilt(student: Student, cases: Sequence[TiltCase]) -> list[TiltRun]:
-    """Run a new `ComplementaryFilter` over each case."""
+    """Run the student's `ComplementaryFilter` over each case, a new instance for each."""
     arrays = {f"a{i}": case.acceleration for i, case in enumerate(cases)}
     arrays |= {f"g{i}": case.angular_velocity for i, case in enumerate(cases)}
     rows = [{"dt": case.dt, "accel": f"a{i}", "gyro": f"g{i}"} for i, case in enumerate(cases)]
@@ -132,7 +132,7 @@ class Tilt:
     level : (n, 2) roll and pitch at rest and level, NaN where no two numbers came; `odd` is what came then
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
     errors, alone : by check, the RMS error in its ride, and those of each sensor alone, in rad
-    response : to single changes of each sensor; None where it was not whole
+    response : outputs after single changes of each sensor; None if some are missing
     stopped : by check, what kept its property from being measured
     """
 
@@ -182,7 +182,7 @@ def measure(student: Student, truth: Traces) -> Tilt:
 
 
 def at_rest(angles: Array, n: int) -> Array:
-    """Specific force (n, 3) of a sensor, forward-right-down, that rests at roll and pitch (2,)."""
+    """Return the specific force (n, 3) of a forward-right-down sensor at rest at roll and pitch (2,)."""
     roll, pitch = angles
     up = [np.sin(pitch), -np.sin(roll) * np.cos(pitch), -np.cos(roll) * np.cos(pitch)]
     return np.tile(G * np.array(up), (n, 1))

@@ -40,7 +40,7 @@ _SCALES = (1.0, float(np.degrees(1.0)))
 
 @dataclass(frozen=True)
 class LiveRun:
-    """The observations while `live_plot` ran.
+    """What was observed while the student's `live_plot` ran.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class LiveRun:
 
     @property
     def changes_after(self) -> int:
-        """Number of changes of the curves at the simulated time of the last change."""
+        """Number of changes of the curves at the simulated time of the last one: many were drawn after the simulation."""
         moments = self.events[:, 0]
         return int(np.count_nonzero(moments == moments.max(initial=0.0)))
 
@@ -172,7 +172,7 @@ class Live:
 
     Attributes
     ----------
-    channels : (m, c) of a robot that was pushed, and of one that was reset and rests
+    channels : true readings (m, c) of a robot that was pushed, and of one that was reset and rests
     timestep : between their rows, in s
     """
 
@@ -188,7 +188,7 @@ class Live:
 
 
 def measure(student: Student, truth: Traces) -> Live:
-    """Watch one run of the live plot."""
+    """Run the student's live plot once and return what was seen of it."""
     watched = truth["watched"]
     duration, timestep, push = (float(watched.scalars[name]) for name in ("duration_s", "timestep", "push_mps"))
     ids = torso_ids(truth)

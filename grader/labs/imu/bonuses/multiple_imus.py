@@ -97,7 +97,7 @@ class World:
 
     @property
     def repeats_one(self) -> bool:
-        """Return whether every place has the readings of the first."""
+        """Return whether every place has the readings of the first place, as code that ignores the name gives."""
         rows = list(self.read.values())
         return len(rows) > 1 and all(same(each, rows[0], 1e-9) for each in rows[1:])
 
@@ -129,7 +129,7 @@ class Imus:
 
 
 def measure(student: Student, truth: Traces) -> Imus:
-    """Read all IMUs of the lab's own robot, also where another one is graded on, and of a model with other places."""
+    """Ask `read_all_imus` for the IMUs of the lab's robot, even if the class uses another, and of a model with other places."""
     sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
     many = truth["reading_many"]
     lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))

@@ -11,7 +11,7 @@ from grader.labs.imu.student import Student
 
 
 def charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
-    """Return the charts of the answers; none of hidden scenarios, and none from code that has seen one."""
+    """Return the charts of a report; none of hidden scenarios or from code that has seen one: they could show hidden data."""
     pictures = tuple(handed_in.chart(name, student.stored_answer(name)) for name in student.pictures)
     if truth.name != "public":
         return tuple(chart for chart in pictures if chart is not None)

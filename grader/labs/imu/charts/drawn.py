@@ -25,7 +25,7 @@ _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 
 def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Chart]:
-    """Yield the figures of `plot_imu_data`, then those of the scripts; of equal ones the first."""
+    """Yield charts of the figures that `plot_imu_data` and then the scripts drew; of equal figures only the first."""
     told: set[tuple[object, ...]] = set()
     for drawing in (*([plotted] if plotted else []), *drawings):
         for figure in sorted(drawing.figures, key=lambda figure: not figure.is_saved):

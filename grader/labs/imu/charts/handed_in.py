@@ -10,7 +10,7 @@ from grader.engine.figures import Picture
 
 
 def chart(name: str, picture: Picture | None) -> Chart | None:
-    """Chart what the sandbox recognised in the picture `name`; None where it was not examined or could not be read."""
+    """Return a chart of what the sandbox recognised in a handed-in picture; None if it was not examined or could not be read."""
     if picture is None:
         return None
     width, height = picture.size_px

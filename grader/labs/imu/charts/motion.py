@@ -15,7 +15,7 @@ _AXES = ("x", "y", "z")
 
 
 def chart(series: Collection | None, truth: Scenario) -> Chart | None:
-    """Row by row: what `simulate_and_collect` recorded against what the sensors read in that step."""
+    """Return the chart of what `simulate_and_collect` recorded in each row, over what the sensors read in that step."""
     if series is None:
         return None
     told = [

@@ -28,7 +28,7 @@ class _Sensor:
 
 
 def charts(run: NoiseRun | None, truth: Traces) -> list[Chart]:
-    """Yield the charts of the noise; none where no read returned two vectors."""
+    """Yield the charts of a noise model's readings; none if no read returned two vectors."""
     if run is None or not (np.isfinite(run.accel).all() and np.isfinite(run.gyro).all()):
         return []
     scenario = truth["noise"]

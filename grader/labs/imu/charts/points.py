@@ -12,7 +12,7 @@ _LARGEST = 1e12
 
 
 def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
-    """Return a curve without points that cannot be drawn."""
+    """Return a curve for a chart, without the points that are not finite."""
     fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
     return Curve(name, role, _to_float32(x[fine]), _to_float32(y[fine]), colour)
 

@@ -45,7 +45,7 @@ _STAMPS = "time stamps; the returned value has none"
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Ask for both recordings and explain them; ask for further ones only if these leave the cause open."""
+    """Measure a recorder: ask for two recordings and explain them; ask for further ones only if these leave the cause open."""
     push = facts_of.run(student, truth, "push")
     if push.series.error is not None:
         raised = Raised(push.series.error, "collecting data")
@@ -73,7 +73,7 @@ def measured(student: Student, truth: Traces) -> Explained:
 
 
 def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
-    """Return the explanation of a recording, and the run with the simulated runs (worlds) that were tried.
+    """Return which simulated run the rows of a recording come from, and the run with all simulated runs (worlds) that were tried.
 
     The true run is tried first, then those simulated from the start that the worker reports: if both explain the rows, the true
     run counts.
@@ -163,7 +163,7 @@ def _from(found: Explained) -> str:
 
 
 def row_fault(found: Explained) -> str:
-    """Return the fault of the rows; "" for none."""
+    """Return the id of the fault that the rows show, such as reading before the step; "" for none."""
     return next((fault for fault, holds in ROW_FAULTS if holds(found)), "")
 
 

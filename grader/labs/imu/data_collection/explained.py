@@ -34,7 +34,7 @@ from grader.labs.imu.data_collection.row_origins import (
 
 @dataclass(frozen=True)
 class Explained:
-    """The facts about a recorder with the explanation of both runs; None for a run without an explanation.
+    """Facts about `simulate_and_collect` with the simulated run that explains each of its two recordings; None if none does.
 
     `push` explains the run with the sheet's push. `later` explains the run that starts with data of an earlier run.
     """
@@ -107,7 +107,7 @@ class Explained:
 
     @property
     def few_rows_follow(self) -> bool:
-        """Return whether a fault that matches_truth reports explains why rows are missing."""
+        """Return whether a fault that `matches_truth` reports also explains missing rows, so that they cost nothing more."""
         return self.ends_at_once or self.last_alone
 
     def counts_by(self, fault: str) -> bool:
@@ -127,12 +127,12 @@ class Explained:
 
     @property
     def stamp_errors(self) -> Array:
-        """The error (n,) of each time stamp in seconds."""
+        """Distance (n,) of each time stamp from the true time, in seconds."""
         return time_error(self.stamps, self.facts.push.timestep, self.push or RowOrigin())
 
     @property
     def stamps_off(self) -> float:
-        """The largest error (s) of a time stamp."""
+        """Largest distance (s) of a time stamp from the true time."""
         return float(np.max(self.stamp_errors))
 
     @property
@@ -148,7 +148,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether another fault explains wrong stamps: missing or unequal arrays, one filled row, or a repeated start."""
+        """Return whether a fault beside the time column explains its errors: unequal arrays, one filled row, a repeated start."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -217,7 +217,7 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows are off by less than a real sensor's noise."""
+        """Return whether both sensors' rows are wrong by less than a real sensor's noise, which costs half."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
@@ -269,7 +269,7 @@ class Explained:
 
     @property
     def second_is_empty(self) -> bool:
-        """Return whether the first run has rows, and the second none."""
+        """Return whether the first recording has rows and the second has none."""
         return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property

@@ -62,7 +62,7 @@ class Claim:
 
     @classmethod
     def of(cls, course: Mapping[str, Array]) -> Claim:
-        """Make a claim from the run that the student's process reports."""
+        """Make a claim from the start of the run that the student's process reports."""
         names = ("qpos", "qvel", "gravity", "force", "set_at", "set_qvel")
         return cls(timestep=float(course["timestep"][0]), **{name: course[name] for name in names})
 
@@ -86,7 +86,7 @@ class Claim:
 
 
 def differ(a: Array, b: Array | float) -> bool:
-    """Return whether two states differ by more than rounding."""
+    """Return whether two simulator states differ by more than rounding."""
     return bool(np.abs(a - b).max(initial=0.0) > SAME_STATE)
 
 
@@ -164,7 +164,7 @@ class Facts:
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """The recorded runs; each has its own duration and time step."""
+        """The recordings that were made, one or two; each has its own duration and time step."""
         return (self.push,) if self.later is None else (self.push, self.later)
 
 

@@ -186,7 +186,7 @@ def _missing_at_first(run: Run, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """Return what turns all true rows (n, 3) into these: "rounded", "treated" (a linear map and an offset), or None."""
+    """Return which change turns all true rows (n, 3) into these: "rounded", "treated" (a linear map and an offset), or None."""
     n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
     got, true = got[:n], true[:n]
     coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))

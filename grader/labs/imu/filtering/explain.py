@@ -39,7 +39,7 @@ _FEWEST = 6
 
 
 def recursion(alpha: float, x: Array, start: Array) -> Array:
-    """Return the output of the sheet's recursion for x (n, 3), with the first output `start` (3,)."""
+    """Return what the sheet's filter gives for measurements x (n, 3), with the first output `start` (3,)."""
     steps = itertools.accumulate(x[1:], lambda y, sample: alpha * sample + (1 - alpha) * y, initial=start)
     return np.array(list(steps))
 

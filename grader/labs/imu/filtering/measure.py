@@ -36,7 +36,7 @@ _FEWEST = 6
 
 @dataclass(frozen=True)
 class Run:
-    """A filter's outputs y (n, 3) for measurements x (n, 3), in m/s²; NaN where no number came."""
+    """One run of a student's filter: outputs y (n, 3) for measurements x (n, 3), in m/s²; NaN where no number came."""
 
     alpha: float
     x: Array
@@ -44,17 +44,17 @@ class Run:
     initial: Array | None = None
 
     def made_of(self, now: float, last: float, before: float) -> Array:
-        """(n - 1, 3) outputs made of the measurement, the one before it and the filter's own output before."""
+        """Return outputs (n - 1, 3) as a weighted sum of the measurement, the measurement before and the filter's last output."""
         return np.asarray(now * self.x[1:] + last * self.x[:-1] + before * self.y[:-1])
 
     @cached_property
     def wanted(self) -> Array:
-        """(n - 1, 3) the outputs from the second on that the sheet's recursion makes of the filter's own outputs."""
+        """Outputs (n - 1, 3), from the second on, that the sheet's recursion makes of the filter's own last output."""
         return self.made_of(self.alpha, 0.0, 1 - self.alpha)
 
     @cached_property
     def off(self) -> Array:
-        """(n - 1,) how far each of these is off, in m/s²."""
+        """Largest distance (n - 1,) of each output from `wanted`, in m/s²."""
         return np.asarray(np.abs(self.y[1:] - self.wanted).max(axis=1))
 
     @property
@@ -76,7 +76,7 @@ class Run:
 
     @property
     def first_wanted(self) -> Array:
-        """(3,) the first output that the sheet makes of the first measurement and the initial value."""
+        """First output (3,) that the sheet's filter makes of the first measurement and the initial value."""
         before = self.x[0] if self.initial is None else self.initial
         return np.asarray(self.alpha * self.x[0] + (1 - self.alpha) * before)
 
@@ -87,14 +87,16 @@ class Run:
 
 @dataclass(frozen=True)
 class Ownership:
-    """Outputs (60, 3) of six filters for the same measurements (alpha 0.3), which differ in what others did meanwhile.
+    """Outputs (60, 3) of six filters for equal measurements (alpha 0.3), which show who can change the state of a filter.
+
+    The six differ in what happens beside them.
 
     Attributes
     ----------
-    alone, again : nobody; beside : a second filter ran on other data
+    alone, again : nothing happened beside them; beside : a second filter ran on other data
     spoilt_input, spoilt_output : the caller wrote into the array that went in, or that came out
     another_past : measurements 2 to 40 are larger by 3 m/s²; the first one and the others are the same
-    stumbles : what a filter raises where another one was before
+    stumbles : what a filter raises if another one existed before it
     input_changed, output_changed : whether a filter wrote into what it was given, or later into what it had returned
     """
 
@@ -110,7 +112,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Return whether another past changes the output for the same measurements, by more than chance does."""
+        """Return whether other earlier measurements change later outputs, by more than chance does."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()
@@ -121,7 +123,7 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Return whether another run grows alike, as filters do that only start from different states."""
+        """Return whether another run approaches `alone`, as filters do that only start from different states."""
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 
@@ -135,8 +137,8 @@ class Facts:
     runs : a noisy signal for each alpha that was asked for, and for none (taken for 0.1)
     from_initial : the same from an initial value, and from zeros
     noise, slow, constant : noise, slow waves and a constant (alpha 0.2)
-    own : who may change the state
-    odd : in words, what came in place of a vector that could be made out of it; nothing_at_first : it came first alone
+    own : outputs that show whether other code can change the filter's state
+    odd : in words, what came in place of a vector; nothing_at_first : whether only the first output was missing
     needs_alpha : what it raises where no alpha is given
     departs : the sheet's parameters that it could not be called with
     stopped : by check, what kept its property from being measured
@@ -174,13 +176,13 @@ class Facts:
 
     @property
     def weights(self) -> list[tuple[float, float]]:
-        """The coefficients of each run, where every run is a recursion; else nothing."""
+        """The weights (a, b) of ``y[n] = a x[n] + b y[n-1]`` of each run; empty if one run is no such recursion."""
         found = [run.weights for run in self.runs if run.weights is not None]
         return found if len(found) == len(self.runs) else []
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Ask one filter for each case, all in one question; in processes of their own where a filter stumbles over an earlier one."""
+    """Measure a filter with one question for all cases; in a new process for each if a filter raises because of an earlier one."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:
@@ -189,7 +191,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def asked(scenario: Scenario) -> dict[str, FilterCase]:
-    """Return every case by name. The first ones are a signal with each required alpha."""
+    """Return the cases to ask for, by name. The first ones run one signal with each alpha of the scenario."""
     signal, initial = scenario["input"], scenario["initial"]
     alphas = [float(alpha) for alpha in scenario["alpha"]]
     short = signal[:60]
@@ -213,7 +215,7 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
 
 
 def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: StudentError | None = None) -> Facts:
-    """Return the facts from the answers to all cases, in their order."""
+    """Build the facts of a filter from its answers, which are in the order of the cases."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}

@@ -53,7 +53,7 @@ def sizes_off(facts: Facts) -> list[int]:
 
 
 def grain(facts: Facts) -> float:
-    """Return the step to which readings are rounded; 0 if they are not."""
+    """Return the step to which a noise model rounds its readings; 0 if it does not round."""
     return max(sensor.reads.grain for sensor in facts.sensors)
 
 
@@ -64,7 +64,7 @@ def _lost_in_rounding(facts: Facts) -> bool:
 
 
 def no_draw(facts: Facts) -> bool:
-    """Return whether reads hold no random draw: they count, or all are equal without a std or with a fixed multiple of it."""
+    """Return whether reads hold no random draw: they count up, or all are equal without a std or with a fixed multiple of it."""
     if counts(facts):
         return True
     bound = TRUTH_ATOL / min(s.reads.std for s in facts.sensors)
@@ -113,10 +113,11 @@ def _spread_is(fault: str) -> Callable[..., bool]:
 
 @dataclass(frozen=True)
 class Offset:
-    """Fault of the bias, as the mean error (reading minus truth) that it predicts for a sensor.
+    """Hypothesis on a wrong bias: the fault, and the mean error (reading minus truth) that it predicts for a sensor.
 
     Attributes
     ----------
+    cost : how unlikely the fault is
     cause : the id of the fault
     predict : returns the mean errors that the fault may cause, from a sensor's reads and the other sensor's
     together : whether the fault always affects both sensors

@@ -90,7 +90,7 @@ class Sensor:
 
     @cached_property
     def obeys_zero(self) -> bool:
-        """Return whether reads have no noise if none is asked for; a drift of the bias is no noise."""
+        """Return whether reads are free of noise if a standard deviation of 0 is asked for; a drift of the bias is no noise."""
         return self.silent.still or self.drifts
 
     @cached_property
@@ -141,7 +141,7 @@ class Facts:
 
     @cached_property
     def redrawn(self) -> bool:
-        """Return whether the code draws a new bias on every read."""
+        """Return whether the code draws a new default bias on every read, which should happen once for each instance."""
         pairs = [(sensor.reads, sensor.silent) for sensor in self.sensors]
         return _is_redrawn(*zip(*pairs, strict=True)) and not any(sensor.drifts for sensor in self.sensors)
 

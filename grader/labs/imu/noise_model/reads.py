@@ -252,7 +252,7 @@ class Reads:
 
     @cached_property
     def memory(self) -> float:
-        """Largest absolute correlation of a read with one of the three before it; 0 if chance explains it."""
+        """Largest absolute correlation of a read with one of the three before it: white noise has none; 0 if chance explains it."""
         by_lag = [np.abs(st.autocorrelation(state, lag)).max() for state in self.centred for lag in (1, 2, 3)]
         chance = self.still or max(by_lag) <= st.correlation_bound(self.residual.shape[1])
         return 0.0 if chance else float(max(by_lag))
@@ -277,7 +277,7 @@ class Reads:
 
     @cached_property
     def paired(self) -> Reads:
-        """The reads with `pairs` as their noise, which has the same size and law and no drift."""
+        """The same reads with `pairs` in place of their noise, so that a drift of the bias does not spoil tests of the noise."""
         return replace(self, residual=self.bias + self.pairs)
 
 
@@ -296,7 +296,7 @@ def _closest(values: Array) -> float:
 
 @dataclass(frozen=True)
 class Twins:
-    """Reads (reads, 3) of one sensor by instances with the same seed.
+    """Reads (reads, 3) of one sensor by instances with the same seed, so that their differences hold no chance.
 
     Attributes
     ----------
@@ -319,11 +319,11 @@ class Twins:
 
     @cached_property
     def response(self) -> Array:
-        """Change (reads, 3) of the reads by the change of the bias."""
+        """Difference (reads, 3) that a changed bias makes in each read."""
         return np.asarray(self.other - self.base)
 
     def adds_bias(self) -> bool:
-        """Return whether every read changes by the change of the bias."""
+        """Return whether a changed bias changes every read by as much."""
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL)
 
     def begins_with_bias(self) -> bool:

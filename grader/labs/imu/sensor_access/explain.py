@@ -69,7 +69,7 @@ class Hypothesis:
         return self.change(scene, scene.at(self.start(scene, sensor)))
 
     def fits(self, seen: Seen) -> bool:
-        """Return whether it predicts every number. A prediction of zeros does not count: many faults of the values give zeros."""
+        """Return whether this hypothesis predicts every reading. A prediction of zeros does not count: many faults give zeros."""
         sensor, visits = seen
         first = self.predict(visits[0].scene, sensor)
         tells = np.isfinite(first).any() and (not self.values or first.any())
@@ -192,7 +192,7 @@ def _then_rounded(change: Change, decimals: int) -> Change:
 
 @dataclass(frozen=True)
 class Explained:
-    """The facts, and the hypothesis that explains each sensor; None if none does, or if several disagree."""
+    """Facts about a reader, with the hypothesis that explains each sensor; None if none does, or if several disagree."""
 
     facts: Facts
     sensors: tuple[Hypothesis | None, ...] = (None, None)
@@ -273,7 +273,7 @@ class Explained:
         return not np.isfinite(got).all() and not (known and known.place)
 
     def near(self, visit: Visit) -> bool:
-        """Return whether both sensors are wrong by less than the noise of a real one."""
+        """Return whether the values of both sensors are wrong by less than the noise of a real sensor, which costs half."""
         pairs = zip(visit.got, (self.meant(visit, i) for i in BOTH), SHEETS_NOISE, strict=True)
         return all(bool(np.abs(got - there).max() <= little) for got, there, little in pairs)
 
@@ -314,7 +314,7 @@ def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Measure and explain. If the readings do not depend on the state, the checks of address, copy and disturbance are skipped."""
+    """Measure a reader and explain its readings. If these do not depend on the state, checks of address and copy are skipped."""
     facts = facts_of.measure(student, truth)
     if facts.stopped:
         return Explained(facts)

@@ -108,12 +108,12 @@ class Facts:
 
     @property
     def visits(self) -> list[Visit]:
-        """The visits in which the reader returned something."""
+        """The scenes in which the reader returned readings and did not raise."""
         return [visit for visit in (self.torso, *self.others) if visit.error is None]
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Ask for the robot's IMU in every state twice, and for all other IMUs once."""
+    """Measure a reader: ask it for the robot's IMU in every state twice, and for all other IMUs once."""
     lab = truth["reading_lab"]
     readings, k = _read(student, truth, lab, slice(0, 1), visits=2), len(lab["qpos"])
     torso, again = (_visit(lab, 0, readings, 0, slice(start, start + k)) for start in (0, k))
@@ -166,5 +166,5 @@ def _stopped(readings: Readings) -> dict[str, Exception]:
 
 
 def with_stops(facts: Facts, stop: Exception, *names: str) -> Facts:
-    """Return the facts with a reason why these checks' properties could not be measured."""
+    """Return the facts with the exception `stop` as the reason why some checks cannot be judged."""
     return replace(facts, stopped={**facts.stopped, **dict.fromkeys(names, stop)})

@@ -34,7 +34,7 @@ _ROUNDING = 1e-5
 
 @dataclass(frozen=True)
 class Compared:
-    """A curve and a smoother version of it, with the names that they carry, and whether there is noise in the curve."""
+    """Pair of curves of the comparison plot: raw data and a smoother version, their names, and whether the raw one is noisy."""
 
     raw: str
     smooth: str
@@ -81,7 +81,7 @@ def named_comparisons(figure: Figure) -> list[Compared]:
 
 
 def in_words(figure: Figure) -> tuple[int, str]:
-    """Return the number of curves of a figure that compares nothing, and what they are in words."""
+    """Describe the curves of a figure that should compare raw and filtered data and does not: their number, and what they are."""
     series = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
     said = f"{len(series)} curves, none of which is a smoother version of another over {FEWEST_POINTS} samples or more"
     if len(series) < 2:

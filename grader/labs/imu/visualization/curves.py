@@ -37,12 +37,12 @@ _ENOUGH = 0.5
 
 @dataclass(frozen=True)
 class Shown:
-    """A curve that shows a channel.
+    """A drawn curve that shows a channel of the data.
 
     Attributes
     ----------
     sensor, axis : sensor 0 or 1, axis 0 to 2
-    unit, x : the unit of y, and what x is
+    unit, x : the unit in which the numbers are drawn, and the kind of x values (time, index, …)
     drawn : over which hundredths of the recorded time it is drawn
     """
 
@@ -59,7 +59,7 @@ class Shown:
 
     @property
     def share_inside(self) -> float:
-        """How much of what is drawn lies within the limits of the axes."""
+        """Share of the drawn points that lies within the axis limits."""
         return float(self.curve.visible_parts.inside.mean())
 
 
@@ -82,7 +82,7 @@ class Panel:
 
     @property
     def mainly(self) -> set[int]:
-        """The sensor that most of its curves show; both if they are as many."""
+        """The sensor that most curves of the panel show; both if they are equally many."""
         counts = Counter(s.sensor for s in self.shown)
         return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
@@ -92,7 +92,7 @@ class Panel:
         return (right - left) * (high - low)
 
     def is_inset_of(self, other: Panel) -> bool:
-        """Return whether it repeats, much smaller, what another panel shows; that one has the names for both."""
+        """Return whether this panel repeats, much smaller, what another panel shows, and so needs no labels of its own."""
         return bool(self.channels) and self.channels <= other.channels and self.area < other.area / 2
 
     @property
@@ -142,7 +142,7 @@ class Plot:
 
     @property
     def abscissae(self) -> set[str]:
-        """The kinds of x values of the curves."""
+        """The kinds of x values (seconds, milliseconds, index) that the curves of the plot have."""
         return {shown.x for shown in self.shown}
 
     @property
@@ -277,7 +277,7 @@ UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
 
 
 def factor_of(shown: Shown) -> str:
-    """Return how many times the given numbers a curve draws."""
+    """Return the factor between the numbers of a curve and the data, such as 57.3 for degrees."""
     return f"{dict(_UNITS[shown.sensor])[shown.unit]:.3g} times"
 
 

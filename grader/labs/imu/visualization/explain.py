@@ -29,7 +29,7 @@ _IN_PART = 0.8
 
 
 def to_the_end(measured: Callable[[Facts], Deviation | None]) -> Callable[[Facts], Deviation | None]:
-    """Make what a plot lacks that an exception broke off the fault of that exception."""
+    """Wrap `measured` so that what a plot lacks because an exception stopped it is deducted as that exception, not as a fault."""
 
     @functools.wraps(measured)
     def judged(facts: Facts) -> Deviation | None:
@@ -45,7 +45,7 @@ def to_the_end(measured: Callable[[Facts], Deviation | None]) -> Callable[[Facts
 
 
 def is_lost(facts: Facts) -> bool:
-    """Return whether no file shows at the end what the figure shows."""
+    """Return whether no saved file shows in the end what the figure shows."""
     return not facts.file.formats or bool(facts.file.lost)
 
 
@@ -97,7 +97,7 @@ def missing_curves(facts: Facts) -> Deviation | None:
 
 @to_the_end
 def unseen_curves(facts: Facts) -> Deviation | None:
-    """Return a deviation if a channel is drawn where nobody sees it."""
+    """Return a deviation if a channel is drawn outside the limits, under another curve, or in the colour of the background."""
     if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
         return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
     if not (facts.plot.hidden or facts.cut_off):
@@ -107,7 +107,7 @@ def unseen_curves(facts: Facts) -> Deviation | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation | None]:
-    """Return a measure of the labels with this problem; three of them cost everything."""
+    """Return a function that measures how many labels have a problem, such as no unit; three of them cost all points."""
 
     def measured(facts: Facts) -> Deviation | None:
         texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]
@@ -170,7 +170,7 @@ def names_are_exchanged(facts: Facts) -> bool:
 
 
 def shows_nothing(facts: Facts) -> bool:
-    """Return whether no picture is left in which somebody could read a title."""
+    """Return whether no saved picture is left in which a title could be read."""
     file = facts.file
     return (file.replaced or file.blank or not file.formats) and not file.handed_in
 

@@ -107,7 +107,7 @@ def unit_of(text: str) -> str | None:
 
 
 def has_unit_of(sensor: int, text: str) -> bool:
-    """Return whether a label names a unit of the sensor, whatever else it names."""
+    """Return whether a label names a unit of this sensor, perhaps among others."""
     return bool((_ACCELERATION_UNIT, _RATE_UNIT)[sensor].search(plain(text)))
 
 
@@ -131,7 +131,7 @@ _RATE_WORDS = re.compile(f"{_NAMES[1]}|{_hints('angular_velocity')}")
 
 @_once
 def claims(text: str) -> frozenset[int]:
-    """Return the sensors that a text names, 0 acceleration and 1 angular velocity: by its words, else by its unit."""
+    """Return which sensors (0 acceleration, 1 angular velocity) a title or label names: by its words, else by its unit."""
     words = plain(text)
     found = {0} if _ACCELERATION_WORDS.search(words) else set()
     if _RATE_WORDS.search(words):

@@ -57,12 +57,12 @@ added at each call has 0.2 for the channel that changes most.
 
 @dataclass(frozen=True)
 class File:
-    """Fate of the file of the plot.
+    """Facts about the picture file that `plot_imu_data` saves.
 
     Attributes
     ----------
     size_px : of the largest saved picture of the curves; (0, 0) if there is none
-    formats : of all of them
+    formats : file formats of all saved pictures
     replaced, blank : whether a file was overwritten or damaged, or saved from an empty figure
     handed_in : whether no file shows the plot and a picture of it was handed in
     lost : the channels that only a file showed that was overwritten
@@ -143,7 +143,7 @@ _NO_PLOT = Plot(Figure("shown", None, "", (0, 0)), [])
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Ask for the plot of the tumbling run, then for what the programs draw."""
+    """Measure the plots: ask for the plot of the tumbling run, then for what the submission's files draw when they are run."""
     try:
         drawing = drawing_of_data(student, truth)
         if drawing.error is not None and drawing.error.type in _NOT_THERE:
@@ -182,7 +182,7 @@ def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
 
 
 def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
-    """Return what `plot_imu_data` draws of a run, given under the names under which the submission itself records it."""
+    """Return what `plot_imu_data` draws of a run whose data has the names and shapes that the submission itself records."""
     series = series_of(truth, run)
     own = _own_recording(student, truth)
     return student.plot(
@@ -243,7 +243,7 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
-    """Return each figure, and those that were saved as one: a picture for each sensor."""
+    """Return the figures that may be the plot: each one, and figures for one sensor each that together make the plot."""
     saved = [figure for figure in drawing.figures if figure.is_saved]
     ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]
     joined = [curves.joined(figures) for figures in (saved, ever_saved) if len(figures) > 1]
@@ -252,7 +252,7 @@ def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
 
 
 def best_of(plots: Sequence[Plot]) -> Plot | None:
-    """Return the plot that shows most, the first of equal ones; None if none has curves."""
+    """Return the plot that shows most of the six channels, the first of equal ones; None if none has curves of the data."""
     drawn = (plot for plot in plots if plot.panels)
     return max(drawn, key=lambda plot: (len(plot.drawn), plot.figure.is_saved), default=None)
 

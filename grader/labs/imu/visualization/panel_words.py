@@ -15,7 +15,7 @@ Problem = tuple[str, str]
 
 
 def quoted(text: str) -> str:
-    """Quote what a student has written."""
+    """Quote a student's text for a message, shortened and printable."""
     return f"“{printable(text, 60)}”"
 
 
@@ -65,7 +65,7 @@ def missing_panel(plot: Plot) -> str:
 
 
 def is_named(plot: Plot, sensor: int) -> bool:
-    """Return whether a reader can tell which sensor it is; missing labels and titles are deducted by their own checks."""
+    """Return whether a panel shows by any text which sensor it is for; missing labels and titles are deducted by other checks."""
     panels = _panels_for(plot, sensor)
     if not panels or any(sensor in labels.claims(p.words) for p in panels):
         return True  # a sensor without a panel is `missing_panel`

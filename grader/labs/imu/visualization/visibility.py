@@ -37,7 +37,7 @@ _NO_STROKE = ("None", "none", "", " ")
 
 
 class Patience:
-    """Budget of pixels that are examined for one answer. The check fails for an answer that needs more.
+    """Budget of pixels that are examined for one answer, so that a hostile figure costs bounded time; beyond it the check fails.
 
     Most honest figures need half a million pixels, the largest of the corpus 2.3 million.
     """
@@ -246,7 +246,7 @@ def _strength(window: _Window, ink: Array | None, curve: Curve, others: Sequence
 
 
 def share_of_way(off: Pixels, way: Array) -> Pixels:
-    """Return how far pixels (3, k), as they are off the ground, are on the way to a colour; 0 where they are beside it."""
+    """Return how far pixels (3, k) have moved from the background to a curve's colour, 0 to 1; 0 if they have another colour."""
     share = (way / (way @ way)).astype(np.float32) @ off
     beside = np.abs(off - np.outer(way.astype(np.float32), share)).max(axis=0)
     share = np.clip(share, 0, 1)

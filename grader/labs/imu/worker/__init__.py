@@ -29,7 +29,7 @@ def sheet_names(lab_configuration: dict[str, Any], standins: Mapping[str, Any]) 
 
     Parameters
     ----------
-    standins : the stand-ins for the definitions of that file; what the sheet makes of them there is made of them here, too
+    standins : the stand-ins for the definitions of that file; objects that the sheet makes of them at its top level are made, too
     """
     import matplotlib.pyplot as plt
 

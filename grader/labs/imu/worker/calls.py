@@ -100,7 +100,7 @@ class Reader:
 
     Attributes
     ----------
-    departs : slots in which it departs from the sheet, known after the first reading
+    departs : parameters in which its signature differs from the sheet's, known after the first reading
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:

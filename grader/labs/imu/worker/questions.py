@@ -25,7 +25,7 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 
 @contextmanager
 def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
-    """Catch whatever student code raises and note it in the answer."""
+    """Catch any exception of student code, and report it in the answer as its `error`."""
     try:
         with environment.in_scratch_folder(submission.STATE.folder):
             yield
