@@ -70,6 +70,34 @@ def test_names_of_tests_and_files_exist() -> None:
     assert [path for path in paths if not (ROOT / path).exists()] == []
 
 
+SYMPTOMS = """
+imugrade: command not found | error: externally-managed-environment | No module named venv, or ensurepip is not available
+Requires-Python >=3.10 | Could not find a version that satisfies the requirement mujoco | No module named mujoco
+Invalid wheel filename, or the file does not exist | SyntaxError, IndentationError, TabError | No module named 'pandas'
+The truth value of an array with more than one element is ambiguous | No points for a picture that looks right
+94 at home and 80 from the instructor | 100 at home, and the platform says something else | I think that the grader is wrong
+I found the starter files of last year | doctor says landlock | The address of the desk opens nothing
+A student says: 94 at home and 80 here | A student says: the grader is wrong | It takes very long | No space left on device
+A package that submissions import is missing | Which version graded this? | doctor says landlock, bubblewrap or none
+The platform gives everybody the same | Killed, without a message
+"""
+"""Headings of the pages on messages that are no text of imugrade: what other programs say, and what people see."""
+EXAMPLE_VALUES = r"NotImplementedError: |^breakpoint|^points must be |^--format canvas |filters\.py|LowPassFilter|get_imu_readings|alice|starlette|Lab 04-01|tcp://…|mujoco [\d.]+|\d+(?:\.\d+)+|\d+"
+
+
+def test_a_heading_of_the_pages_on_messages_is_a_text_of_the_product() -> None:
+    files = [path for path in (ROOT / "grader").rglob("*") if path.suffix in (".py", ".j2", ".yaml", ".txt")]
+    source = "\n".join(path.read_text(encoding="utf-8") for path in files)
+    source = " ".join(re.sub(r'"\s*\n\s*f?"', "", source).split())
+    known = {each.strip() for each in re.split(r"[|\n]", SYMPTOMS)}
+    headings = [
+        title for page in PAGES if page.endswith("/trouble.md") for title in re.findall(r"^## (.*)$", PAGES[page], re.M)
+    ]
+    pieces = {title: re.split(EXAMPLE_VALUES, title) for title in headings if title not in known}
+    assert [title for title, parts in pieces.items() if not all(part.strip() in source for part in parts)] == []
+    assert known - {""} - {*headings} == set()
+
+
 REPOSITORY_PAGES = sorted(path for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 

@@ -27,7 +27,7 @@ class Prints:
         self._lines.setdefault(part, Counter()).update(lines)
 
     def clear(self) -> None:
-        """Remove all lines."""
+        """Remove all recorded lines, before the next check of `--watch`."""
         self._lines.clear()
 
     def lines(self, lab: Lab) -> list[Text]:

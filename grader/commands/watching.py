@@ -29,7 +29,7 @@ class View:
         self._status, self._size = "", console.size
 
     def tell(self, status: str) -> None:
-        """Show a new status line above the last result."""
+        """Show a new status line, such as "checking", above the last result."""
         self._status = status
         if self._console.is_terminal:
             self._paint()

@@ -107,7 +107,7 @@ class Decisions(Database):
                 )
 
     def history(self) -> list[tuple[str, Adjustment]]:
-        """Return every adjustment on record with the id of its submission, oldest first, including withdrawals."""
+        """Return every override, bonus and comment ever recorded, with the id of its submission, oldest first."""
         with self._errors_in_one_line():
             rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
             return [

@@ -18,7 +18,7 @@ class Drafts(Database):
     """The drafts of each author by form. A record of an earlier version has no table for them until the first one is kept."""
 
     def keep_draft(self, author: str, form: str, fields: str) -> None:
-        """Keep what a person has typed into a form, in place of the draft before."""
+        """Record what a person has typed into a form and not sent, in place of the earlier draft."""
         self._write(_TABLE)
         self._write("INSERT OR REPLACE INTO drafts VALUES (?, ?, ?)", author, form, fields)
 

@@ -27,7 +27,7 @@ def diff_of(path: str, before: bytes, after: bytes) -> str:
 
 
 def applied(before: bytes, diff: str, place: str = "patch") -> bytes:
-    """Return the content that a unified diff makes of `before`.
+    """Apply a unified diff to a file's content and return the result.
 
     Raises
     ------

@@ -52,7 +52,7 @@ class RepairLog(Database):
         return [each for each in self.repairs() if not each.undone_at and id_ in ("", each.id)]
 
     def keep_repair(self, made: LoggedRepair) -> None:
-        """Record a repair; its number is given here."""
+        """Record a repair and give it its number."""
         diff = made.diff.encode("utf-8", "surrogateescape")
         self._write(
             "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
@@ -86,7 +86,7 @@ def sha256_of(content: bytes) -> str:
 
 
 def patched(files: Mapping[str, bytes], repairs: Iterable[LoggedRepair | Repair]) -> dict[str, bytes]:
-    """Return submitted files with these repairs, in their order."""
+    """Return submitted files with these repairs applied in order."""
     now = dict(files)
     for each in repairs:
         now[each.file] = applied(now[each.file], each.diff, f"repair of {printable(each.file, 80)}")

@@ -35,7 +35,7 @@ NOTHING_KEPT = Kept({}, {})
 
 
 def pack(files: Mapping[str, bytes]) -> bytes:
-    """Pack files within the limits: code first, then the rest, small files before large ones."""
+    """Pack the files of a submission for the record, within limits: code first, then small files before large ones."""
     chosen: dict[str, bytes] = {}
     left = TOGETHER
     for path, content in sorted(files.items(), key=lambda item: (not is_code(item[0]), len(item[1]), item[0])):
@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack an archive that `pack` made."""
+    """Unpack the files of a submission from the bytes that `pack` made."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()
@@ -77,7 +77,7 @@ def source(path: str, content: bytes) -> str:
 
 
 def unshowable(content: bytes) -> str:
-    """Return why a picture is not served; "" if it is."""
+    """Return why the desk does not show a picture; "" if it does."""
     if not content.startswith(PNG) or content[12:16] != b"IHDR":
         return "it is not a PNG"
     width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))

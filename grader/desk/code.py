@@ -24,7 +24,7 @@ _TEXTS = (".py", ".ipynb", ".txt", ".md", ".csv", ".json", ".yaml", ".yml", ".to
 
 @dataclass(frozen=True)
 class Line:
-    """One line of code; `named` if a check names it."""
+    """One line of submitted code; `named` if the feedback of a check names it."""
 
     number: int
     text: Markup
@@ -33,7 +33,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Listing:
-    """One file; `more` is the number of lines that are not shown."""
+    """One submitted file as lines; `more` is the number of lines that are not shown."""
 
     path: str
     anchor: str
@@ -44,7 +44,7 @@ class Listing:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture, by its index among the files; `why` is the reason if it is not shown."""
+    """A submitted picture, by its index among the files; `why` is the reason if it is not shown."""
 
     path: str
     place: int
@@ -65,7 +65,7 @@ class SubmittedFiles:
 
 
 def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles:
-    """Prepare the recorded files for the page.
+    """Prepare the recorded files of a submission for its page.
 
     Parameters
     ----------

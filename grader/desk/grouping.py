@@ -80,7 +80,7 @@ def decide(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def take_back(book: Classbook, web_request: WebRequest) -> Response:
-    """Undo the parts of a decision that no later override has replaced."""
+    """Undo a decision on several submissions, where no later override has replaced it."""
     requests = adjusting.undone_decision(book.store, web_request.number("number") or 0)
     book.decide(requests, web_request.author, web_request.number("seen"))
     return RedirectResponse("/groups#decisions", 303)

@@ -230,7 +230,7 @@ def _wrong(book: Classbook, form: RepairForm, seen: Job | None) -> dict[str, str
 
 @dataclass(kw_only=True)
 class PreviewJob(Job):
-    """Grade the edited copy. Nothing is recorded."""
+    """Job that grades the edited copy for a preview. Nothing is recorded."""
 
     out: Path
     request: RepairRequest
@@ -241,7 +241,7 @@ class PreviewJob(Job):
 
 @dataclass(kw_only=True)
 class SuggestJob(Job):
-    """Search for a repair, and put its text and its grade into the form. Nothing is recorded."""
+    """Job that searches for a repair and puts its text and grade into the form. Nothing is recorded."""
 
     out: Path
     tried: int = 0
@@ -263,7 +263,7 @@ class SuggestJob(Job):
 
 @dataclass(kw_only=True)
 class SaveJob(Job):
-    """Record the repair for each submission. A failure for the first one raises; later failures are reported and skipped."""
+    """Job that records the repair for each submission. A failure for the first raises; later ones are reported and skipped."""
 
     records = True
     book: Classbook
@@ -286,7 +286,7 @@ class SaveJob(Job):
 
 @dataclass(kw_only=True)
 class UndoJob(Job):
-    """Take back the last repair of a submission or file."""
+    """Job that takes back the last repair of a submission or file."""
 
     records = True
     book: Classbook

@@ -98,12 +98,12 @@ class Item:
 
     @property
     def together(self) -> str:
-        """Return the address of the page that decides for all of them; "" if there is only one."""
+        """Return the address of the page that decides for all submissions of the item; "" if there is only one."""
         return address(similar_group(self.ids)) if self.others else ""
 
     @property
     def key(self) -> str:
-        """Return the value of the form field. Kinds, digests and ids contain no slash."""
+        """Return the value by which a form names this item to mark it as reviewed. Kinds, digests and ids contain no slash."""
         return f"{self.reason.kind}/{self.reason.about}/{self.id}"
 
 

@@ -53,7 +53,7 @@ def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
 
 
 def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
-    """Serve until interrupted. `announce` is called with the first address.
+    """Run the desk until interrupted. `announce` is called with the address that has the token.
 
     Raises
     ------

@@ -18,7 +18,7 @@ class SimilarityGroup:
 
 
 def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
-    """Yield groups that contain every pair at least once, largest first. The order of the pairs breaks ties."""
+    """Yield groups of submissions that contain every similar pair at least once, largest first."""
     by_ids = {frozenset((pair.first, pair.second)): pair for pair in pairs}
     near: dict[str, set[str]] = {}
     for pair in pairs:

@@ -49,19 +49,19 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str], otherwise: str) -> str:
-    """Return "did you mean …?" with the nearest known word, or `otherwise`."""
+    """Return the hint of an error message, "did you mean …?" with the nearest known word, or `otherwise`."""
     guess = nearest(word, known)
     return f"did you mean {guess}?" if guess else otherwise
 
 
 def guess_at(word: str, known: Iterable[str]) -> str:
-    """Return " (did you mean …?)" with the nearest known word, or ""."""
+    """Return the hint of an error message, " (did you mean …?)" with the nearest known word, or ""."""
     guess = nearest(word, known)
     return f" (did you mean {guess}?)" if guess else ""
 
 
 def quote(node: yaml.Node) -> str:
-    """Return a node's value in quotation marks, for a message."""
+    """Return the text of a node in quotation marks, for a message."""
     return f"'{printable(node.value, 60)}'" if isinstance(node, yaml.ScalarNode) else "a list or a mapping"
 
 
@@ -127,7 +127,7 @@ class Reader:
     def fields(
         self, node: yaml.Node | None, what: str, required: Sequence[str], optional: Sequence[str] = ()
     ) -> dict[str, yaml.Node]:
-        """Return the values of a mapping with these keys; a `node` of None was reported as missing already."""
+        """Return the value nodes of a mapping by key, and report missing and unknown keys. A `node` of None is reported already."""
         if node is None:
             return {}
         if not isinstance(node, yaml.MappingNode):

@@ -311,7 +311,7 @@ class SandboxSession:
         return answer  # type: ignore[no-any-return]
 
     def once_named(self, called: str, key: Any, ask: Callable[[], T]) -> T:
-        """Do the same as `once`, and make the answer available to `answered` under a name."""
+        """Do the same as `once`, and store the answer under a name, by which charts find it."""
         if called:
             self._called[called] = key
         return self.once(key, ask)

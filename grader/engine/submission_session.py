@@ -42,7 +42,7 @@ class SubmissionSession(SandboxSession):
     withheld_note = False
 
     def answer(self, question: Question[T], called: str = "") -> T:
-        """Return the converted answer to a question; equal questions are asked once. `answered` finds it by `called`."""
+        """Return the converted answer to a question; equal questions are asked once. Charts find it by the name `called`."""
         return self.once_named(called, question.key, lambda: question.becomes(self._put(question)))
 
     def _put(self, question: Question[Any]) -> Frame:
@@ -50,7 +50,7 @@ class SubmissionSession(SandboxSession):
         return self.ask(question.op, {**place, **question.fields}, question.arrays)
 
     def load(self, path: str) -> Loaded:
-        """Load a file in the current worker once, and return the report.
+        """Load a file in the current worker once, and return the report on it.
 
         It is loaded again in a new process if another file, or data of a question, may have affected the report.
         """

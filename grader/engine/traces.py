@@ -73,7 +73,7 @@ class Traces:
 
     @property
     def versions(self) -> Mapping[str, str]:
-        """Versions of the packages that recorded it."""
+        """Versions of the packages with which the bundle was recorded."""
         versions: Mapping[str, str] = self.manifest["versions"]
         return versions
 

@@ -204,7 +204,7 @@ def _take_member(
 
 
 def zip_name(entry: zipfile.ZipInfo) -> str:
-    """Return the path of an entry. `orig_filename` still has the NUL at which `filename` ends."""
+    """Return the path of a zip's entry. `orig_filename` still has the NUL at which `filename` ends."""
     name = entry.orig_filename
     if not entry.flag_bits & _UTF8:  # zipfile takes these names for code page 437
         name = _decoded(name.encode("cp437"), name)

@@ -41,7 +41,7 @@ class Download:
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:
-        """Return the bytes of a file at the top; None if it cannot be read or is larger than `most`."""
+        """Return the bytes of a file at the download's top level; None if it cannot be read or is larger than `most`."""
         try:
             if os.path.isdir(self.path):
                 with open(self.path / self.place(name), "rb") as stream:
@@ -56,13 +56,13 @@ class Download:
         return data if len(data) <= most else None
 
     def holds(self, *parts: str) -> bool:
-        """Return whether there is such a file or folder."""
+        """Return whether the download's top level has a file or folder of this name."""
         inner = self.place("/".join(parts))
         return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
 
 
 def open_download(path: Path) -> list[Download]:
-    """The top of a folder or a zip, and where that is a single folder the top of it, too; nothing if it is neither."""
+    """Yield the top level of a download (folder or zip); if that is a single folder, its top level, too; else nothing."""
     if not os.path.isdir(path) and not zipfile.is_zipfile(path):
         return []
     look = _folder if os.path.isdir(path) else _zip

@@ -35,12 +35,12 @@ METHOD = "the file is packed with a method that is not read"
 
 
 class Unreadable(Exception):  # noqa: N818 - a verdict on a submission, not an error of ours
-    """The archive cannot be read; the message is a sentence for the report."""
+    """Exception: the archive cannot be read; the message is a sentence for the report."""
 
 
 @dataclass
 class Room:
-    """Number and size that files of one kind, code or not, may still take."""
+    """Number and total size that further files of one kind (code, or not) may still have."""
 
     files: int = MAX_FILES
     bytes: int = MAX_BYTES
@@ -66,7 +66,7 @@ class FileBudget:
         self.broken |= why in (DAMAGED, LOCKED, METHOD)
 
     def take(self, parts: tuple[str, ...], size: int, read: Callable[[], bytes]) -> None:
-        """Read one file, if it is wanted and there is room.
+        """Read one file of a submission, if the lab may need it and the limits leave room.
 
         Parameters
         ----------
@@ -122,7 +122,7 @@ class FileBudget:
         return sorted(name for name in self.files if has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)))
 
     def notes(self) -> Iterator[str]:
-        """Sentences for the report: the remarks in order, then one for each reason to leave something out."""
+        """Yield sentences for the report: remarks on the files in order, then one for each reason why files were left out."""
         yield from self.remarks
         for why, names in self.left.items():
             yield f"Not read, because {why}: {listing(names)}."

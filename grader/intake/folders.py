@@ -41,7 +41,7 @@ def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Colle
 
 
 def gather_file(path: Path) -> FileBudget:
-    """Take a single program or notebook, as if it were in a folder of its own."""
+    """Read a single program or notebook as a submission, as if it were in a folder of its own."""
     budget = FileBudget()
     _take(budget, (path.name,), os.path.realpath(path), 0)  # the caller's own path may be a link
     return budget

@@ -87,7 +87,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """`autograder.py` and the wheel, for ``CLASSROOM/autograders/ASSIGNMENT``."""
+    """Write `autograder.py` and the wheel, for ``CLASSROOM/autograders/ASSIGNMENT``."""
     _refuse_full(out)
     files = {"autograder.py": _text("platforms/autograder.py.txt").encode(), wheel.name(): _wheel(lab, rubric)}
     _write(out, files)
@@ -110,7 +110,7 @@ def gitlab(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
-    """`autograder.zip`: `setup.sh` and `run_autograder` at its root, the wheel, and hidden traces if they are given."""
+    """Write `autograder.zip`: `setup.sh` and `run_autograder` at its root, the wheel, and hidden traces if they are given."""
     traces = {} if hidden is None else _bundle(hidden)
     options = ' --traces "$ROOT/source/hidden.npz"' if traces else ""
     files = {

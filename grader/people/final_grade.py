@@ -314,7 +314,7 @@ def automatic_points(result: Result, target: str) -> dict[str, float | None] | N
 
 
 def maximum_by_check(result: Result, ids: Collection[str]) -> dict[str, float]:
-    """Return the maximum points of these checks."""
+    """Return the maximum points of these checks, by check id."""
     rows = (check for criterion in result.criteria for check in criterion.checks)
     return {check.id: check.max_points for check in rows if check.id in ids}
 

@@ -24,7 +24,7 @@ _NO_WORD = re.compile(r"[\W_]+")
 
 @dataclass(frozen=True)
 class Row:
-    """One person's row of a table.
+    """One person's row of a roster or gradebook, to be matched with a submission.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Match:
 
 
 class Directory:
-    """Index of the people of a class by every number, address and name."""
+    """Index of the people of a class by every number, address and name, with which rows of tables are matched."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
         """Index the people of each submission, given by its id. The id identifies them, too."""

@@ -71,7 +71,7 @@ class Listed:
 
     @property
     def person(self) -> Person:
-        """Return the person with the roster's names and numbers."""
+        """Return this row of the roster as a person, with all its names and numbers."""
         who = self.who
         number, *others = who.numbers or ("",)
         name = who.name or who.email or number

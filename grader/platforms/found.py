@@ -14,7 +14,7 @@ AMBIGUOUS = "its name can mean several people; give --roster with the platform's
 
 @dataclass(frozen=True)
 class Found:
-    """One submission in a download.
+    """One submission that a platform's download contains, before it is read.
 
     Attributes
     ----------

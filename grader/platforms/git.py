@@ -19,7 +19,7 @@ _NOT_OURS = "not a folder, so whose it is cannot be told"
 
 
 def read(download: Download) -> Shape | None:
-    """Read folders as clones if at least half of them are; None otherwise."""
+    """Read a download as git clones, one for each student, if at least half of its folders are clones; None otherwise."""
     folders = [name for name, is_folder in download.top.items() if is_folder]
     programs = any(is_code(name) for name, is_folder in download.top.items() if not is_folder)
     if programs or not at_least_half(

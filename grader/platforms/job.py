@@ -44,7 +44,7 @@ class Job:
 
     @property
     def hidden(self) -> bool:
-        """Return whether the traces are an instructor's secret."""
+        """Return whether the job grades on hidden scenarios."""
         return self.traces.name != "public"
 
 

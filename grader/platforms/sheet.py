@@ -14,7 +14,7 @@ _QUOTED = r'"(?:[^"]|"")*"'
 
 @dataclass
 class Row:
-    """Raw cells of a row, and its line ending."""
+    """One row of a CSV file as raw cells with its line ending, so that unchanged cells are written back byte by byte."""
 
     cells: list[str]
     end: str

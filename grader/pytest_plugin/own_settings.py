@@ -14,7 +14,7 @@ from pathlib import Path
 
 
 def options() -> str:
-    """Return the options for pytest that name our settings, and the present folder as the one that tests are shown in."""
+    """Return pytest options that name the grader's settings in place of the submission's, and the folder shown with tests."""
     empty = Path(__file__).with_name("empty.ini")
     return shlex.join(("-c", empty.as_posix(), "--rootdir", Path.cwd().as_posix()))
 

@@ -21,7 +21,7 @@ _SPOKEN = {"bars": "bars", "model": "dashed line", "not-seen": "not visible in t
 
 @dataclass(frozen=True)
 class Tick:
-    """Position and text of a grid line."""
+    """Position and text of a grid line of a chart."""
 
     at: float
     text: str
@@ -29,7 +29,7 @@ class Tick:
 
 @dataclass(frozen=True)
 class Stroke:
-    """A curve: the points of a polyline, or the outline path of bars."""
+    """A curve of a chart as SVG: the points of a polyline, or the outline path of bars."""
 
     role: str
     name: str
@@ -57,7 +57,7 @@ class View:
 
 
 def views(chart: Chart) -> tuple[View, ...]:
-    """Return every panel that has a curve with two points or more."""
+    """Lay out the panels of a chart; panels without a curve of two points or more are left out."""
     return tuple(_view(panel) for panel in chart.panels if any(len(curve.x) > 1 for curve in panel.curves))
 
 

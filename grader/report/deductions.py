@@ -98,5 +98,5 @@ def _count(checks: Sequence[CheckResult]) -> str:
 
 
 def anchor(check: CheckResult) -> str:
-    """Return the id of a check's row on the page."""
+    """Return the HTML id of a check's row, to which other places of the page link."""
     return check.id.replace(".", "-")

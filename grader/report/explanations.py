@@ -37,7 +37,7 @@ def explain(lab: Lab, id_: str) -> str:
 
 
 def listing(lab: Lab) -> str:
-    """Return one line per id: the faults by criterion, then the checks by criterion."""
+    """Return the ids that `imugrade explain` knows, a line each: faults, then checks, by criterion."""
     lines = []
     for group, title in groups(lab).items():
         lines += ["", f"Faults: {title}", ""]

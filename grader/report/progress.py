@@ -41,7 +41,7 @@ class Lines:
 
 
 class Bar:
-    """Progress bar with count, rate and time left."""
+    """Progress of a run on a terminal: a bar with count, rate and time left."""
 
     def __init__(self, console: Console) -> None:
         self._progress = Progress(

@@ -76,7 +76,7 @@ def mount(source: str, target: str, kind: str = "", flags: int = 0, options: str
 
 
 def umount(target: str) -> None:
-    """Detach a mount at once, whoever still uses it."""
+    """Detach a mount at once, even if a process still uses it."""
     _checked(_umount2(os.fsencode(target), MNT_DETACH), f"umount {target}")
 
 
@@ -101,7 +101,7 @@ def close_from(first: int) -> None:
 
 
 def drop_capabilities() -> None:
-    """Give up every capability, and what could bring one back."""
+    """Give up every capability of this process, and the settings by which it could regain one."""
     for capability in range(64):
         if _prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) < 0:
             break  # EINVAL behind the last one; EPERM where there is none to drop

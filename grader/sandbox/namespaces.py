@@ -19,7 +19,7 @@ _WORKER = linux.CLONE_NEWUSER | linux.CLONE_NEWNS | linux.CLONE_NEWIPC | linux.C
 
 
 def may_drop_root() -> bool:
-    """Return whether this is root and may become `DROPPED_ID`: not where a container maps root alone or lacks CAP_SETUID.
+    """Return whether this process is root and may become another user; some containers map root alone or lack CAP_SETUID.
 
     Such a root must build the sandbox before it gives up its rights, for a Python below /root (mode 700) is its alone.
     """

@@ -28,7 +28,7 @@ class Search:
 
 
 def search(isolation_level: IsolationLevel) -> Search:
-    """Open whatever a submission could open on this isolation level, and look for our names and for lines of ours in it.
+    """Open every file that a submission could open on this isolation level, and search it for names and lines of the grader.
 
     Raises
     ------

@@ -50,7 +50,7 @@ class Installed:
 
 
 def folders() -> tuple[str, ...]:
-    """Folders of installed packages, also a user's own or one of PYTHONPATH, which `-s` and a bare environment hide."""
+    """Return the folders of installed packages, also a user's own or one of PYTHONPATH, which the worker's Python does not see."""
     found = [os.path.abspath(path) for path in sys.path if os.path.basename(path) in FOLDER_NAMES]
     spec = importlib.util.find_spec("numpy")
     if spec and spec.origin:

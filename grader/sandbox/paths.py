@@ -20,7 +20,7 @@ class Step(NamedTuple):
 
 
 def is_below(path: str, folders: Iterable[str]) -> bool:
-    """Return whether `path` is one of the folders or lies in one; all of them are free of links."""
+    """Return whether `path` is one of the folders or lies in one; none of the paths contains a link."""
     return any(path == folder or path.startswith(folder.rstrip("/") + "/") for folder in folders)
 
 

@@ -26,7 +26,7 @@ class Printed:
         self.fd: int = self._file.fileno()
 
     def read(self) -> str:
-        """Return the text written so far, at most 256 KB, undecodable bytes replaced."""
+        """Return what student code has printed so far, at most 256 KB, undecodable bytes replaced."""
         if self._file.closed:
             return ""
         # The offset is shared with the worker, which may have moved it: clamped, and never moved here.

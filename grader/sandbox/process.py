@@ -16,11 +16,11 @@ def is_main_thread() -> bool:
 
 
 class IsolationRefusedError(Exception):
-    """The kernel refuses an isolation step of this level; the message is the reason."""
+    """Exception: the kernel refuses an isolation step of this level; the message is the reason."""
 
 
 class ZygoteGoneError(Exception):
-    """The zygote (the warm parent) died, or was killed before it was isolated."""
+    """Exception: the zygote (the warm parent) died, or was killed before it was isolated."""
 
 
 class WallClock:

@@ -106,7 +106,7 @@ class Sandbox:
         return worker
 
     def warm(self, modules: Sequence[str]) -> None:
-        """Workers that are made from now on find these modules imported, too."""
+        """Import these modules in the zygote, so that later workers start with them."""
         new = [name for name in modules if name not in self._contents.warm]
         self._contents = replace(self._contents, warm=(*self._contents.warm, *new))
 
@@ -156,7 +156,7 @@ class Sandbox:
 
 
 class Worker:
-    """One process of untrusted code. It is asked until it fails once, or is closed."""
+    """A process of untrusted code that answers questions until it fails once or is closed."""
 
     def __init__(self, process: Process, printed: Printed) -> None:
         self._process = process

@@ -96,7 +96,7 @@ def link_packages(folder: str) -> None:
 
 
 def search_without_isolation() -> tuple[str, ...]:
-    """This interpreter's `sys.path` without the grader's source tree, on any system."""
+    """Return this interpreter's `sys.path` without the grader's source tree, for workers of the level `none`."""
     source = os.path.normcase(_HERE.parents[1])
     return tuple(
         path

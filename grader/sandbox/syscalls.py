@@ -207,7 +207,7 @@ def machine() -> Machine:
 
 
 def numbers(name: str) -> dict[str, int]:
-    """System call numbers by name for one machine; empty for one that is not known."""
+    """Return the system call numbers by name for a processor architecture; empty if it is unknown."""
     column = _COLUMNS.get(name)
     if column is None:
         return {}

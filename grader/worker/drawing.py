@@ -313,7 +313,7 @@ def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any,
 
 
 def blank(figure: Any, asked: Any) -> bytes:
-    """Return as many zero bytes as the figure's raw pixels take with this `dpi` of `savefig`."""
+    """Return zero bytes in place of the figure's raw pixels at this `dpi`, for animations, whose frames nobody looks at."""
     dots = _dpi(asked, figure.dpi)
     width, height = (int(size * dots) for size in figure.get_size_inches())
     return bytes(4 * width * height)

@@ -48,7 +48,7 @@ def joined(
 
 
 def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
-    """Concatenate pieces of shape (k, 2), without the points in which one piece ends and the next one begins."""
+    """Concatenate pieces (k, 2) of one curve; a point that ends one piece and begins the next is kept once."""
     points = np.concatenate([np.asarray(part, dtype=float) for part in parts])
     repeated = np.zeros(len(points), dtype=bool)
     repeated[1:] = (points[1:] == points[:-1]).all(axis=1)

@@ -68,7 +68,7 @@ class MissingImports:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Supply what is due after this statement."""
+        """Supply the names that become due after this statement, such as after the last star import."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:

@@ -37,7 +37,7 @@ class RecordedFigure:
 
 
 def written_pictures(folder: str) -> list[str]:
-    """Return the names of the picture files below the scratch folder, relative to it."""
+    """Return the picture files that a submission has written below the scratch folder, as relative paths."""
     found = []
     for above, _, names in os.walk(folder):
         for path in (Path(above, name) for name in names if os.path.splitext(name)[1].lower() in PICTURES):
@@ -47,7 +47,7 @@ def written_pictures(folder: str) -> list[str]:
 
 
 def content_of(target: Any) -> tuple[bytes | None, str | None]:
-    """Return what was just written to a target of `savefig`, and its path."""
+    """Return the bytes that `savefig` just wrote to its target (a path or a buffer), and the path."""
     if isinstance(target, str | os.PathLike):
         place = os.path.abspath(os.fspath(target))
         return _read(place if os.path.exists(place) else f"{place}.png"), place

@@ -194,7 +194,7 @@ def _nothing(*args: Any, **kwargs: Any) -> None:
 
 
 def open_figures() -> list[Any]:
-    """Return all open pyplot figures without making one of them the current figure, as `plt.figure(number)` does."""
+    """Return all open pyplot figures; unlike `plt.figure(number)`, this leaves the current figure as it is."""
     from matplotlib import _pylab_helpers
 
     return [manager.canvas.figure for manager in _pylab_helpers.Gcf.get_all_fig_managers()]

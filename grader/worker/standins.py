@@ -32,7 +32,7 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return the stand-ins of the names that the lab expects in this module."""
+    """Return the stand-ins of the names that the lab expects in a module, for a submission that lacks its file."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 

@@ -41,5 +41,5 @@ STATE = _State()
 
 
 def find(name: str, path: str) -> Any:
-    """Return the object `name` of the loaded file `path`; raise KeyError if there is none."""
+    """Return the object that a loaded file of the submission defines under a name; raise KeyError if there is none."""
     return vars(STATE.modules[path])[name]

@@ -77,7 +77,7 @@ class Packer:
         return key
 
     def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
-        """Describe one value. Student code may run here (``__len__``, ``__array__``): the caller catches what it raises."""
+        """Describe a value as plain data. Student code may run here (``__len__``, ``__array__``): callers catch what it raises."""
         if value is None:
             return {"kind": "none"}
         if isinstance(value, str):

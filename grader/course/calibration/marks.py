@@ -37,7 +37,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Marks:
-    """The marks of one person.
+    """The marks that one person gave by hand to a sample of the class.
 
     `ids` are all submissions of the table, marked or not. `rubrics` holds the short digests of the rubrics that the marking page
     showed; empty for a table without them.

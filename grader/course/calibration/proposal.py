@@ -45,7 +45,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Unknown:
-    """A deduction (`kind` is "fault") or a weight ("check") of a criterion, its present value, and how far it may go."""
+    """Unknown of the fit: a deduction (`kind` "fault") or weight ("check"), with its present, least and largest value."""
 
     kind: str
     id: str

@@ -121,7 +121,7 @@ class Explained:
 
     @property
     def stamps(self) -> Array:
-        """Time stamps (n,) in seconds of the filled rows."""
+        """Time stamps (n,), in seconds, of the rows that the code filled."""
         assert self.series.time is not None
         return self.series.time[: (self.series.filled_rows if complete(self.series) else 0) or None]
 
@@ -248,7 +248,7 @@ class Explained:
 
     @property
     def steps_beyond_rows(self) -> int:
-        """Number of simulation steps minus number of rows."""
+        """Number of simulation steps minus number of rows, which tells rows that were left out."""
         return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
 
     @property

@@ -179,7 +179,7 @@ def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Return the recording of a scenario: "push", or "push_dirty" with another time step and data of an earlier run."""
+    """Ask for the recording of a scenario: "push", or "push_dirty" with another time step and data of an earlier run."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":

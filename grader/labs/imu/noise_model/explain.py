@@ -34,7 +34,7 @@ Holds = Callable[[Facts], bool]
 
 
 def which(facts: Facts, holds: Callable[[Sensor], bool]) -> list[int]:
-    """Return the indices of the sensors (0 accelerometer, 1 gyroscope) for which `holds` is true."""
+    """Return the sensors (0 accelerometer, 1 gyroscope) for which a test is true."""
     return [i for i in BOTH if holds(facts.sensors[i])]
 
 

@@ -56,7 +56,7 @@ class Reads:
 
     @cached_property
     def offset(self) -> Array:
-        """Mean (states, 3) of reading minus truth."""
+        """Mean error (states, 3) of the readings: the bias that they show."""
         return np.asarray(self.residual.mean(axis=1))
 
     @cached_property
@@ -81,7 +81,7 @@ class Reads:
 
     @cached_property
     def increments(self) -> Array:
-        """Differences (states, reads - 1, 3) of successive reads."""
+        """Differences (states, reads - 1, 3) of successive reads, which show drift and accumulated noise."""
         return np.diff(self.residual, axis=1)
 
     @cached_property

@@ -115,11 +115,11 @@ class Plot:
 
     @property
     def titled_panels(self) -> list[Panel]:
-        """The main panels that show the data; others may stand without a title."""
+        """The main panels that show data and so need a title; other panels may stand without one."""
         return [panel for panel in self.main_panels if panel.shown] or self.main_panels
 
     def of_sensor(self, sensor: int) -> list[Panel]:
-        """The sensor's own panels; where it has none, those that it shares."""
+        """The panels that show this sensor alone; if there are none, those that it shares with the other sensor."""
         own = [panel for panel in self.panels if panel.mainly == {sensor}]
         return own or [panel for panel in self.panels if sensor in panel.sensors]
 
@@ -133,7 +133,7 @@ class Plot:
 
     @property
     def hidden(self) -> set[Channel]:
-        """The channels that are drawn but can be seen in no panel."""
+        """The channels that are drawn and that a reader sees in no panel."""
         return {shown.channel for panel in self.panels for shown in panel.hidden} - self.drawn
 
     @property
