@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import pytest
 
@@ -44,12 +45,12 @@ PART: Part[Facts] = Part(
         reason("b", 1, "cheap"),
         reason("form", 1, "odd"),
     ),
-    {"form": lambda facts: Deviation() if "form" in facts.off.split() else None},
+    {"form": lambda facts: Deviation({}) if "form" in facts.off.split() else None},
 )
 
 
-def check_of(name: str, deviation: Deviation) -> Callable[[Facts], Deviation | None]:
-    def check(facts: Facts) -> Deviation | None:
+def check_of(name: str, deviation: Deviation[Any]) -> Callable[[Facts], Deviation[Any] | None]:
+    def check(facts: Facts) -> Deviation[Any] | None:
         return deviation if name in facts.off.split() else None
 
     check.__doc__ = f"{name.upper()} holds"
@@ -171,8 +172,8 @@ def test_a_check_that_lost_nothing_or_does_not_show_the_fault_says_where_it_is_t
 
 
 def test_words_that_cannot_be_formatted_decide_nothing() -> None:
-    lost = Charged(Charge("part.a", (Cost("odd", 0.25, Deviation(), Deviation({"came": 2})),)))
+    lost = Charged(Charge("part.a", (Cost("odd", 0.25, Deviation({}), Deviation({"came": 2})),)))
     told = feedback.feedback_on(lost, None, ROWS)
     assert (told.keeps, told.expected, told.got) == (0.75, "a that holds", "2")
-    plain = feedback.feedback_on(Charged(Charge("part.a", (Cost("odd", 0.25, Deviation()),))), None, ROWS)
+    plain = feedback.feedback_on(Charged(Charge("part.a", (Cost("odd", 0.25, Deviation({})),))), None, ROWS)
     assert (plain.keeps, plain.said, plain.faults) == (0.75, "It is odd.", ("odd",))

@@ -6,10 +6,10 @@ import ast
 import math
 import re
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import matplotlib.pyplot as plt
 import mujoco
@@ -20,9 +20,17 @@ from grader.engine import rubric
 from grader.engine.faults import catalogue, rows
 from grader.engine.feedback import fault_of
 from grader.engine.findings import StudentError
+from grader.labs.imu.bonuses import checks as bonuses
+from grader.labs.imu.data_collection import checks as data_collection
+from grader.labs.imu.filtering import checks as filtering
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.noise_model import checks as noise_model
+from grader.labs.imu.sensor_access import checks as sensor_access
+from grader.labs.imu.visualization import checks as visualization
 
 ENTRIES = catalogue(LAB)
+PARTS = [each.PART for each in (sensor_access, data_collection, visualization, noise_model, filtering)]
+PARTS += [bonuses.TILT, bonuses.ALLAN, bonuses.IMUS, bonuses.LIVE]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
 
@@ -96,6 +104,36 @@ def test_what_a_fault_deducts_are_shares_of_checks_that_there_are() -> None:
         assert {name if "." in name else f"{group}.{name}" for name in row.deducts} <= known, key
         assert all(0 <= share <= 1 for share in row.deducts.values()), key
         assert row.group != "checks" or key in known, key
+
+
+SAMPLES: dict[Any, object] = {str: "text", int: 2, float: 1.5}
+"""A value of each type that a number of a deviation may have."""
+
+
+def numbers_of(measure: Callable[..., Any]) -> dict[str, object]:
+    """Return a value for each number that a measure's deviations have, by the type that it returns."""
+    deviation = get_args(get_type_hints(measure)["return"])[0]
+    return {key: SAMPLES[kind] for key, kind in get_type_hints(get_args(deviation)[0]).items()}
+
+
+def shown() -> Iterator[tuple[str, str, dict[str, object]]]:
+    """Yield every row with each property in which it may show, and that property's numbers."""
+    for part in PARTS:
+        for name, (_, measure) in part.checks.items():
+            yield name, name, numbers_of(measure)
+        for reason in part.reasons:
+            _, measure = part.checks.get(f"{part.id}.{reason.of}", (None, part.others.get(reason.of)))
+            assert measure is not None, reason
+            yield reason.cause, reason.of, numbers_of(measure)
+
+
+@pytest.mark.quick
+def test_every_text_of_a_fault_finds_its_numbers_wherever_the_fault_shows() -> None:
+    known = {(row, place): numbers for row, place, numbers in shown()}
+    unnumbered = {(key, "no property"): {} for key in rows(LAB).keys() - {row for row, _ in known}}
+    for (key, place), numbers in (known | unnumbered).items():
+        for text in (rows(LAB)[key].expected, rows(LAB)[key].got):
+            assert "{" not in text.format_map(numbers), (key, place)
 
 
 def test_a_fault_that_costs_points_at_several_checks_has_a_public_name() -> None:

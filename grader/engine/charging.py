@@ -29,9 +29,9 @@ class Measurement(Protocol):
 
 
 Facts = TypeVar("Facts", bound=Measurement)
-Measure = Callable[[Facts], Deviation | None]
+Measure = Callable[[Facts], Deviation[Any] | None]
 """Returns how a property deviates from what its check asks, or None if it does not."""
-Seen = Mapping[str, Deviation]
+Seen = Mapping[str, Deviation[Any]]
 """Deviations by property."""
 
 
@@ -80,7 +80,7 @@ class Part(Generic[Facts]):
     def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
         """Return the charge of each check that is not passed, or the exception that kept it from being judged."""
         stopped = {self._full(name): finding for name, finding in facts.stopped.items()}
-        off: dict[str, Deviation] = {}
+        off: dict[str, Deviation[Any]] = {}
         for name, measure in {**{name: measure for name, (_, measure) in self.checks.items()}, **self.others}.items():
             try:
                 found = None if name in stopped else measure(facts)
@@ -95,7 +95,7 @@ class Part(Generic[Facts]):
 
         A property has the cheapest of its faults that exclude each other, and all of those that hold beside others.
         """
-        found: dict[str, dict[str, Deviation]] = {}
+        found: dict[str, dict[str, Deviation[Any]]] = {}
         for name in dict.fromkeys(self._full(reason.of) for reason in self.reasons):
             own = [reason for reason in self.reasons if name in off and self._full(reason.of) == name]
             cheapest = explain([reason for reason in own if not reason.beside], facts)

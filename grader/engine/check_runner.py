@@ -143,14 +143,20 @@ class CheckRun:
             return hidden_feedback.feedback_on(finding, self._faults)
         return feedback_on(finding, earlier, self._faults)
 
-    def lost_beside_standins(self, criterion: str) -> bool:
-        """Return whether a part lost points while stand-ins were in use.
+    def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
+        """Yield which names to replace by the sheet's own code in further runs of a part that lost points.
 
-        Stand-ins follow the sheet; the part may work with the student's own version of the replaced names.
+        None where stand-ins were in use: the part may work with the student's own version alone. Those of the first part, which
+        all others call, where the part raises: a function that passed its own checks may return what this part cannot use. Unlike
+        a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no wrong call.
         """
         part = self._lab.part(criterion)
-        needed = part is not None and part.needed and criterion in self._lab.examined
-        return bool(needed and self.student.broken) and criterion in self._lost
+        if part is None or not part.needed or criterion not in self._lab.examined:
+            return
+        if self.student.broken and criterion in self._lost:
+            yield frozenset()
+        raised = any(each.feedback and each.feedback.outcome == "error" for each in self._of(criterion).values())
+        yield from (frozenset(each.names) for each in self._parts_before(criterion)[:1] if raised)
 
     def _parts_before(self, criterion: str) -> list[Part]:
         """Return the parts with functions that others need and that are graded before a criterion."""
@@ -161,13 +167,16 @@ class CheckRun:
         return {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
 
     @contextmanager
-    def rerun_beside(self, standins: Collection[str], criterion: str) -> Iterator[None]:
-        """Examine a part again beside other stand-ins; the new outcomes count if at least one check ends better and none worse."""
+    def rerun_beside(self, sheets_own: Collection[str], criterion: str) -> Iterator[None]:
+        """Examine a part again beside the sheet's own code for these names.
+
+        The new outcomes count if at least one check ends better and none worse.
+        """
         beside = self._of(criterion)
         stories, titles = self._reported, {each.check.title for each in beside.values()}
         self._reported = {same: title for same, title in stories.items() if title not in titles}
         self._lost.discard(criterion)
-        with self.student.beside(standins) as answers:
+        with self.student.beside(sheets_own) as answers:
             self._alone = True
             try:
                 yield
@@ -176,6 +185,7 @@ class CheckRun:
         gains = [self.judgements[id_].keeps - each.keeps for id_, each in beside.items()]
         if min(gains) >= 0 < max(gains):
             self.student.remember(answers)
+            self.student.replace_broken(sorted(sheets_own))  # for the parts that follow
         else:
             self.judgements |= beside
             self._reported = stories
@@ -220,8 +230,8 @@ class Session:
         for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
             own = list(items)
             _run(own)
-            if check_run.lost_beside_standins(criterion):
-                with check_run.rerun_beside((), criterion):
+            for partners in check_run.other_partners(criterion):
+                with check_run.rerun_beside(partners, criterion):
                     _run(own)
 
     @property

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Generic, TypedDict, TypeVar
 
 from grader.base.text import printable
 
@@ -94,20 +94,41 @@ class GraderText(str):
     __slots__ = ()
 
 
+Numbers = TypeVar("Numbers", bound=Mapping[str, object])
+"""The type of a property's numbers, a `TypedDict`: a test holds the keys of the fault table's templates against it."""
+
+
+class NoNumbers(TypedDict):
+    """Numbers of a deviation about which nothing is to be said but that it is there."""
+
+
+class Came(TypedDict):
+    """Numbers of a deviation that one text describes: what came in place of what was asked for."""
+
+    came: str
+
+
+class Form(TypedDict):
+    """Numbers of an answer in another form: the form that was asked for, and what came."""
+
+    form: str
+    came: str
+
+
 @dataclass(frozen=True)
-class Deviation:
+class Deviation(Generic[Numbers]):
     """Deviation of a measured property from what its check asks.
 
     Attributes
     ----------
-    numbers : values for the templates of the fault table's rows
+    numbers : values for the templates of the fault table's rows, whichever of them tells about the deviation
     share : share of the check's points that is lost if no row lists another
     affected : affected fraction of the property, such as one of two sensors; each share is multiplied by it
     size : size of the error, shown in place of the numbers for a hidden scenario
     error : the exception that caused it
     """
 
-    numbers: Mapping[str, object] = field(default_factory=dict)
+    numbers: Numbers
     share: float = 1.0
     size: Size | None = None
     error: StudentError | None = None
@@ -129,8 +150,8 @@ class Cost:
 
     row: str
     share: float
-    shown: Deviation
-    own: Deviation | None = None
+    shown: Deviation[Any]
+    own: Deviation[Any] | None = None
     see: str = ""
 
 

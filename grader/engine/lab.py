@@ -5,6 +5,7 @@ Any code that lists parts, names, files or pictures derives the list from one `L
 
 from __future__ import annotations
 
+import ast
 import importlib
 import re
 from collections.abc import Callable, Mapping
@@ -220,6 +221,13 @@ class Lab:
         """Return the source of the sound stand-in for a name; ``CONFIGURATION_IMU`` in it becomes the configuration's ``imu``."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return _CONFIGURATION.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
+
+    def sheets_own(self, name: str) -> str:
+        """Return the sheet's definition of a name, after the sheet's imports. Unlike the stand-in, it takes no other arguments."""
+        tree = ast.parse((self.folder / "sheet.txt").read_text(encoding="utf-8"))
+        imports = [node for node in tree.body if isinstance(node, ast.Import)]
+        own = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name]
+        return "\n".join(map(ast.unparse, [*imports, *own]))
 
 
 def lab_of(module: str) -> Lab:

@@ -54,6 +54,7 @@ class Sheet(Protocol):
     def checked(self) -> Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]: ...
 
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str: ...
+    def sheets_own(self, name: str) -> str: ...
 
 
 class _Session:
@@ -114,6 +115,7 @@ class SandboxSession:
         self._noted: set[str] = set()
         self._strays: dict[str, dict[str, str]] = {}
         self.broken: set[str] = set()
+        self._sheets_own: Collection[str] = ()
         self._answers: dict[Any, Any] = {}
         self._called: dict[str, str] = {}
         self._outline: Mapping[str, Sequence[str]] | None = None
@@ -136,16 +138,17 @@ class SandboxSession:
         return self.beside(())
 
     @contextmanager
-    def beside(self, standins: Collection[str]) -> Iterator[dict[Any, Any]]:
-        """Use the submission with stand-ins for exactly these names in this context, in a new process.
+    def beside(self, sheets_own: Collection[str]) -> Iterator[dict[Any, Any]]:
+        """Use the submission with the sheet's own code for exactly these names in this context, in a new process.
 
         Yields its answers, which are discarded unless they are passed to `remember`."""
-        (broken, self.broken), (answers, self._answers) = (self.broken, set(standins)), (self._answers, {})
+        before = self.broken, self._sheets_own, self._answers
+        self.broken, self._sheets_own, self._answers = set(sheets_own), sheets_own, {}
         self.end_session()
         try:
             yield self._answers
         finally:
-            self.broken, self._answers = broken, answers
+            self.broken, self._sheets_own, self._answers = before
             self.end_session()
 
     def remember(self, answers: Mapping[Any, Any]) -> None:
@@ -186,10 +189,15 @@ class SandboxSession:
             "place": (PLACE_AT, PLACE_BYTES),
             "homes": dict(self._lab.homes),
             "required": list(self._lab.files),
-            "standins": {name: self._lab.standin(name, self._lab_configuration) for name in sorted(self.broken)},
+            "standins": {name: self._standin(name) for name in sorted(self.broken)},
         }
         written = worker.ask("submit", fields, arrays, cpu_s=self._call_cpu_s).fields["written"]
         self.paths = frozenset([path for path, _, _ in files] + written)
+
+    def _standin(self, name: str) -> str:
+        if name in self._sheets_own:
+            return self._lab.sheets_own(name)
+        return self._lab.standin(name, self._lab_configuration)
 
     def _files_to_send(self) -> tuple[list[tuple[str, str, int]], dict[str, np.ndarray]]:
         """Return the files for a worker, and their bytes: code and data up to a limit, without files that end their process."""

@@ -245,6 +245,7 @@ KINDS: list[tuple[str, Callable[[], Recorder], dict[Any, Marked]]] = [
     ("a rollout with half of it", both(Rollout, of(push=lambda _s, data: np.put(data.qvel, 0, 0.25))), {PUSH: (0.0, ["wrong-perturbation"])}),
     ("no push, of altered rows", both(telling(lambda t, a, g, _m: (t, a * 1.01, g)), push=lambda *_: None), {TRUTH: (0.0, []), PUSH: (0.0, ["no-perturbation"])}),
     ("in every step", ResetInTheLoop, {TRUTH: (0.0, ["starts-over"])}),
+    ("in every step, with digits cut off", both(telling(lambda t, a, g, _m: (t, a.round(2), g.round(2))), ResetInTheLoop), {TRUTH: (0.0, ["starts-over"])}),
     ("another push each time", Random, {PUSH: (0.0, ["random-push"])}),
 ]  # fmt: skip
 TREATMENTS: dict[str, tuple[Callable[[], Recorder], dict[Any, Marked]]] = {

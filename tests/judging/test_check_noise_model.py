@@ -112,6 +112,23 @@ class GyroWalking(Remembering):
         return super().noise(which) if which else self.drawn(which)
 
 
+class Frozen(Sound):
+    """The noise of the first read in all of them, beside a count of the reads."""
+
+    drift = 0.0
+
+    def begin(self) -> None:
+        self.kept = [Sound.noise(self, which) for which in (0, 1)]
+        self.count = 0
+
+    def one(self, which: int) -> Any:
+        self.count += 1
+        return super().one(which) + self.drift * self.count
+
+    def noise(self, which: int) -> Any:
+        return self.kept[which]
+
+
 class Stale(Sound):
     """The clean reading of the first read."""
 
@@ -140,12 +157,17 @@ def _one_for_all_axes(self: Any, which: int) -> Any:
     return np.full(3, self.rng.normal(0, self.stds[which]))
 
 
+def _of_one_seed(self: Any, which: int) -> Any:
+    return np.random.default_rng(which).normal(0, self.stds[which], 3)
+
+
 SILENT = of(noise=lambda _s, _i: np.zeros(3))
 
 _NO_NOISE: dict[Any, Marked] = dict.fromkeys((SIZE, WHITE, APART), (0.0, ["no-noise"]))
 """Where there is no noise, its law and its axes cannot be judged."""
 _NO_READING: dict[Any, Marked] = dict.fromkeys((SIZE, GIVEN, DEFAULT, WHITE, APART), (0.0, ["reads-no-sensor"]))
 _OFF_CENTRE: dict[Any, Marked] = {SIZE: (0.6667, ["noise-not-zero-mean"]), WHITE: (0.0, ["noise-not-zero-mean"])}
+_DRIFTS: dict[Any, Marked] = {GIVEN: (0.5, ["bias-drifts"]), DEFAULT: (0.0, ["bias-drifts"])}
 _SAME_AXES = {APART: (0.0, ["same-noise-on-axes"])}
 
 KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
@@ -180,6 +202,11 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("on readings of the gyroscope that are enlarged", of(clean=lambda s, i: Sound.clean(s, i) * (1 + 0.05 * i)), {WHITE: (0.0, [])}),
     ("one of the gyroscope that adds up", GyroWalking, {SIZE: (0.6667, ["noise-accumulates"]), **dict.fromkeys((GIVEN, DEFAULT, WHITE), (0.0, ["noise-accumulates"]))}),
     ("on a reading of long ago", Stale, {SIZE: (0.0, ["stale-clean-reading"])}),
+    ("drawn once for all reads", Frozen, dict.fromkeys((SIZE, WHITE), (0.0, ["frozen-noise"]))),
+    ("drawn from one seed in every read", of(noise=_of_one_seed), dict.fromkeys((SIZE, WHITE), (0.0, ["reseeded"]))),
+    ("drawn once for all reads, beside a counter", both(Frozen, drift=1e-6), _NO_NOISE | _DRIFTS),
+    ("drawn from one seed in every read, beside a counter", both(Frozen, drift=1e-6, noise=_of_one_seed), _NO_NOISE | _DRIFTS),
+    ("whole numbers about another bias", of(one=lambda s, i: np.trunc(Sound.one(s, i)) + 0.2), _NO_NOISE | {GIVEN: (0.0, []), DEFAULT: (0.5, ["bias-not-random"]), WHITE: (0.0, ["no-noise", "precision-lost"])}),
     # its axes and sensors
     ("one number for all axes of the gyroscope", of(noise=lambda s, i: (_one_for_all_axes if i else Sound.noise)(s, i)), _SAME_AXES),
     ("one number for two axes of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i)[[0, 1, 1 + (i == 0)]]), {APART: (0.0, [])}),

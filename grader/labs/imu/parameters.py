@@ -1,23 +1,50 @@
-"""Parameters by which a definition could not be called as the sheet calls it."""
+"""Faults of a definition that could not be called as the sheet calls it: its parameters, its method, or globals in their place."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypedDict, TypeVar
 
+from grader.base.text import enumerated
 from grader.engine.findings import Deviation, Size
+from grader.engine.hypothesis import Reason
 
-_GLOBAL, _NAME = "global ", "name for "
-
-
-def reads_global(departs: Sequence[str]) -> bool:
-    """Return whether a student's definition reads a global in place of a parameter of the sheet."""
-    return any(each.startswith(_GLOBAL) for each in departs)
+Facts = TypeVar("Facts")
 
 
-def departure(name: str, departs: Sequence[str]) -> Deviation | None:
-    """Describe how the definition of `name` differs from the sheet's; `departs` holds the sheet's names, none of the student's."""
-    if not departs:
+class Departure(TypedDict):
+    """The definition, and the sheet's names of what it takes or offers in another way; none of them is the student's."""
+
+    name: str
+    departs: str
+
+
+_GLOBALS, _METHOD, _PARAMETERS = FAULTS = ("global-for-parameter", "other-method-name", "other-parameters")
+CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: True) for fault in FAULTS)
+
+
+def departures(
+    name: str, departs_of: Callable[[Facts], Sequence[str]]
+) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
+    """Return, by fault, a measure of how the calls of `name` depart from the sheet's; `departs_of` says in what they do."""
+
+    def measure_of(fault: str) -> Callable[[Facts], Deviation[Departure] | None]:
+        def measured(facts: Facts) -> Deviation[Departure] | None:
+            return _departure(name, fault, departs_of(facts))
+
+        return measured
+
+    return {fault: measure_of(fault) for fault in FAULTS}
+
+
+def _departure(name: str, fault: str, departs: Sequence[str]) -> Deviation[Departure] | None:
+    by_fault = {
+        _GLOBALS: [each for each in departs if each.startswith("global ")],
+        _METHOD: [each for each in departs if each.startswith("method ")],
+    }
+    others = [each for each in departs if each not in by_fault[_METHOD]]
+    by_fault[_PARAMETERS] = [] if by_fault[_GLOBALS] else others  # what is read from a global is no parameter
+    if not by_fault[fault]:
         return None
-    read = [each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)]
-    shown = " and ".join(read) if read else ", ".join(each.removeprefix(_NAME) for each in departs)
-    return Deviation({"name": name, "departs": shown}, size=Size(f"other parameters for {shown}"))
+    shown = enumerated([each.rpartition(" ")[2] for each in by_fault[fault]])
+    return Deviation({"name": name, "departs": shown}, size=Size(f"another call for {shown}"))

@@ -32,7 +32,7 @@ from grader.labs.imu.data_collection.row_origins import (
     explain_altered,
 )
 from grader.labs.imu.lab import LAB
-from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.parameters import CALL_REASONS, departures
 from grader.labs.imu.student import Student
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = CHECKS = (
@@ -194,8 +194,7 @@ REASONS: tuple[Reason[Explained], ...] = (
     Reason(TIME, 1, "not-finite", lambda e: not e.stamps_follow and not np.isfinite(e.stamps).all()),
     Reason(TIME, 2, "hard-coded-timestep", lambda e: not e.stamps_follow and e.keeps_timestep is not None),
     Reason(TIME, 3, "time-axis-wrong", lambda e: not e.stamps_follow),
-    Reason("parameters", 1, "global-for-parameter", lambda e: reads_global(e.series.departs)),
-    Reason("parameters", 2, "other-parameters", lambda _: True),
+    *CALL_REASONS,
 )
 
 PART: Part[Explained] = Part(
@@ -203,5 +202,5 @@ PART: Part[Explained] = Part(
     "data_collection",
     measured,
     REASONS,
-    {"parameters": lambda found: departure("simulate_and_collect", found.series.departs)},
+    departures("simulate_and_collect", lambda found: found.series.departs),
 )

@@ -283,8 +283,21 @@ class Explained:
 
     @property
     def push_claim(self) -> Claim | None:
-        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if its rows are true."""
-        return _claim_of(self.push, self.facts.push)
+        """The start of the first run (state, gravity, time step, forces) as the worker reports it.
+
+        None if its rows are true. A robot that only stands, and is pushed later, gives true rows from another start.
+        """
+        return Claim.of(self.series.first_step) if self._settles_first else _claim_of(self.push, self.facts.push)
+
+    @property
+    def _settles_first(self) -> bool:
+        """Return whether many steps come before the push, and no reset between them and it."""
+        start = self.series.first_step
+        if not start or start["qvel"].any() or not len(start["set_at"]) or start["set_at"][0] < FEWEST_ROWS:
+            return False
+        return self.steps_beyond_rows >= FEWEST_ROWS and all(
+            differ(qpos, self.facts.start) for qpos in start["set_qpos"]
+        )
 
     @property
     def goes_on(self) -> bool:

@@ -2,61 +2,93 @@
 
 from __future__ import annotations
 
+from typing import TypedDict
+
 import numpy as np
 
 from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu.compare import Array, distinct_texts, same, vector
 from grader.labs.imu.filtering.explain import CONSTANT_ATOL, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR, PART
-from grader.labs.imu.filtering.measure import ATOL, FORM, Facts
+from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Run
+
+
+class Output(TypedDict):
+    """An output that was wanted, and what came."""
+
+    wanted: str
+    came: str
+
+
+class Step(Output):
+    """The same of a later output, and what the recursion makes it of."""
+
+    x: str
+    before: str
+    alpha: float
+
+
+class Constant(Output):
+    """The same after a number of equal measurements."""
+
+    samples: int
+
+
+Gain = TypedDict("Gain", {"gain": float})
+Error = TypedDict("Error", {"error": float})
+Disturbed = TypedDict("Disturbed", {"alone": str, "sample": int, "came": str})
 
 
 @PART.check("filtering.follows_recursion", lab_step=6)
-def check_follows_recursion(facts: Facts) -> Deviation | None:
+def check_follows_recursion(facts: Facts) -> Deviation[Step] | None:
     """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1]; the default of alpha is 0.1"""
     run = next((run for run in facts.runs if not run.obeys), None)
     if run is None:
         return None
     row = int(np.argmax(run.off))
-    return _off(run.wanted[row], run.y[row + 1], x=vector(run.x[row + 1]), before=vector(run.y[row]), alpha=run.alpha)
+    output, size = _off(run.wanted[row], run.y[row + 1])
+    return Deviation(
+        {**output, "x": vector(run.x[row + 1]), "before": vector(run.y[row]), "alpha": run.alpha}, size=size
+    )
 
 
 @PART.check("filtering.starts_from_first_measurement", lab_step=6)
-def check_starts_from_first_measurement(facts: Facts) -> Deviation | None:
+def check_starts_from_first_measurement(facts: Facts) -> Deviation[Output] | None:
     """The first output is the first measurement, or follows from the initial value if one is given"""
     if facts.nothing_at_first:
-        return Deviation({"form": FORM, "came": facts.odd}, size=Size("no vector from the first update()"))
+        return Deviation({"wanted": FORM, "came": facts.odd}, size=Size("no vector from the first update()"))
     if not facts.runs[0].starts:
-        return _off(facts.runs[0].first_wanted, facts.runs[0].y[0])
+        output, size = _off(facts.runs[0].first_wanted, facts.runs[0].y[0])
+        return Deviation(output, size=size)
     run = next((run for run in facts.from_initial if not run.starts), None)
-    if run is None or run.initial is None:
-        return None
-    return _off(run.first_wanted, run.y[0], share=0.5, x=vector(run.x[0]), initial=vector(run.initial), alpha=run.alpha)
+    return None if run is None or run.initial is None else _off_from(run, run.initial)
 
 
 @PART.check("filtering.passes_constant", lab_step=6)
-def check_passes_constant(facts: Facts) -> Deviation | None:
+def check_passes_constant(facts: Facts) -> Deviation[Constant] | None:
     """A constant input comes out unchanged"""
     wanted, came = facts.constant.x[0], facts.constant.y[-1]
-    return None if same(came, wanted, CONSTANT_ATOL) else _off(wanted, came, samples=len(facts.constant.y))
+    output, size = _off(wanted, came)
+    numbers: Constant = {**output, "samples": len(facts.constant.y)}
+    return None if same(came, wanted, CONSTANT_ATOL) else Deviation(numbers, size=size)
 
 
 @PART.check("filtering.reduces_noise", lab_step=6)
-def check_reduces_noise(facts: Facts) -> Deviation | None:
+def check_reduces_noise(facts: Facts) -> Deviation[Gain] | None:
     """Noise comes out smaller than it went in"""
     gain = facts.noise_gain
     return None if gain < LARGEST_NOISE_GAIN else Deviation({"gain": gain})
 
 
 @PART.check("filtering.preserves_signal", lab_step=6)
-def check_preserves_signal(facts: Facts) -> Deviation | None:
+def check_preserves_signal(facts: Facts) -> Deviation[Error] | None:
     """A slow motion comes through the filter"""
     error = facts.signal_error
     return None if error < LARGEST_SIGNAL_ERROR else Deviation({"error": error})
 
 
 @PART.check("filtering.instances_independent", lab_step=6)
-def check_instances_independent(facts: Facts) -> Deviation | None:
+def check_instances_independent(facts: Facts) -> Deviation[Disturbed] | None:
     """Each instance keeps its own state, which no other code can change"""
     own = facts.own
     others = (own.beside, own.spoilt_input, own.spoilt_output)
@@ -72,7 +104,13 @@ def check_instances_independent(facts: Facts) -> Deviation | None:
     return Deviation({"alone": alone, "sample": row + 1, "came": came}, size=size, error=error)
 
 
-def _off(wanted: Array, came: Array, *, share: float = 1.0, **numbers: object) -> Deviation:
+def _off(wanted: Array, came: Array) -> tuple[Output, Size]:
     expected, got = distinct_texts(wanted, came)
-    size = Size("the output is off", float(np.max(np.abs(came - wanted))))
-    return Deviation({"wanted": expected, "came": got, **numbers}, share, size)
+    return {"wanted": expected, "came": got}, Size("the output is off", float(np.max(np.abs(came - wanted))))
+
+
+def _off_from(run: Run, initial: Array) -> Deviation[Output]:
+    """Describe the first output of a run from an initial value: half of what the check asks for."""
+    output, size = _off(run.first_wanted, run.y[0])
+    made_of = f"the measurement {vector(run.x[0])} after the initial value {vector(initial)}, with alpha {run.alpha:g}"
+    return Deviation({**output, "wanted": f"{output['wanted']} for {made_of}"}, 0.5, size)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from grader.base.text import printable
-from grader.engine.charging import Part
-from grader.engine.findings import Deviation, Size
+from grader.engine.charging import Measure, Part
+from grader.engine.findings import Came, Deviation, Form, NoNumbers, Size
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Run, measure
 from grader.labs.imu.lab import LAB
-from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.parameters import CALL_REASONS, departures
 
 LARGEST_NOISE_GAIN = 0.95
 """Largest noise gain (variance ratio) of a filter. The sheet's has alpha / (2 - alpha) = 0.11 at alpha 0.2, a mean of two 0.5."""
@@ -263,8 +263,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason("form", 1, "output-unusable", lambda f: f.odd.startswith(_UNUSABLE)),
     Reason("form", 2, "wrong-return-type", lambda _: True),
     Reason("default", 1, "needs-alpha", lambda _: True),
-    Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
-    Reason("parameters", 2, "other-parameters", lambda _: True),
+    *CALL_REASONS,
 )
 
 
@@ -272,20 +271,20 @@ def _is_own(facts: Facts) -> bool:
     return not facts.own.shared
 
 
-def _handed_out(facts: Facts) -> Deviation | None:
+def _handed_out(facts: Facts) -> Deviation[NoNumbers] | None:
     """Return a deviation if the filters share a state and also return that array, so that writing into an output changes it."""
     own = facts.own
     both = own.shared and not own.stumbles and own.settles(own.again) and not own.settles(own.spoilt_output)
-    return Deviation() if both else None
+    return Deviation({}) if both else None
 
 
-def _form(facts: Facts) -> Deviation | None:
+def _form(facts: Facts) -> Deviation[Form] | None:
     """Another form that a vector could be made out of; nothing at first alone is the start's."""
     odd = facts.odd and not facts.nothing_at_first
     return Deviation({"form": FORM, "came": facts.odd}) if odd else None
 
 
-def _default(facts: Facts) -> Deviation | None:
+def _default(facts: Facts) -> Deviation[Came] | None:
     error = facts.needs_alpha
     if error is None:
         return None
@@ -293,15 +292,8 @@ def _default(facts: Facts) -> Deviation | None:
     return Deviation({"came": came}, size=Size("no filter where no alpha is given"), error=error)
 
 
-PART: Part[Facts] = Part(
-    LAB,
-    "filtering",
-    measure,
-    REASONS,
-    {
-        "handed_out": _handed_out,
-        "form": _form,
-        "default": _default,
-        "parameters": lambda facts: departure("LowPassFilter", facts.departs),
-    },
-)
+OTHERS: Mapping[str, Measure[Facts]] = {
+    "handed_out": _handed_out, "form": _form, "default": _default,
+    **departures("LowPassFilter", lambda facts: facts.departs),
+}  # fmt: skip
+PART: Part[Facts] = Part(LAB, "filtering", measure, REASONS, OTHERS)

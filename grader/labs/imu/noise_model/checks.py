@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TypedDict
+
 import numpy as np
 
-from grader.engine.findings import Deviation, Size
+from grader.engine.findings import Came, Deviation, Size
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
 from grader.labs.imu.compare import BOTH, SENSOR_NAMES, changes_in_words, distinct_texts, vector
@@ -18,8 +20,47 @@ _UNLIKE = 1.2
 CHANNELS = [f"{name} {axis}" for name in SENSOR_NAMES for axis in "xyz"]
 
 
+class Bias(TypedDict):
+    """The default bias of one instance: all that the texts about a sensor have in common, and what came."""
+
+    sensor: str
+    unit: str
+    came: str
+
+
+class Spread(Bias):
+    """Standard deviation that was asked for, the number of reads, and the step to which they are rounded."""
+
+    std: float
+    reads: int
+    grain: float
+
+
+class GivenBias(Bias):
+    """The bias that was given, the one beside it, and the one of an instance without noise."""
+
+    wanted: str
+    beside: str
+    silent: str
+
+
+class Law(TypedDict):
+    """What is beside the bias, and the figures of the noise: step, correlation with earlier reads, largest value, Geary's ratio."""
+
+    sensor: str
+    unit: str
+    beside: str
+    grain: float
+    memory: float
+    most: float
+    ratio: float
+
+
+Together = TypedDict("Together", {"one": str, "other": str, "came": float, "reads": int})
+
+
 @PART.check("noise_model.noise_size", lab_step=5)
-def check_noise_size(facts: Facts) -> Deviation | None:
+def check_noise_size(facts: Facts) -> Deviation[Spread] | None:
     """The noise of each sensor has the requested standard deviation"""
     wrong = [*BOTH] if not facts.follows else explain.sizes_off(facts)
     if not wrong:
@@ -27,13 +68,15 @@ def check_noise_size(facts: Facts) -> Deviation | None:
     sensor, unit = facts.sensors[wrong[0]], SENSOR_UNITS[wrong[0]]
     reads = sensor.noise
     came = f"{sensor.twins.noise_size():.3g} {unit}" if sensor.drifts else _spread(reads, unit)
-    affected = len(wrong) / len(BOTH)  # the noise of the other sensor is right
-    numbers = {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size, "grain": explain.grain(facts)}
-    return _sensor_deviation(wrong[0], affected, numbers)
+    numbers: Spread = {
+        "sensor": SENSOR_NAMES[wrong[0]], "unit": unit, "came": came,
+        "std": reads.std, "reads": reads.residual[..., 0].size, "grain": explain.grain(facts),
+    }  # fmt: skip
+    return Deviation(numbers, affected=len(wrong) / len(BOTH))  # the noise of the other sensor is right
 
 
 @PART.check("noise_model.given_bias", lab_step=5)
-def check_given_bias(facts: Facts) -> Deviation | None:
+def check_given_bias(facts: Facts) -> Deviation[GivenBias] | None:
     """A given bias is added to every reading, also if it is zero"""
     both = [*BOTH] if facts.exchanged or facts.one_twice else []
     missing = both or explain.missing_bias(facts)
@@ -42,36 +85,45 @@ def check_given_bias(facts: Facts) -> Deviation | None:
     reads, silent = facts.sensors[wrong[0]].reads, facts.sensors[wrong[0]].silent
     gap = np.abs(reads.offset - reads.bias)
     expected, came = distinct_texts(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
-    beside: dict[str, object] = {"silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias)}
-    beside["grain"] = explain.grain(facts)
+    numbers: GivenBias = {
+        "sensor": SENSOR_NAMES[wrong[0]], "unit": SENSOR_UNITS[wrong[0]], "wanted": expected, "came": came,
+        "silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias),
+    }  # fmt: skip
     size = Size("the mean of the reads is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
     affected = len(missing) / 2 if missing else 0.5 if all(s.reads.bias_is_right for s in facts.sensors) else 1.0
-    return _sensor_deviation(wrong[0], affected, {"wanted": expected, "came": came, **beside}, size=size)
+    return Deviation(numbers, size=size, affected=affected)
 
 
 @PART.check("noise_model.default_bias", lab_step=5)
-def check_default_bias(facts: Facts) -> Deviation | None:
+def check_default_bias(facts: Facts) -> Deviation[Bias] | None:
     """Without a given bias, each instance draws a bias for every axis and keeps it"""
     wrong = next((which for off in explain.DEFAULTS if (which := off(facts))), None)
     if wrong is None:
         return None
-    return _sensor_deviation(wrong[0], 1.0, {"came": vector(facts.sensors[wrong[0]].means[1])}, 0.5)
+    came = vector(facts.sensors[wrong[0]].means[1])
+    return Deviation({"sensor": SENSOR_NAMES[wrong[0]], "unit": SENSOR_UNITS[wrong[0]], "came": came}, 0.5)
 
 
 @PART.check("noise_model.white_and_gaussian", lab_step=5)
-def check_white_and_gaussian(facts: Facts) -> Deviation | None:
+def check_white_and_gaussian(facts: Facts) -> Deviation[Law] | None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
     if not (wrong := explain.odd_laws(facts)):
         return None
     noise, raw = facts.sensors[wrong[0]].noise, facts.sensors[wrong[0]].reads
-    memory = max(sensor.noise.memory for sensor in facts.sensors)
-    most = float(np.abs(noise.centred).max()) / noise.std
-    numbers = {"beside": vector(raw.offset[-1] - raw.bias), "grain": explain.grain(facts), "memory": memory}
-    return _sensor_deviation(wrong[0], 1.0, {**numbers, "most": most, "ratio": noise.geary})
+    numbers: Law = {
+        "sensor": SENSOR_NAMES[wrong[0]],
+        "unit": SENSOR_UNITS[wrong[0]],
+        "beside": vector(raw.offset[-1] - raw.bias),
+        "grain": explain.grain(facts),
+        "memory": max(sensor.noise.memory for sensor in facts.sensors),
+        "most": float(np.abs(noise.centred).max()) / noise.std,
+        "ratio": noise.geary,
+    }
+    return Deviation(numbers)
 
 
 @PART.check("noise_model.axes_and_sensors_independent", lab_step=5)
-def check_axes_and_sensors_independent(facts: Facts) -> Deviation | None:
+def check_axes_and_sensors_independent(facts: Facts) -> Deviation[Together] | None:
     """The noise of each axis of each sensor is independent of the others"""
     if facts.noiseless:
         return Deviation({"one": SENSOR_NAMES[0], "other": SENSOR_NAMES[1], "came": 1.0, "reads": 0})
@@ -84,21 +136,10 @@ def check_axes_and_sensors_independent(facts: Facts) -> Deviation | None:
 
 
 @PART.check("noise_model.leaves_simulation_alone", lab_step=5)
-def check_leaves_simulation_alone(facts: Facts) -> Deviation | None:
+def check_leaves_simulation_alone(facts: Facts) -> Deviation[Came] | None:
     """A noisy read changes nothing in the simulator's own data"""
     told = changes_in_words(facts.disturbance)
     return Deviation({"came": told}) if told else None
-
-
-def _sensor_deviation(
-    which: int, affected: float, numbers: dict[str, object], share: float = 1.0, size: Size | None = None
-) -> Deviation:
-    """Return the deviation of a check that concerns one sensor, `which`: 0 is the accelerometer, 1 the gyroscope.
-
-    The sensor's name and unit are added to `numbers`, the values of the message. The other arguments are those of `Deviation`.
-    """
-    named = {"sensor": SENSOR_NAMES[which], "unit": SENSOR_UNITS[which], **numbers}
-    return Deviation(named, share, size, affected=affected)
 
 
 def _spread(reads: Reads, unit: str) -> str:

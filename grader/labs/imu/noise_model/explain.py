@@ -13,15 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.engine import hypothesis
-from grader.engine.charging import Part
-from grader.engine.findings import Deviation
+from grader.engine.charging import Measure, Part
+from grader.engine.findings import Deviation, Form
 from grader.engine.hypothesis import Reason
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import BOTH, Array, changed, same
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.noise_model.measure import ALL, FORM, Facts, Sensor, measure
 from grader.labs.imu.noise_model.reads import EXACT, TRUTH_ATOL, Reads
-from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.parameters import CALL_REASONS, departures
 
 SIZE, GIVEN, DEFAULT, LAW, APART = ALL
 ALONE = "leaves_simulation_alone"
@@ -347,18 +347,13 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(ALONE, 1, "mutates-sensordata", lambda f: not changed(f.disturbance)[:3].any()),
     Reason(ALONE, 2, "disturbs-simulation", lambda f: bool(changed(f.disturbance)[:3].any())),
     Reason("form", 1, "wrong-return-type", lambda _: True),
-    Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
-    Reason("parameters", 2, "other-parameters", lambda _: True),
+    *CALL_REASONS,
 )
 
 
-PART: Part[Facts] = Part(
-    LAB,
-    "noise_model",
-    measure,
-    REASONS,
-    {
-        "form": lambda facts: Deviation({"form": FORM, "came": facts.odd}) if facts.odd else None,
-        "parameters": lambda facts: departure("NoisyIMU", facts.departs),
-    },
-)
+def _form(facts: Facts) -> Deviation[Form] | None:
+    return Deviation({"form": FORM, "came": facts.odd}) if facts.odd else None
+
+
+OTHERS: Mapping[str, Measure[Facts]] = {"form": _form, **departures("NoisyIMU", lambda facts: facts.departs)}
+PART: Part[Facts] = Part(LAB, "noise_model", measure, REASONS, OTHERS)

@@ -2,38 +2,60 @@
 
 from __future__ import annotations
 
+from typing import TypedDict
+
 import numpy as np
 
 from grader.base.text import printable
-from grader.engine.findings import Deviation, Size
+from grader.engine.findings import Came, Deviation, Form, Size
 from grader.labs.imu.answers import SENSOR_UNITS, SENSORS
 from grader.labs.imu.compare import SENSOR_NAMES, Array, changes_in_words, deviation, distinct_texts, vector
 from grader.labs.imu.sensor_access.explain import PART, Explained
 from grader.labs.imu.sensor_access.measure import FORM, Visit
 
 
+class Reading(TypedDict):
+    """A reading that was wanted, and what came."""
+
+    wanted: str
+    got: str
+
+
+class Values(Reading, Form):
+    """The same with the form of the answer, and with the smallest difference between two of its numbers."""
+
+    grain: float
+
+
+Kept = TypedDict("Kept", {"now": str, "later": str})
+
+
 @PART.check("sensor_access.returns_two_vectors", lab_step=2)
-def check_returns_two_vectors(found: Explained) -> Deviation | None:
+def check_returns_two_vectors(found: Explained) -> Deviation[Form] | None:
     """get_imu_readings returns acceleration and angular velocity, three numbers each"""
     return Deviation({"form": FORM, "came": found.facts.odd}) if found.facts.odd else None
 
 
 @PART.check("sensor_access.matches_truth", lab_step=2)
-def check_matches_truth(found: Explained) -> Deviation | None:
+def check_matches_truth(found: Explained) -> Deviation[Values] | None:
     """The values are the sensor's own: m/s² and rad/s in the sensor's frame, unaltered"""
     if (wrong := found.altered()) is None:
         return None
-    numbers: dict[str, object] = {"form": FORM, "came": found.facts.odd}
-    affected = found.share_altered * (0.5 if found.near(wrong[0]) else 1.0)
-    return _off(*wrong, found.meant(*wrong), numbers, affected, share=1.0 if found.facts.whole else 0.5)
+    visit, sensor = wrong
+    reading, size = _off(visit, sensor, found.meant(visit, sensor))
+    steps = np.diff(np.unique(visit.got[sensor][np.isfinite(visit.got[sensor])]))
+    numbers: Values = {**reading, "form": FORM, "came": found.facts.odd, "grain": float(steps.min(initial=np.inf))}
+    affected = found.share_altered * (0.5 if found.near(visit) else 1.0)
+    return Deviation(numbers, 1.0 if found.facts.whole else 0.5, size, affected=affected)
 
 
 @PART.check("sensor_access.follows_address", lab_step=2)
-def check_follows_address(found: Explained) -> Deviation | None:
+def check_follows_address(found: Explained) -> Deviation[Reading] | None:
     """Reads the sensors that the ids name, at any address and in any model"""
     if (wrong := found.misplaced()) is not None:
         visit, sensor = wrong
-        return _off(visit, sensor, visit.scene.true(sensor), {}, found.share_misplaced)
+        reading, size = _off(visit, sensor, visit.scene.true(sensor))
+        return Deviation(reading, size=size, affected=found.share_misplaced)
     if (error := next((visit.error for visit in found.facts.others if visit.error), None)) is None:
         return None
     came = f"{error.type}: {printable(error.message, 200)}{f' at {error.where}' if error.where else ''}"
@@ -44,7 +66,7 @@ def check_follows_address(found: Explained) -> Deviation | None:
 
 
 @PART.check("sensor_access.reading_is_a_copy", lab_step=2)
-def check_reading_is_a_copy(found: Explained) -> Deviation | None:
+def check_reading_is_a_copy(found: Explained) -> Deviation[Kept] | None:
     """A reading keeps its values while the simulation goes on"""
     now, later = np.array([each[0] for each in found.facts.torso.got]), found.facts.later
     if np.array_equal(now, later, equal_nan=True):
@@ -54,21 +76,16 @@ def check_reading_is_a_copy(found: Explained) -> Deviation | None:
 
 
 @PART.check("sensor_access.leaves_simulation_alone", lab_step=2)
-def check_leaves_simulation_alone(found: Explained) -> Deviation | None:
+def check_leaves_simulation_alone(found: Explained) -> Deviation[Came] | None:
     """Reading the sensors changes nothing in the simulation"""
     told = changes_in_words(found.facts.disturbance)
     return Deviation({"came": told}) if told else None
 
 
-def _off(
-    visit: Visit, sensor: int, true: Array, numbers: dict[str, object], affected: float, *, share: float = 1.0
-) -> Deviation:
+def _off(visit: Visit, sensor: int, true: Array) -> tuple[Reading, Size]:
     """Describe the row in which a sensor is furthest from what stands where it should be read."""
     got, name, unit = visit.got[sensor], SENSOR_NAMES[sensor], SENSOR_UNITS[sensor]
     gap = deviation(got, true)
     wanted, came = distinct_texts(true[gap.row], got[gap.row])
-    steps = np.diff(np.unique(got[np.isfinite(got)]))
-    grain = float(steps.min(initial=np.inf))
-    told = {"wanted": f"{name} ≈ {wanted} {unit}", "got": f"{name} = {came}", "grain": grain}
     size = Size(f"the {SENSORS[sensor].replace('_', ' ')} is off", gap.worst, unit)
-    return Deviation({**numbers, **told}, share, size, affected=affected)
+    return {"wanted": f"{name} ≈ {wanted} {unit}", "got": f"{name} = {came}"}, size

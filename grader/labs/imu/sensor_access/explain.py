@@ -14,12 +14,12 @@ import numpy as np
 
 from grader.engine import hypothesis
 from grader.engine.charging import Part
-from grader.engine.findings import Deviation, Skipped
+from grader.engine.findings import Skipped
 from grader.engine.hypothesis import Reason
 from grader.engine.traces import Traces
 from grader.labs.imu.compare import BOTH, NO_CHANGE, SHEETS_NOISE, Array, same_where_known, triple
 from grader.labs.imu.lab import LAB
-from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.parameters import CALL_REASONS, departures
 from grader.labs.imu.sensor_access import measure as facts_of
 from grader.labs.imu.sensor_access.measure import ATOL, Facts, Scene, Visit
 from grader.labs.imu.student import Student
@@ -386,17 +386,16 @@ REASONS: tuple[Reason[Explained], ...] = (
     Reason(FORM, 1, "sensor-id-as-address", lambda e: not e.facts.whole and "sensor-id-as-address" in e.places),
     Reason(FORM, 2, "wrong-length", lambda e: not e.facts.whole),
     Reason(FORM, 3, "wrong-return-type", lambda _: True),
-    Reason("parameters", 1, "global-for-parameter", lambda e: reads_global(e.facts.departs)),
-    Reason("parameters", 2, "other-parameters", lambda _: True),
+    *CALL_REASONS,
     Reason(COPY, 1, "view-not-copy", lambda _: True),
     Reason(ALONE, 1, "disturbs-simulation", lambda _: True),
 )
 
 
-def _parameters(found: Explained) -> Deviation | None:
-    """Parameters that a reader does not have are its way to ignore the ids, where it does."""
+def _departs(found: Explained) -> Sequence[str]:
+    """Return in what the calls depart from the sheet's; a reader that ignores the ids lacks parameters for that alone."""
     ignores = PLACE in found.stopped or found.misplaced() is not None
-    return None if ignores else departure("get_imu_readings", found.facts.departs)
+    return () if ignores else found.facts.departs
 
 
-PART: Part[Explained] = Part(LAB, "sensor_access", measured, REASONS, {"parameters": _parameters})
+PART: Part[Explained] = Part(LAB, "sensor_access", measured, REASONS, departures("get_imu_readings", _departs))

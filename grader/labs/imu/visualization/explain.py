@@ -5,11 +5,11 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable, Mapping
 
-from grader.engine.charging import Part
-from grader.engine.findings import Deviation, Raised
+from grader.engine.charging import Measure, Part
+from grader.engine.findings import Came, Deviation, Numbers, Raised
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.lab import LAB
-from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.parameters import CALL_REASONS, departures
 from grader.labs.imu.visualization import curves
 from grader.labs.imu.visualization import panel_words as words
 from grader.labs.imu.visualization.curves import CHANNELS, SENSOR_WORDS, Channel
@@ -28,11 +28,13 @@ _IN_PART = 0.8
 """Largest share that a channel keeps if some of its rows are not drawn; one that shows less keeps the share that it shows."""
 
 
-def to_the_end(measured: Callable[[Facts], Deviation | None]) -> Callable[[Facts], Deviation | None]:
+def to_the_end(
+    measured: Callable[[Facts], Deviation[Numbers] | None],
+) -> Callable[[Facts], Deviation[Numbers] | None]:
     """Wrap `measured` so that what a plot lacks because an exception stopped it is deducted as that exception, not as a fault."""
 
     @functools.wraps(measured)
-    def judged(facts: Facts) -> Deviation | None:
+    def judged(facts: Facts) -> Deviation[Numbers] | None:
         found = measured(facts)
         if found is not None and facts.error is not None:
             raise Raised(facts.error, DOING)
@@ -87,7 +89,7 @@ def share_missing(facts: Facts) -> float:
 
 
 @to_the_end
-def missing_curves(facts: Facts) -> Deviation | None:
+def missing_curves(facts: Facts) -> Deviation[Came] | None:
     """Return a deviation if a channel is not drawn; by the number of channels, and more if other numbers take their place."""
     if not (missing := _missing(facts)):
         return None
@@ -96,7 +98,7 @@ def missing_curves(facts: Facts) -> Deviation | None:
 
 
 @to_the_end
-def unseen_curves(facts: Facts) -> Deviation | None:
+def unseen_curves(facts: Facts) -> Deviation[Came] | None:
     """Return a deviation if a channel is drawn outside the limits, under another curve, or in the colour of the background."""
     if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
         return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
@@ -106,10 +108,10 @@ def unseen_curves(facts: Facts) -> Deviation | None:
     return Deviation({"came": missing_in_words(facts)}, affected=max(unseen, _OUTSIDE if facts.cut_off else 0))
 
 
-def label_problem(name: str) -> Callable[[Facts], Deviation | None]:
+def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
     """Return a function that measures how many labels have a problem, such as no unit; three of them cost all points."""
 
-    def measured(facts: Facts) -> Deviation | None:
+    def measured(facts: Facts) -> Deviation[Came] | None:
         texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]
         return Deviation({"came": "; ".join(texts)}, affected=min(1.0, len(texts) / 3)) if texts else None
 
@@ -205,19 +207,13 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(COMPARISON, 2, "comparison-wrong-data", lambda f: f.comparison.meant[0] > 1 and not f.comparison.drawn),
     Reason(COMPARISON, 3, "script-stops", lambda f: f.comparison.error is not None and not f.comparison.drawn),
     Reason(COMPARISON, 4, "comparison-missing", lambda f: not f.comparison.saved),
-    Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
-    Reason("parameters", 2, "other-parameters", lambda _: True),
+    *CALL_REASONS,
 )
 
-PART: Part[Facts] = Part(
-    LAB,
-    "visualization",
-    measure,
-    REASONS,
-    {
-        "missing": missing_curves,
-        "unseen": unseen_curves,
-        **{problem: label_problem(problem) for problem in _LABEL_PROBLEMS},
-        "parameters": lambda facts: departure("plot_imu_data", facts.departs),
-    },
-)
+OTHERS: Mapping[str, Measure[Facts]] = {
+    "missing": missing_curves,
+    "unseen": unseen_curves,
+    **{problem: label_problem(problem) for problem in _LABEL_PROBLEMS},
+    **departures("plot_imu_data", lambda facts: facts.departs),
+}
+PART: Part[Facts] = Part(LAB, "visualization", measure, REASONS, OTHERS)

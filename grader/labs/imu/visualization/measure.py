@@ -301,7 +301,7 @@ def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
         )
     )
     return {
-        name: Charged(Charge(f"visualization.{name}", (Cost("plot-not-drawn", 1 - kept, Deviation()),)))
+        name: Charged(Charge(f"visualization.{name}", (Cost("plot-not-drawn", 1 - kept, Deviation({})),)))
         for name, kept in _KEEPS.items()
     }
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from types import NoneType
+from types import FunctionType, NoneType
 from typing import Any
 
 import numpy as np
@@ -124,6 +125,26 @@ class Reader:
 
     def _by_name(self, model: Any, data: Any, ids: Iterable[int]) -> Any:
         return self._read(model, data, *(model.sensor(id_).name for id_ in ids))
+
+
+def method_of(instance: Any, name: str, takes: int) -> tuple[Callable[..., Any], list[str]]:
+    """Return the method of this name, and how the class departs from the sheet.
+
+    A class without it departs in the name of the one public method of its own that needs as many arguments, if there is only one.
+    """
+    if not hasattr(instance, name):
+        members = {own: each for kind in reversed(type(instance).__mro__) for own, each in vars(kind).items()}
+        public = [own for own, each in members.items() if own[:1] != "_" and isinstance(each, FunctionType)]
+        others = [own for own in public if _needed(getattr(instance, own)) == takes]
+        if len(others) == 1:
+            return getattr(instance, others[0]), [f"method {name}"]
+    return getattr(instance, name), []
+
+
+def _needed(function: Callable[..., Any]) -> int:
+    """Return how many arguments a function needs."""
+    parameters = inspect.signature(function).parameters.values()
+    return sum(each.default is each.empty and each.kind is each.POSITIONAL_OR_KEYWORD for each in parameters)
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:

@@ -53,13 +53,14 @@ def _filter_case(
             options["initial_value"] = initial
         build, in_building = building()
         instance = build(options)
-        measuring, read_instead = own_globals.measurement_global(instance.update)
-        update, departs = adapt(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
-        answer["departs"] = [*in_building, *departs, *read_instead]
+        own, another = calls.method_of(instance, "update", 1)
+        measuring, read_instead = own_globals.measurement_global(own)
+        update, departs = adapt(own, calls.UPDATE, {"dt": calls.BETWEEN_S})
+        answer["departs"] = [*in_building, *another, *departs, *read_instead]
         beside = None
         if case["handling"] == "beside":
             other = build(options | {"alpha": 1 - case["alpha"]})
-            beside, _ = adapt(other.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
+            beside, _ = adapt(calls.method_of(other, "update", 1)[0], calls.UPDATE, {"dt": calls.BETWEEN_S})
         first: Any = None
         for measurement in signal:
             with measuring(measurement):

@@ -165,11 +165,11 @@ def _imu_builder(
     def build(arrays: dict[str, Any], **stds: float) -> tuple[Any, Callable[[], Any]]:
         biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
         imu = way(kind, given | stds | biases)
-        read = imu.read
+        read, another = calls.method_of(imu, "read", 0)
         reading = plan_call(read, calls.READ)
+        answer["departs"] = [*dict.fromkeys([*answer["departs"], *another, *reading.departs])]
         if reading.as_promised:
             return imu, read
-        answer["departs"] = [*dict.fromkeys([*answer["departs"], *reading.departs])]
         return imu, lambda: reading(read, given | calls.reading_arguments(fields, model, data))
 
     return build
