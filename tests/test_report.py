@@ -17,7 +17,7 @@ from rich.console import Console
 from grader.engine.chart_data import Chart
 from grader.engine.faults import catalogue
 from grader.engine.figures import Axes, Curve, Entry, Figure, VisibleParts
-from grader.engine.results import ExtensionResult, LabName, Result
+from grader.engine.results import Deducted, ExtensionResult, LabName, Result, from_dict, to_record
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.charts import drawn
 from grader.labs.imu.lab import LAB
@@ -256,6 +256,24 @@ def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
     assert told.count("accel ≈ ") == told.count("Try") == 1
     assert "Deductions" not in report(result())
     assert "All checks passed." in report(result())
+
+
+def test_a_fault_has_one_entry_with_what_it_costs_where_and_the_check_that_tells_first() -> None:
+    """`told` costs half of a check beside `other`, and a whole one that says nothing of it."""
+    silent = Deducted("told", 1.0, "Do this.")
+    told, other = (
+        Deducted("told", 0.5, "Do this.", "", "one", "another"),
+        Deducted("other", 0.25, "Do that.", "It is odd."),
+    )
+    both = check("partial", 1.5, "Expected  one", id="sensor_access.b", title="Both", deducted=(told, other))
+    checks = (check("failed", 0.0, "Broken.", id="sensor_access.a", title="Silent", deducted=(silent,)), both)
+    page = report(from_dict(to_record(result(*checks))))
+    assert re.search(
+        r"−9\s*Both\s*◐partial\s*Both\s*−3\s*Expectedone\s*Gotanother\s*✗failed\s*Silent\s*0 / 6\s*TryDo this\.[^−]*"
+        r"−1\.5\s*Both\s*◐partial\s*Both\s*−1\.5\s*NoteIt is odd\.\s*TryDo that\.",
+        losses(page),
+    )
+    assert page.count('id="sensor_access-b"') == 1
 
 
 def test_a_submission_that_could_not_be_opened_says_why_and_has_no_rows() -> None:

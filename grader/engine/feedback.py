@@ -5,7 +5,7 @@ from __future__ import annotations
 import builtins
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.base.text import printable
@@ -23,7 +23,7 @@ from grader.engine.findings import (
     Where,
 )
 from grader.engine.load_report import not_handed_in
-from grader.engine.results import Outcome, message_of
+from grader.engine.results import Deducted, Outcome, message_of
 from grader.engine.submission_session import AVAILABLE_PACKAGES
 
 
@@ -40,6 +40,7 @@ class Feedback:
     got: str = ""
     where: Where | None = None
     not_understood: bool = False
+    deducted: tuple[Deducted, ...] = ()
 
     @property
     def message(self) -> str:
@@ -114,34 +115,37 @@ def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a charge, in the words of its first fault."""
     if not charge.costs:
         return no_more(charge)
-    said, expected, got = _words(charge.check, charge.costs[0], rows)
+    deducted = tuple(_deducted(charge.check, cost, rows) for cost in charge.costs)
+    first, see = deducted[0], charge.costs[0].see
     places = [cost.shown.error.at for cost in charge.costs if cost.shown.error]
     return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
-        said,
-        expected=expected,
-        got=got,
+        first.said or (f"Broken by the same fault as “{see}”." if not first.expected else ""),
+        expected=first.expected,
+        got=first.got,
         where=next(iter(places), None),
         hint=hint_of(charge, rows),
         faults=public(charge, rows),
+        deducted=deducted,
     )
 
 
-def _words(check: str, cost: Cost, rows: Mapping[str, FaultRow]) -> tuple[str, str, str]:
-    """Return a sentence, or what was expected and what came: as the fault's row says it, else as the check's does.
+def _deducted(check: str, cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
+    """Return what a fault costs at a check, as the fault's row says it, else as the check's does.
 
-    A text that cannot be made of these numbers is left out; it decides nothing.
+    If neither does, the check that tells about the fault has a plain sentence, and the others have none. A text that cannot be made
+    of these numbers is left out; it decides nothing.
     """
+    told = Deducted(cost.row, cost.share, rows[cost.row].hint)
     known = ((rows[cost.row], cost.shown), (rows[check], cost.own))
     for row, deviation in known:
         if row.expected and deviation is not None:
             with suppress(LookupError, ValueError, TypeError):
-                return "", row.expected.format_map(deviation.numbers), row.got.format_map(deviation.numbers)
-    if cost.see:
-        return f"Broken by the same fault as “{cost.see}”.", "", ""
+                numbers = deviation.numbers
+                return replace(told, expected=row.expected.format_map(numbers), got=row.got.format_map(numbers))
     title = rows[cost.row].title or "this does not hold"
-    return f"{title[:1].upper()}{title[1:]}.", "", ""
+    return told if cost.see else replace(told, said=f"{title[:1].upper()}{title[1:]}.")
 
 
 def hint_of(charge: Charge, rows: Mapping[str, FaultRow]) -> str:

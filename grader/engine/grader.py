@@ -281,6 +281,7 @@ class Marker:
             duration_s=0.0 if self._secret else round(judgement.duration_s, 4),
             keeps=feedback.keeps,
             not_understood=feedback.not_understood,
+            deducted=feedback.deducted,
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:

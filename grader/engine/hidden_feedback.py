@@ -13,8 +13,8 @@ from grader.base.errors import Crashed, NoAnswer, TimedOut
 from grader.engine import feedback
 from grader.engine.faults import FaultRow
 from grader.engine.feedback import Feedback, fault_of, hint_of, no_answer, no_more, public
-from grader.engine.findings import Charge, Charged, CheckFailed, GraderText, Missing, Raised, Skipped
-from grader.engine.results import Outcome
+from grader.engine.findings import Charge, Charged, CheckFailed, Cost, GraderText, Missing, Raised, Skipped
+from grader.engine.results import Deducted, Outcome
 
 _TOLD_TYPES = (
     "IndexError",
@@ -92,17 +92,23 @@ def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback from the rows' titles and hints; a number appears only as its power of ten."""
     if not charge.costs:
         return no_more(charge)
-    sizes = [str(cost.shown.size) for cost in charge.costs if cost.shown.size]
-    titles = [rows[cost.row].title for cost in charge.costs if rows[cost.row].title]
     names = public(charge, rows)
+    deducted = tuple(_deducted(cost, rows) for cost in charge.costs)
     return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
         expected=_HOLDS,
-        got="; ".join([*titles, *dict.fromkeys(sizes)]) or _DOES_NOT,
+        got="; ".join(dict.fromkeys(each.got for each in deducted)),
         hint=hint_of(charge, rows) if names else f"{hint_of(charge, rows)} {_PUBLIC}",
         faults=names,
+        deducted=deducted,
     )
+
+
+def _deducted(cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
+    row, size = rows[cost.row], cost.shown.size
+    got = "; ".join(filter(None, [row.title, str(size) if size else ""])) or _DOES_NOT
+    return Deducted(cost.row, cost.share, row.hint if row.explanation else f"{row.hint} {_PUBLIC}", "", _HOLDS, got)
 
 
 def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:

@@ -24,12 +24,25 @@ Status = Literal["graded", "incomplete", "empty", "unreadable"]
 
 
 @dataclass(frozen=True)
+class Deducted:
+    """What one fault costs at a check: the share of the points, and what is said about it. `fault` is the id of its row."""
+
+    fault: str
+    share: float
+    hint: str
+    said: str = ""
+    expected: str = ""
+    got: str = ""
+
+
+@dataclass(frozen=True)
 class CheckResult:
     """Result of one check. `points` is None if the grader could not judge.
 
     The message is either one sentence, `said`, or `expected` and `got`, which may have more lines. `where` is the place in the
     student's files. `keeps` is the share of the points that is earned; `marks` computes the points from it. `not_understood` is
-    True if the grader could not interpret the answer: a person has to review it.
+    True if the grader could not interpret the answer: a person has to review it. `deducted` lists the faults that lost the points
+    of a check that was judged by its criterion's faults, so that a report has one entry for each.
     """
 
     id: str
@@ -47,6 +60,7 @@ class CheckResult:
     duration_s: float = 0.0
     keeps: float | None = field(default=None, compare=False, repr=False)
     not_understood: bool = False
+    deducted: tuple[Deducted, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def message(self) -> str:
@@ -248,18 +262,21 @@ def _row(check: CheckResult) -> dict[str, Any]:
     }
 
 
-def _check(row: Mapping[str, Any], keeps: float | None) -> CheckResult:
+def _check(row: Mapping[str, Any], keeps: float | None, deducted: list[dict[str, Any]]) -> CheckResult:
     """Return the check of a record's row; in old records without `expected` and `got` the message is a sentence."""
     given = {**row, "misconceptions": tuple(row["misconceptions"])}
     message, where = given.pop("message"), given.pop("where", None)
     said = "" if row.get("expected") or row.get("got") else message
-    return CheckResult(**given, said=said, where=Where(**where) if where else None, keeps=keeps)
+    known = tuple(Deducted(**each) for each in deducted)
+    return CheckResult(**given, said=said, where=Where(**where) if where else None, keeps=keeps, deducted=known)
 
 
 def to_record(result: Result) -> dict[str, Any]:
     """Return the data to record: that of `result.json`, and what is needed to mark the result again."""
-    keeps = {check.id: check.keeps for part in result.parts for check in part.checks}
-    record = {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps}
+    checks = [check for part in result.parts for check in part.checks]
+    deducted = {check.id: [asdict(each) for each in check.deducted] for check in checks if check.deducted}
+    keeps = {check.id: check.keeps for check in checks}
+    record = {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps, "deducted": deducted}
     if result.repairs:
         before = {id_: [check.keeps, list(check.misconceptions)] for id_, check in result.unrepaired.items()}
         record["unrepaired"] = before
@@ -299,10 +316,10 @@ def from_dict(record: Mapping[str, Any]) -> Result:
     if record.get("schema") != SCHEMA:
         raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")
 
-    keeps = record.get("keeps", {})
+    keeps, deducted = record.get("keeps", {}), record.get("deducted", {})
 
     def checks(rows: list[dict[str, Any]]) -> tuple[CheckResult, ...]:
-        return tuple(_check(row, keeps.get(row["id"])) for row in rows)
+        return tuple(_check(row, keeps.get(row["id"]), deducted.get(row["id"], [])) for row in rows)
 
     return Result(
         submission=record["submission"],

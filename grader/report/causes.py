@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 from grader.base.text import enumerated, printable
 from grader.engine.lab import Lab
@@ -16,7 +16,7 @@ _LAST = 99
 
 @dataclass(frozen=True)
 class Cause:
-    """Checks that failed for one reason: they name the same faults, or have the same message.
+    """One fault and the checks that it cost points, each with what is said of this fault, or checks that failed with one message.
 
     `waiting` are skipped checks: those of a criterion wait for the first cause in it.
     """
@@ -69,8 +69,7 @@ class Stop:
         """Return ``filters.py, line 19: SyntaxError: expected ':'. Costs 20 points.``"""
         where = f"{self.file}, line {self.line}" if self.line else self.file
         error = self.error.removesuffix(f" at {where}")
-        points = f"{words.number(round(self.lost, 2))} point{'s' * (self.lost != 1)}"
-        return f"{where}{': ' if where else ''}{error.rstrip('.')}. Costs {points}."
+        return f"{where}{': ' if where else ''}{error.rstrip('.')}. Costs {words.counted_points(self.lost)}."
 
 
 def stops(result: Result, lab: Lab) -> list[Stop]:
@@ -118,14 +117,34 @@ def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
     skipped: dict[str, list[CheckResult]] = {}
     for check in sorted(checks, key=lambda check: (not _does_not_run(check), _step(check))):
         if words.tells(check):
-            found.setdefault(faults_of(check) or (check.outcome, check.message), []).append(check)
+            for key, its_part in _by_fault(check):
+                found.setdefault(key, []).append(its_part)
         elif check.outcome == "skipped":
             skipped.setdefault(part_of(check), []).append(check)
     causes = []
     for together in found.values():
+        together.sort(
+            key=lambda check: not (check.expected or check.said)
+        )  # the checks that tell about the fault come first
         parts = dict.fromkeys(map(part_of, together))
         causes.append(Cause(tuple(together), tuple(check for part in parts for check in skipped.pop(part, ()))))
     return causes
+
+
+def _by_fault(check: CheckResult) -> Iterator[tuple[tuple[str, ...], CheckResult]]:
+    """Yield what tells a check's faults apart, and for each fault the check as if that fault were its only one."""
+    if not check.deducted:
+        yield faults_of(check) or (check.outcome, check.message), check
+    shares = sum(each.share for each in check.deducted)
+    for each in check.deducted:
+        lost = words.points_lost([check]) * each.share / shares
+        yield (
+            (each.fault,),
+            replace(
+                check, points=check.max_points - lost, said=each.said, expected=each.expected, got=each.got, hint=each.hint,
+                misconceptions=(each.fault,) if each.fault in check.misconceptions else (),
+            ),
+        )  # fmt: skip
 
 
 def _does_not_run(check: CheckResult) -> bool:
@@ -134,11 +153,18 @@ def _does_not_run(check: CheckResult) -> bool:
     return check.outcome in ("error", "timeout", "crashed") or "does-not-import" in check.misconceptions
 
 
+def points_of(check: CheckResult) -> str:
+    """Return a check's points in the entry of one of its faults: ``0 / 6``, or ``−1.5`` where other faults cost points, too."""
+    return (
+        words.minus(words.points_lost([check])) if len(check.deducted) > 1 else words.row(check, "", LabName()).points
+    )
+
+
 def cost_now(cause: Cause) -> list[words.Line]:
     """Return what code that does not run costs, with the checks that could not run for it."""
     if not cause.does_not_run or not cause.lost:
         return []
-    points = f"{words.number(round(cause.lost, 2))} point{'s' * (cause.lost != 1)} now"
+    points = f"{words.counted_points(cause.lost)} now"
     many = len(cause.waiting)
     waiting = f", because {many} more check{'s' * (many > 1)} could not run" if many else ""
     return [words.Line("Costs", f"{points}{waiting}. Everything else was graded without it.")]

@@ -18,6 +18,7 @@ class DeductedCheck:
 
     anchor: str
     row: words.Row
+    points: str
     lines: tuple[words.Line, ...]
 
 
@@ -45,22 +46,26 @@ def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduct
     found = sorted(causes_of(checks), key=lambda cause: (not cause.does_not_run, -cause.lost))
     waiting = {check for cause in found for check in cause.waiting}
     alone = [check for check in checks if check.outcome == "skipped" and check not in waiting]
-    known = [_deduction(cause, result.lab, catalogue) for cause in found]
+    linked: set[str] = set()
+    known = [_deduction(cause, result.lab, catalogue, linked) for cause in found]
     return [*known, *([_unreached(alone)] if alone else [])]
 
 
-def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, FaultRow]) -> Deduction:
+def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, FaultRow], linked: set[str]) -> Deduction:
+    """Return the entry of a cause. A check is linked to in the first entry that it stands in; `linked` holds those that are."""
     named = [catalogue[each] for each in cause.faults if each in catalogue]
     title = _title(cause, named)
-    shown = tuple(
-        DeductedCheck(anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines))
-        for check, lines in causes.lines_by_check(cause)
-    )
+    shown = []
+    for check, lines in causes.lines_by_check(cause):
+        place = "" if check.id in linked else anchor(check)
+        linked.add(check.id)
+        row, told = words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines)
+        shown.append(DeductedCheck(place, row, causes.points_of(check), told))
     return Deduction(
         words.minus(cause.lost),
         title,
         tuple(fault.explanation.strip() for fault in named),
-        shown,
+        tuple(shown),
         _count(cause.waiting),
         (*causes.next_lines(cause, lab), causes.again(cause)),
     )

@@ -177,8 +177,7 @@ def _gained(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting
 
 
 def _head(check: CheckResult, setting: Setting, was: str = "") -> list[Text]:
-    row = words.row(check, "", LabName())
-    return setting.head(_outcome(check), row.title, row.points + was)
+    return setting.head(_outcome(check), words.row(check, "", LabName()).title, causes.points_of(check) + was)
 
 
 def _outcome(check: CheckResult) -> Text:
@@ -187,11 +186,13 @@ def _outcome(check: CheckResult) -> Text:
 
 
 def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change, *, read: bool = True) -> list[Text]:
-    """Return the first check with all its lines, of the others what came, then what to try and, if `read`, to read."""
+    """Return the checks with what came, the points of several together, then what to try and, if `read`, to read."""
     lines: list[Text] = []
     for check, news in causes.lines_by_check(cause):
         lines += _head(check, setting, change.was(check))
         lines += [line for text in news for line in setting.labelled(text.label, text.text)]
+    if len(cause.checks) > 1 and not cause.does_not_run:
+        lines += setting.labelled("Costs", f"{words.counted_points(cause.lost)} together")
     for line in causes.next_lines(cause, lab):
         if read or line.label != "Read":
             lines += setting.labelled(line.label, line.text)

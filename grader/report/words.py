@@ -100,6 +100,11 @@ def number(points: float) -> str:
     return f"{points:.2f}".rstrip("0").rstrip(".")
 
 
+def counted_points(points: float) -> str:
+    """Format points with their noun: ``1 point``, ``2.5 points``."""
+    return f"{number(round(points, 2))} point{'' if round(points, 2) == 1 else 's'}"
+
+
 def minus(points: float) -> str:
     """Format a deduction as ``−9.5``, with a minus sign instead of a hyphen."""
     return f"−{number(round(points, 2))}"

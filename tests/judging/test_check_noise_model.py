@@ -206,7 +206,6 @@ KINDS: list[tuple[str, type, dict[Any, Marked]]] = [
     ("drawn from one seed in every read", of(noise=_of_one_seed), dict.fromkeys((SIZE, WHITE), (0.0, ["reseeded"]))),
     ("drawn once for all reads, beside a counter", both(Frozen, drift=1e-6), _NO_NOISE | _DRIFTS),
     ("drawn from one seed in every read, beside a counter", both(Frozen, drift=1e-6, noise=_of_one_seed), _NO_NOISE | _DRIFTS),
-    ("whole numbers about another bias", of(one=lambda s, i: np.trunc(Sound.one(s, i)) + 0.2), _NO_NOISE | {GIVEN: (0.0, []), DEFAULT: (0.5, ["bias-not-random"]), WHITE: (0.0, ["no-noise", "precision-lost"])}),
     # its axes and sensors
     ("one number for all axes of the gyroscope", of(noise=lambda s, i: (_one_for_all_axes if i else Sound.noise)(s, i)), _SAME_AXES),
     ("one number for two axes of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i)[[0, 1, 1 + (i == 0)]]), {APART: (0.0, [])}),
