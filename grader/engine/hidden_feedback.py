@@ -92,13 +92,15 @@ def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback from the rows' titles and hints; a number appears only as its power of ten."""
     if not charge.costs:
         return no_more(charge)
+    sizes = [str(cost.shown.size) for cost in charge.costs if cost.shown.size]
+    titles = [rows[cost.row].title for cost in charge.costs if rows[cost.row].title]
     names = public(charge, rows)
     deducted = tuple(_deducted(cost, rows) for cost in charge.costs)
     return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
         expected=_HOLDS,
-        got="; ".join(dict.fromkeys(each.got for each in deducted)),
+        got="; ".join([*titles, *dict.fromkeys(sizes)]) or _DOES_NOT,
         hint=hint_of(charge, rows) if names else f"{hint_of(charge, rows)} {_PUBLIC}",
         faults=names,
         deducted=deducted,
