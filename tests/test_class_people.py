@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from tests.class_commands import Run, cells, column, commands, graded, hand_in, late_policy, rubric_with
-from tests.classes import a_class, gradescope, moodle_feedback
+from tests.classes import a_class, canvas_feedback, gradescope, moodle_feedback
 from tests.corpus.writing import zipped
 from tests.desk import desk_over, words
 
@@ -80,12 +81,23 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     assert cells("filled.csv", "SID", "Total Score") == [("S5038", "100"), ("S5039", "100")]
     assert run("export", "out", "-f", "csv", "-o", "marks.csv", "--feedback", "reports.zip")[::2] == (
         0,
-        "imugrade: graded: 2\nimugrade: no report for the platform to place: Bob Roe\n",
+        "imugrade: graded: 2\nimugrade: the platform cannot place these reports; send them from send-yourself in the zip: Bob Roe\n",
     )
+    with zipfile.ZipFile("reports.zip") as archive:
+        assert sorted(archive.namelist()) == ["leeann_101_900_report.html", "send-yourself/Bob-Roe-S5039/report.html"]
     assert cells("marks.csv", "id", "name", "submission", "final") == [
         ("S5038", "Ann Lee", "leeann_101", "100"),
         ("S5039", "Bob Roe", "leeann_101", "100"),
     ]
+
+
+@pytest.mark.parametrize("roster", ["Student,ID,group\nAnn Lee,101,1\nBob Roe,102,1\n", "id,name,group\n101,Ann Lee,1\n102,Bob Roe,1\n"])
+def test_canvas_takes_the_report_of_a_partner_of_an_assignment_of_groups(run: Run, roster: str) -> None:
+    canvas_download(leeann_101=1)
+    graded(run, folder="canvas.zip", roster=roster)
+    _, _, err = run("export", "out", "-f", "csv", "--feedback", "reports.zip")
+    assert "Canvas takes a partner's report only in an assignment of groups: Bob Roe\n" in err
+    assert set(canvas_feedback(Path("reports.zip").read_bytes())) == {("101", "900"), ("102", "900")}
 
 
 def test_every_person_has_one_identifier_of_the_same_kind_and_a_partner_gets_the_report(run: Run) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,6 +16,7 @@ from grader.course import class_settings
 from grader.course.contradictions import Contradiction, contradictions
 from grader.course.publishing import outdated_pages
 from grader.course.record import Store
+from grader.intake.names import distinct_ids
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory
 from grader.platforms.filled import directory, reply_to
@@ -124,10 +126,10 @@ class Plan:
         lines = [f"{target}  {', '.join(counts)}"]
         if order.feedback is None:
             return lines, []
-        reports, written, absent = _feedback(order.out, self.final_grades)
+        reports, written, notes = _feedback(order.out, self.final_grades)
         write_whole(order.feedback, reports)
         lines.append(f"{order.feedback}  {words.counted(written, 'report')}")
-        return lines, [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
+        return lines, notes
 
 
 def plan(order: Export) -> Plan:
@@ -143,7 +145,7 @@ def plan(order: Export) -> Plan:
     with Store.existing(order.out) as store:
         final_grades = store.final_grades()
         settings = store.settings()
-        sent = [each for each in final_grades.values() if order.feedback and each.hand_in.reply]
+        sent = list(final_grades.values()) if order.feedback else []
         outdated = outdated_pages(order.out, sent, store)
     if outdated:
         raise RequestError(
@@ -242,20 +244,30 @@ def _one_of(final_grade: FinalGrade, person: Person) -> str:
     return f"{name} ({final_grade.id})" if final_grade.namesake and name != final_grade.id else name
 
 
+_BY_HAND = "send-yourself"
+"""Folder of the zip with the reports that the platform cannot place."""
+_WORDS = re.compile(r"[^\W_]+")  # platforms split names at "_"
+
+
 def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, int, list[str]]:
-    """Return a zip of the reports under the platform's names, how many, and the people for whom the platform has no name."""
+    """Return a zip with a report for each person under the platform's names, how many, and lines on those it may not place."""
     buffer = io.BytesIO()
-    written, absent = 0, []
+    people = [(each, person) for each in final_grades.values() for person in each.people]
+    folders = distinct_ids("-".join(_WORDS.findall(f"{person.name} {person.number or each.id}")) for each, person in people)
+    by_hand, partners = [], []
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for id_, final_grade in final_grades.items():
-            report = out / "submissions" / id_ / "report.html"
-            for person in final_grade.people:
-                reply = reply_to(final_grade, person) if report.is_file() else ""
-                if not reply:
-                    absent.append(printable(person.name or id_, 80))
-                    continue
-                entry = zipfile.ZipInfo(f"{reply}report.html", _STAMP)
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                archive.writestr(entry, report.read_bytes())
-                written += 1
-    return buffer.getvalue(), written, absent
+        for (final_grade, person), folder in zip(people, folders, strict=True):
+            name = printable(person.name or final_grade.id, 80)
+            prefix = reply_to(final_grade, person)
+            if not prefix:
+                prefix = f"{_BY_HAND}/{folder}/"
+                by_hand.append(name)
+            elif person.platform != "moodle" and person != final_grade.people[0]:
+                partners.append(name)
+            entry = zipfile.ZipInfo(f"{prefix}report.html", _STAMP)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, (out / "submissions" / final_grade.id / "report.html").read_bytes())
+    lines = [f"the platform cannot place these reports; send them from {_BY_HAND} in the zip: {some(by_hand, 20)}"] if by_hand else []
+    if partners:
+        lines.append(f"Canvas takes a partner's report only in an assignment of groups: {some(partners, 20)}")
+    return buffer.getvalue(), len(people), lines

@@ -176,15 +176,19 @@ def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> fl
 def reply_to(final_grade: FinalGrade, person: Person) -> str:
     """Return the prefix of a file name in the platform's upload that returns the file to a person; "" if the platform has none.
 
-    A partner has not handed in. Moodle takes a file for a partner whose number is known; Canvas takes one only with the number of
-    an attachment of the same student.
+    A partner has not handed in. Moodle takes a file for each number. Canvas takes one if the partner has the same attachment, as in
+    an assignment of groups. A roster with the platform's number of the one who handed in has that of the partner in the same column.
     """
     reply, first = final_grade.hand_in.reply, final_grade.people[0]
     if person == first or not reply:
         return reply
-    head, number, rest = reply.partition(f"_{first.key}_assign")
-    moodle = head and number and (first.platform, person.platform) == ("moodle", "moodle") and person.key
-    return f"{original(person.name)}_{person.key}_assign{rest}" if moodle else ""
+    key = person.key if person.platform == first.platform else ""
+    key = key or (person.listed if first.key and first.listed == first.key else "")
+    _, number, rest = reply.rpartition(f"_{first.key}_")
+    if not key or not number:
+        return ""
+    name = original(person.name).replace("_", " ") if first.platform == "moodle" else "".join(filter(str.isalpha, person.name))
+    return f"{name or 'partner'}_{key}_{rest}"
 
 
 def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
