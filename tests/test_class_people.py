@@ -91,7 +91,9 @@ def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
     ]
 
 
-@pytest.mark.parametrize("roster", ["Student,ID,group\nAnn Lee,101,1\nBob Roe,102,1\n", "id,name,group\n101,Ann Lee,1\n102,Bob Roe,1\n"])
+@pytest.mark.parametrize(
+    "roster", ["Student,ID,group\nAnn Lee,101,1\nBob Roe,102,1\n", "id,name,group\n101,Ann Lee,1\n102,Bob Roe,1\n"]
+)
 def test_canvas_takes_the_report_of_a_partner_of_an_assignment_of_groups(run: Run, roster: str) -> None:
     canvas_download(leeann_101=1)
     graded(run, folder="canvas.zip", roster=roster)

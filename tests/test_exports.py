@@ -77,7 +77,9 @@ def test_a_class_in_each_shape_gets_the_same_marks_and_its_reports_back(
         taken_by_number = classes.moodle_feedback(reports)
         assert (set(taken_by_number), set(taken_by_number.values())) == ({s.moodle for s in CLASS}, pages)
     else:
-        assert len([n for n in zipfile.ZipFile(io.BytesIO(reports)).namelist() if n.startswith("send-yourself/")]) == len(CLASS)
+        assert len(
+            [n for n in zipfile.ZipFile(io.BytesIO(reports)).namelist() if n.startswith("send-yourself/")]
+        ) == len(CLASS)
 
 
 # ---- Canvas ----

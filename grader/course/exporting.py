@@ -253,7 +253,9 @@ def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes,
     """Return a zip with a report for each person under the platform's names, how many, and lines on those it may not place."""
     buffer = io.BytesIO()
     people = [(each, person) for each in final_grades.values() for person in each.people]
-    folders = distinct_ids("-".join(_WORDS.findall(f"{person.name} {person.number or each.id}")) for each, person in people)
+    folders = distinct_ids(
+        "-".join(_WORDS.findall(f"{person.name} {person.number or each.id}")) for each, person in people
+    )
     by_hand, partners = [], []
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for (final_grade, person), folder in zip(people, folders, strict=True):
@@ -267,7 +269,11 @@ def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes,
             entry = zipfile.ZipInfo(f"{prefix}report.html", _STAMP)
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, (out / "submissions" / final_grade.id / "report.html").read_bytes())
-    lines = [f"the platform cannot place these reports; send them from {_BY_HAND} in the zip: {some(by_hand, 20)}"] if by_hand else []
+    lines = (
+        [f"the platform cannot place these reports; send them from {_BY_HAND} in the zip: {some(by_hand, 20)}"]
+        if by_hand
+        else []
+    )
     if partners:
         lines.append(f"Canvas takes a partner's report only in an assignment of groups: {some(partners, 20)}")
     return buffer.getvalue(), len(people), lines

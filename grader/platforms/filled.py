@@ -177,7 +177,7 @@ def reply_to(final_grade: FinalGrade, person: Person) -> str:
     """Return the prefix of a file name in the platform's upload that returns the file to a person; "" if the platform has none.
 
     A partner has not handed in. Moodle takes a file for each number. Canvas takes one if the partner has the same attachment, as in
-    an assignment of groups. A roster with the platform's number of the one who handed in has that of the partner in the same column.
+    an assignment of groups. A roster with the platform's numbers has the partner's in the same column.
     """
     reply, first = final_grade.hand_in.reply, final_grade.people[0]
     if person == first or not reply:
@@ -187,7 +187,11 @@ def reply_to(final_grade: FinalGrade, person: Person) -> str:
     _, number, rest = reply.rpartition(f"_{first.key}_")
     if not key or not number:
         return ""
-    name = original(person.name).replace("_", " ") if first.platform == "moodle" else "".join(filter(str.isalpha, person.name))
+    name = (
+        original(person.name).replace("_", " ")
+        if first.platform == "moodle"
+        else "".join(filter(str.isalpha, person.name))
+    )
     return f"{name or 'partner'}_{key}_{rest}"
 
 

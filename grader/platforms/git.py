@@ -1,6 +1,6 @@
 """Git clones, one per student.
 
-Git is never run, because a repository can name programs that git would start.
+Settings and hooks of a clone are never read, because they can name programs that git would start.
 """
 
 from __future__ import annotations
