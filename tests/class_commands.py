@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from grader import __version__, cli
-from grader.course import classroom
-from grader.course.pool import Bounds
+from grader.course.markers.pool import Bounds
+from grader.course.run import classroom
 from grader.engine.findings import Where
 from grader.engine.marks import marked
 from grader.engine.results import Result

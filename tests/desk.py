@@ -13,9 +13,9 @@ from typing import Any
 from urllib.parse import urlencode
 
 from grader import __version__
-from grader.course.publishing import publish, publish_class
-from grader.course.record import Key, Store
-from grader.course.submission_archive import pack
+from grader.course.publishing.out_files import publish, publish_class
+from grader.course.record.store import Key, Store
+from grader.course.record.submission_archive import pack
 from grader.desk.auth import Keys
 from grader.desk.classbook import Classbook
 from grader.desk.serving import open_socket, server

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.course.calibration.comparison import agreement, compare
 from grader.course.calibration.proposal import propose
-from grader.course.regrade import regraded
+from grader.course.regrading.regrade import regraded
 from grader.people.final_grade import FinalGrade
 from tests import calibrated
 from tests.generated import differs

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from grader.course import unmarked
-from grader.course.grade_request import GradeRequest
-from grader.course.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
-from grader.course.warnings import remarks
+from grader.course.markers.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
+from grader.course.run import unmarked
+from grader.course.run.grade_request import GradeRequest
+from grader.course.run.warnings import remarks
 from grader.engine import rubric
 from grader.engine.results import Result
 from grader.labs.imu import bundles
@@ -91,7 +91,7 @@ def test_a_run_that_is_given_up_leaves_no_process_behind(tmp_path: Path) -> None
 KILLED = """
 import os, pathlib, sys, threading, time
 from functools import partial
-from grader.course.pool import mark_all
+from grader.course.markers.pool import mark_all
 from tests.fake_results import fake_marker, submission
 
 def leave():

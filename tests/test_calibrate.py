@@ -15,8 +15,8 @@ from grader.course.calibration import calibrating, comparison, sample
 from grader.course.calibration.comparison import ComparedCell, agreement, compare, differing
 from grader.course.calibration.marks import Mark, Marks
 from grader.course.calibration.proposal import propose
-from grader.course.record import Store
-from grader.course.regrade import regraded
+from grader.course.record.store import Store
+from grader.course.regrading.regrade import regraded
 from grader.engine import rubric
 from grader.engine.results import Result
 from grader.labs.imu.lab import LAB

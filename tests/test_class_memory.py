@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from grader.base.errors import RequestError
-from grader.course.class_grading import settings_on_record
-from grader.course.database import FILE_NAME
-from grader.course.secret_strength import guessable
+from grader.course.record.database import FILE_NAME
+from grader.course.run.class_grading import settings_on_record
+from grader.course.run.secret_strength import guessable
 from grader.desk.overviews import queue
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles

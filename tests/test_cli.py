@@ -17,7 +17,7 @@ import grader
 from grader import cli
 from grader.base.errors import GraderError, RequestError
 from grader.commands import checking
-from grader.course import classroom
+from grader.course.run import classroom
 from grader.engine import recording, traces
 from grader.engine.results import Result
 from grader.labs.imu import bundles

@@ -18,10 +18,11 @@ import pytest
 from distributed import Client
 
 from grader.base.errors import GraderError, RequestError
-from grader.course import classroom, cluster, cluster_worker, submissions
-from grader.course.grade_request import GradeRequest
-from grader.course.pool import KILLED, Bounds, Outcome, Unmarked
-from grader.course.record import Store
+from grader.course.markers import cluster, cluster_worker
+from grader.course.markers.pool import KILLED, Bounds, Outcome, Unmarked
+from grader.course.record.store import Store
+from grader.course.run import classroom, submissions
+from grader.course.run.grade_request import GradeRequest
 from grader.engine import rubric
 from grader.engine.chart_data import Evidence
 from grader.engine.results import Result

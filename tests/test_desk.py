@@ -13,9 +13,9 @@ from urllib.parse import urlencode
 import pytest
 from markupsafe import escape
 
-from grader.course.class_settings import ClassSettings
-from grader.course.record import Store
-from grader.course.submission_archive import LARGEST, pack, unpack
+from grader.course.record.class_settings import ClassSettings
+from grader.course.record.store import Store
+from grader.course.record.submission_archive import LARGEST, pack, unpack
 from grader.desk.overviews import queue
 from grader.desk.regrade_requests import read_in
 from grader.desk.similarity_groups import similarity_groups

@@ -16,9 +16,9 @@ from typing import Any
 
 import pytest
 
-from grader.course.class_grading import settings_on_record
-from grader.course.pool import Pool
-from grader.course.record import Store
+from grader.course.markers.pool import Pool
+from grader.course.record.store import Store
+from grader.course.run.class_grading import settings_on_record
 from grader.desk import repair_jobs
 from grader.desk.editing import as_bytes, editable
 from grader.labs.imu.lab import LAB

@@ -29,8 +29,8 @@ import typer.main
 
 from grader import cli
 from grader.commands import checking, machine
-from grader.course import classroom
-from grader.course.pool import OpenMarker, Outcome
+from grader.course.markers.pool import OpenMarker, Outcome
+from grader.course.run import classroom
 from grader.engine import lab_sandbox
 from grader.engine.rubric import load, shipped
 from grader.intake import Submission

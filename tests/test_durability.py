@@ -66,7 +66,7 @@ import os, pathlib, sys, threading
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from grader.course.pool import mark_all
+from grader.course.markers.pool import mark_all
 from tests.fake_results import FakeMarker, submission
 
 @contextmanager

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.base.errors import RequestError
-from grader.course.record import Key, Store
+from grader.course.record.store import Key, Store
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, points_by_check
 from grader.platforms import canvas, moodle, registry
 from grader.platforms.filled import Filled

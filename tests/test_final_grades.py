@@ -11,8 +11,8 @@ import pytest
 
 from grader.base.errors import RequestError
 from grader.base.stamps import read_stamp, stamp
-from grader.course.contradictions import contradictions
-from grader.course.warnings import outdated
+from grader.course.publishing.contradictions import contradictions
+from grader.course.run.warnings import outdated
 from grader.engine.results import Repair, Status
 from grader.engine.rubric import LatePolicy
 from grader.people import final_grade as grades

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grader.base.errors import GraderError
-from grader.course.warnings import remarks
+from grader.course.run.warnings import remarks
 from grader.engine import check_runner, rubric
 from grader.engine.grader import Marker
 from grader.engine.results import Result

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from grader.course import missing_packages
+from grader.course.run import missing_packages
 from grader.engine.results import Result
 from grader.intake import Submission
 from tests.class_commands import commands, graded, hand_in, result_by_comment

@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.course.class_settings import ClassSettings, causes
+from grader.course.record.class_settings import ClassSettings, causes
 from grader.engine import recording, rubric
 from grader.engine.grader import Marker
 from grader.engine.results import Result

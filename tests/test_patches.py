@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.base.errors import RequestError
-from grader.course.patches import LARGEST, applied, diff_of
+from grader.course.record.patches import LARGEST, applied, diff_of
 
 pytestmark = pytest.mark.quick
 BEFORE = b"a\nb\nc\nd\ne\nf\ng\nh\ni\nj\nk\nl\n"

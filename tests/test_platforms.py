@@ -14,7 +14,7 @@ import typer.main
 from docs import generated
 from grader import cli, platforms
 from grader.base.errors import GraderError
-from grader.course.record import Key, Store
+from grader.course.record.store import Key, Store
 from grader.intake.downloads import Download
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import HandIn, Person

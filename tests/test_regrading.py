@@ -12,9 +12,9 @@ import pytest
 
 from grader import __version__
 from grader.base.errors import RequestError
-from grader.course import regrade
-from grader.course.publishing import publish, publish_class
-from grader.course.record import Key, Store
+from grader.course.publishing.out_files import publish, publish_class
+from grader.course.record.store import Key, Store
+from grader.course.regrading import regrade
 from grader.engine import rubric
 from grader.engine.marks import marked
 from grader.engine.results import Result, to_json

@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import pytest
 
-from grader.course import repair_suggestions
-from grader.course.repair_candidates import Candidates, candidates, limited
-from grader.course.repair_suggestions import MOST, suggest
+from grader.course.repairs import suggestions
+from grader.course.repairs.candidates import Candidates, candidates, limited
+from grader.course.repairs.suggestions import MOST, suggest
 from grader.engine.findings import Where
 from grader.engine.results import CheckResult, CriterionResult, Result
 from grader.intake import Submission
@@ -96,7 +96,7 @@ def test_candidates_and_cpu_time_are_those_of_the_whole_submission(monkeypatch: 
             return replace(broken, cpu_s=mark_cpu_s)
 
         budgets.clear()
-        monkeypatch.setattr(repair_suggestions, "limited", made)
+        monkeypatch.setattr(suggestions, "limited", made)
         assert suggest(handed_in, broken, LAB, mark) is None
         return budgets
 

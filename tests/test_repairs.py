@@ -17,8 +17,9 @@ from xml.etree import ElementTree
 import jsonschema
 import pytest
 
-from grader.course import classroom, repairs
-from grader.course.repair_suggestions import Suggestion
+from grader.course.repairs import renewing
+from grader.course.repairs.suggestions import Suggestion
+from grader.course.run import classroom
 from grader.engine.results import from_dict, to_json
 from grader.platforms.gradescope import gradescope
 from grader.platforms.junit import junit
@@ -183,7 +184,7 @@ def suggestions(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         made = mark(replace(handed_in, files={**handed_in.files, "filters.py": FIXED.encode()}))
         return Suggestion("filters.py", FIXED.encode(), "", made, 0)
 
-    monkeypatch.setattr(repairs, "suggest", suggest)
+    monkeypatch.setattr(renewing, "suggest", suggest)
     return asked
 
 

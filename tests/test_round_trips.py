@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.course import class_settings
-from grader.course.class_settings import ClassSettings
+from grader.course.record import class_settings
+from grader.course.record.class_settings import ClassSettings
 from grader.engine import results
 from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Repair, Result, from_dict

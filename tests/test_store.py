@@ -11,8 +11,8 @@ import pytest
 
 from grader import cli
 from grader.base.errors import RequestError
-from grader.course.database import FILE_NAME
-from grader.course.record import Key, Store
+from grader.course.record.database import FILE_NAME
+from grader.course.record.store import Key, Store
 from grader.engine import rubric
 from grader.labs.imu.lab import LAB
 from tests.fake_results import check, lost, result

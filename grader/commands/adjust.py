@@ -68,9 +68,9 @@ def adjust(
       imugrade adjust out --csv adjustments.csv
       imugrade adjust out
     """
-    from grader.course import adjusting, groups  # noqa: PLC0415
-    from grader.course.classroom import lab_on_record  # noqa: PLC0415
-    from grader.course.record import Store  # noqa: PLC0415
+    from grader.course.record.store import Store  # noqa: PLC0415
+    from grader.course.regrading import adjusting, groups  # noqa: PLC0415
+    from grader.course.run.classroom import lab_on_record  # noqa: PLC0415
 
     if sum(each is not None for each in (id_, table, having, take_back)) > 1:
         raise RequestError("adjust: give exactly one of ID, --csv, --having and --take-back")

@@ -43,7 +43,7 @@ def calibrate(
       imugrade calibrate out --marks marks-a.csv --marks marks-b.csv
     """
     from grader.course.calibration import calibrating  # noqa: PLC0415
-    from grader.course.classroom import lab_on_record  # noqa: PLC0415
+    from grader.course.run.classroom import lab_on_record  # noqa: PLC0415
 
     if (sample is None) == (not marks):
         raise RequestError("calibrate: give --sample N to draw submissions, or --marks FILE to compare")

@@ -26,8 +26,8 @@ def diff(
     Example:
       imugrade diff out-monday out-tuesday
     """
-    from grader.course import differences  # noqa: PLC0415
-    from grader.course.record import Store  # noqa: PLC0415
+    from grader.course.publishing import differences  # noqa: PLC0415
+    from grader.course.record.store import Store  # noqa: PLC0415
 
     with Store.existing(first) as old, Store.existing(second or first) as new:
         before = old.final_grades() if second is not None else old.former()

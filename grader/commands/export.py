@@ -65,7 +65,7 @@ def export(
       imugrade export out --format canvas --template gradebook.csv --column "Lab 04-01"
       imugrade export out --format moodle --template worksheet.csv --feedback reports.zip
     """
-    from grader.course import exporting  # noqa: PLC0415
+    from grader.course.publishing import exporting  # noqa: PLC0415
 
     platform = registry.platform(one_of("--format", format_, registry.names("fill", "write")))
     how = one_of("--unreadable", unreadable, exporting.BLANK_OR_ZERO)

@@ -16,8 +16,8 @@ from grader.commands.common import LevelOption, RubricOption, SeedOption, consol
 from grader.platforms import registry
 
 if TYPE_CHECKING:
-    from grader.course.class_settings import Change
-    from grader.course.classroom import Outcome
+    from grader.course.record.class_settings import Change
+    from grader.course.run.classroom import Outcome
 
 
 def grade(
@@ -92,8 +92,9 @@ def grade(
     """
     from rich.text import Text  # noqa: PLC0415
 
-    from grader.course import class_settings, classroom, secret_strength, submissions  # noqa: PLC0415
-    from grader.course.grade_request import GradeRequest  # noqa: PLC0415
+    from grader.course.record import class_settings  # noqa: PLC0415
+    from grader.course.run import classroom, secret_strength, submissions  # noqa: PLC0415
+    from grader.course.run.grade_request import GradeRequest  # noqa: PLC0415
     from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.people import late_policy  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415

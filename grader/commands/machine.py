@@ -10,7 +10,7 @@ from pathlib import Path
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
-from grader.course import missing_packages
+from grader.course.run import missing_packages
 from grader.engine.lab_registry import chosen_lab
 from grader.engine.reading import Reader
 from grader.engine.recording import try_recording

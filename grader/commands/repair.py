@@ -53,33 +53,34 @@ def repair(
       imugrade repair out alice --undo
       imugrade repair out --list
     """
-    from grader.course import class_grading, repairs  # noqa: PLC0415
-    from grader.course.classroom import lab_on_record  # noqa: PLC0415
+    from grader.course.repairs import making  # noqa: PLC0415
+    from grader.course.run import class_grading  # noqa: PLC0415
+    from grader.course.run.classroom import lab_on_record  # noqa: PLC0415
 
     if list_ or id_ is None:
-        for line in repairs.listing(out):
+        for line in making.listing(out):
             print(line)
         return 0
     if not (undo or suggest) and file is None:
         raise RequestError("repair: say which FILE; the report of the submission names it")
     with class_grading.settings_on_record(lab_on_record(out), out, seed, trusted=trust).opened() as by:
         if undo:
-            print(repairs.take_back(out, id_, file or "", author or login(), by))
-            repairs.publish(out, id_, by)
+            print(making.take_back(out, id_, file or "", author or login(), by))
+            making.publish(out, id_, by)
             return 0
         if suggest:
-            for line in repairs.suggested(out, id_, by):
+            for line in making.suggested(out, id_, by):
                 print(line)
             return 0
-        request = repairs.RepairRequest(id_, file or "", _read(fixed), _text(patch), deduct, comment)
-        print(repairs.record(out, request, author or login(), by))
-        repairs.publish(out, id_, by)
+        request = making.RepairRequest(id_, file or "", _read(fixed), _text(patch), deduct, comment)
+        print(making.record(out, request, author or login(), by))
+        making.publish(out, id_, by)
     return 0
 
 
 def _read(path: Path | None) -> bytes | None:
     from grader.base.files import read_file  # noqa: PLC0415
-    from grader.course.patches import LARGEST  # noqa: PLC0415
+    from grader.course.record.patches import LARGEST  # noqa: PLC0415
 
     return None if path is None else read_file(path, LARGEST, "give the path of a repaired file or of a diff")
 

@@ -48,7 +48,7 @@ def review(
         from grader.desk import classbook, regrade_requests, serving  # noqa: PLC0415
     except ModuleNotFoundError as missing:
         raise RequestError(f"review needs {missing.name}, which comes with: pip install 'imugrade[desk]'") from missing
-    from grader.course.classroom import lab_on_record  # noqa: PLC0415
+    from grader.course.run.classroom import lab_on_record  # noqa: PLC0415
 
     with closing(classbook.Classbook(lab_on_record(out), out, rubric, seed, trusted=trust)) as book:
         for file in read_in or ():

@@ -11,7 +11,7 @@ from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from grader.base.errors import RequestError
-from grader.course.decisions import OvertakenError
+from grader.course.record.decisions import OvertakenError
 from grader.desk import (
     calibrate,
     comparing,

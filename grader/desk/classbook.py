@@ -12,14 +12,15 @@ from typing import Any, TypeVar
 
 from grader.base.errors import RequestError
 from grader.base.stamps import now
-from grader.course import class_grading, class_settings
-from grader.course.adjusting import OverrideRequest, RecordedOverride, decide
-from grader.course.decisions import Review
-from grader.course.no_submission import admit, blank_grades
-from grader.course.publishing import publish_all, publish_class
-from grader.course.record import Store
-from grader.course.regrade import remark
-from grader.course.submission_archive import Kept, unpack
+from grader.course.publishing.out_files import publish_all, publish_class
+from grader.course.record import class_settings
+from grader.course.record.decisions import Review
+from grader.course.record.store import Store
+from grader.course.record.submission_archive import Kept, unpack
+from grader.course.regrading.adjusting import OverrideRequest, RecordedOverride, decide
+from grader.course.regrading.no_submission import admit, blank_grades
+from grader.course.regrading.regrade import remark
+from grader.course.run import class_grading
 from grader.desk.repair_jobs import RepairJobs
 from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine.fingerprint import of_the_sheet

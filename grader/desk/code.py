@@ -11,7 +11,7 @@ from pygments.lexers.python import PythonLexer
 from pygments.token import STANDARD_TYPES, Token, _TokenType
 
 from grader.base.text import printable
-from grader.course.submission_archive import PNG, Kept, source, unshowable
+from grader.course.record.submission_archive import PNG, Kept, source, unshowable
 from grader.engine.results import CheckResult
 
 MOST_LINES = 1500

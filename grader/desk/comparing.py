@@ -9,9 +9,9 @@ from starlette.responses import Response
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.groups import similar_group
-from grader.course.submission_archive import source
-from grader.course.warnings import equal
+from grader.course.record.submission_archive import source
+from grader.course.regrading.groups import similar_group
+from grader.course.run.warnings import equal
 from grader.desk.classbook import Classbook
 from grader.desk.code import Line, coloured
 from grader.desk.overviews import framed

@@ -9,9 +9,10 @@ from pathlib import Path
 from starlette.responses import Response
 
 from grader.base.errors import RequestError
-from grader.course import class_settings, exporting
-from grader.course.contradictions import contradictions
-from grader.course.exporting import Export, Plan
+from grader.course.publishing import exporting
+from grader.course.publishing.contradictions import contradictions
+from grader.course.publishing.exporting import Export, Plan
+from grader.course.record import class_settings
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import WebRequest

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
-from grader.course import adjusting
-from grader.course.adjusting import OverrideRequest
-from grader.course.groups import CHECK, FAULT, Group, decisions, groups, similar_group
+from grader.course.regrading import adjusting
+from grader.course.regrading.adjusting import OverrideRequest
+from grader.course.regrading.groups import CHECK, FAULT, Group, decisions, groups, similar_group
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address

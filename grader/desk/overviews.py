@@ -9,8 +9,8 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course import repairs
-from grader.course.contradictions import contradictions
+from grader.course.publishing.contradictions import contradictions
+from grader.course.repairs import making
 from grader.desk import drafts
 from grader.desk import review_queue as queue_of
 from grader.desk.classbook import Classbook
@@ -29,7 +29,7 @@ def queue(book: Classbook) -> list[Item]:
         book.store.regrade_requests(),
         book.store.reviews(),
         contradictions(book.final_grades(), book.store.settings()),
-        repairs.lapsed(book.store, book.final_grades()),
+        making.lapsed(book.store, book.final_grades()),
     )
     return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
 

@@ -16,8 +16,8 @@ from grader.base.errors import RequestError
 from grader.base.files import read_file
 from grader.base.stamps import now
 from grader.base.text import printable
-from grader.course.adjusting import targets
-from grader.course.decisions import RegradeRequest
+from grader.course.record.decisions import RegradeRequest
+from grader.course.regrading.adjusting import targets
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import MOST_BYTES, WebRequest

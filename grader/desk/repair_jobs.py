@@ -17,9 +17,9 @@ from functools import partial
 from typing import ClassVar
 
 from grader.base.errors import GraderError, RequestError
-from grader.course.pool import Bounds, Pool, Stopped, Unmarked
-from grader.course.repair_log import sha256_of
-from grader.course.repairs import Grading, GradingSettings, Preview
+from grader.course.markers.pool import Bounds, Pool, Stopped, Unmarked
+from grader.course.record.repair_log import sha256_of
+from grader.course.repairs.making import Grading, GradingSettings, Preview
 from grader.engine.results import Result
 from grader.intake import Submission
 

@@ -11,12 +11,12 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
 from grader.base.text import decimal
-from grader.course import repairs
-from grader.course.decisions import OvertakenError
-from grader.course.patches import diff_of
-from grader.course.repair_log import MAX_COMMENT, patched, sha256_of
-from grader.course.repair_suggestions import MOST
-from grader.course.repairs import Grading, Preview, RepairRequest
+from grader.course.record.decisions import OvertakenError
+from grader.course.record.patches import diff_of
+from grader.course.record.repair_log import MAX_COMMENT, patched, sha256_of
+from grader.course.repairs import making
+from grader.course.repairs.making import Grading, Preview, RepairRequest
+from grader.course.repairs.suggestions import MOST
 from grader.desk.classbook import Classbook
 from grader.desk.editing import as_bytes, editable
 from grader.desk.repair_jobs import Job, RepairForm
@@ -236,7 +236,7 @@ class PreviewJob(Job):
     request: RepairRequest
 
     def run(self, grading: Grading) -> None:
-        self.grades = repairs.preview(self.out, self.request, grading)
+        self.grades = making.preview(self.out, self.request, grading)
 
 
 @dataclass(kw_only=True)
@@ -252,7 +252,7 @@ class SuggestJob(Job):
 
     def run(self, grading: Grading) -> None:
         self.step = "Trying edits of the line that fails"
-        grades, found = repairs.suggestion(self.out, self.id, grading)
+        grades, found = making.suggestion(self.out, self.id, grading)
         if found is None:
             raise RequestError(
                 "No repair to suggest: no edit of one place makes the code run, or several do with different grades."
@@ -276,7 +276,7 @@ class SaveJob(Job):
         for place, id_ in enumerate(self.ids):
             one = replace(self.request, id=id_, deduction=points, comment=self.form.comment)
             try:
-                self.lines.append(repairs.record(self.book.out, one, self.author, grading))
+                self.lines.append(making.record(self.book.out, one, self.author, grading))
             except RequestError as problem:
                 if place == 0:
                     raise
@@ -293,7 +293,7 @@ class UndoJob(Job):
     author: str
 
     def run(self, grading: Grading) -> None:
-        self.lines.append(repairs.take_back(self.book.out, self.id, self.file, self.author, grading))
+        self.lines.append(making.take_back(self.book.out, self.id, self.file, self.author, grading))
         self.book.changed([self.id])
 
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from urllib.parse import quote
 
 from grader.base.text import printable, some
-from grader.course import missing_packages, repairs
-from grader.course.contradictions import Contradiction
-from grader.course.decisions import RegradeRequest, Review, about, why_empty
-from grader.course.groups import Group, similar_group
-from grader.course.repair_log import LoggedRepair
-from grader.course.warnings import equal, not_understood
+from grader.course.publishing.contradictions import Contradiction
+from grader.course.record.decisions import RegradeRequest, Review, about, why_empty
+from grader.course.record.repair_log import LoggedRepair
+from grader.course.regrading.groups import Group, similar_group
+from grader.course.repairs import making
+from grader.course.run import missing_packages
+from grader.course.run.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import NEEDS_REVIEW
 from grader.engine.lab import Lab
@@ -224,7 +225,7 @@ def _of_several(
 def _lapsed(repair: LoggedRepair) -> Reason:
     file, author = printable(repair.file, 200), printable(repair.author, 80)
     what = f"The repair of {file} by {author} ({words.minus(repair.deduction)} points) no longer counts"
-    return Reason("repair-lapsed", f"{what}: {repairs.WHY_LAPSED}.", file=repair.file)
+    return Reason("repair-lapsed", f"{what}: {making.WHY_LAPSED}.", file=repair.file)
 
 
 def _request(request: RegradeRequest) -> Reason:

@@ -19,8 +19,8 @@ from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.base.stamps import now
 from grader.base.text import decimal
-from grader.course import regrade
-from grader.course.contradictions import contradictions
+from grader.course.publishing.contradictions import contradictions
+from grader.course.regrading import regrade
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import WebRequest

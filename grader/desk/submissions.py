@@ -12,10 +12,10 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.stamps import now
 from grader.base.text import printable
-from grader.course import adjusting
-from grader.course.adjusting import ALONE, OverrideRequest
-from grader.course.decisions import RegradeRequest
-from grader.course.submission_archive import unshowable
+from grader.course.record.decisions import RegradeRequest
+from grader.course.record.submission_archive import unshowable
+from grader.course.regrading import adjusting
+from grader.course.regrading.adjusting import ALONE, OverrideRequest
 from grader.desk import repairing
 from grader.desk.classbook import Classbook
 from grader.desk.code import SubmittedFiles, defined, named_lines, submitted_files

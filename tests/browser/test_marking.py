@@ -8,7 +8,7 @@ from playwright.sync_api import Browser, expect
 
 from grader.course.calibration import calibrating
 from grader.course.calibration.marks import Mark
-from grader.course.record import Store
+from grader.course.record.store import Store
 from grader.labs.imu.lab import LAB
 from tests.browser.conftest import PHONE, Watched, complaints, width_on_a_phone
 from tests.desk import PNG, Student, make_class

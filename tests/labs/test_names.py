@@ -29,8 +29,11 @@ LEFT = {
     ("engine/submission_session.py", "mujoco"): "the packages of the sandbox, told to who misses another one",
     ("engine/class_versions.py", "mujoco"): "a package whose version the class shares",
     ("engine/lab_registry.py", "imu"): "the shipped lab, which a command takes where none is named",
-    ("course/cluster_worker.py", "mujoco"): "the packages of the sandbox, the same on all machines of a cluster",
-    ("course/differences.py", "mujoco"): "how a package of a result's provenance is called",
+    (
+        "course/markers/cluster_worker.py",
+        "mujoco",
+    ): "the packages of the sandbox, the same on all machines of a cluster",
+    ("course/publishing/differences.py", "mujoco"): "how a package of a result's provenance is called",
     ("report/overview.py", "mujoco"): "how a package of a result's provenance is called",
     ("report/pages.py", "mujoco"): "how a package of a result's provenance is called",
 }

@@ -10,12 +10,13 @@ from pathlib import Path
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.base.text import csv_cell
-from grader.course import adjusting, class_settings
 from grader.course.calibration import comparison, sample
 from grader.course.calibration.marks import Cell, Mark, Marks, as_rows, read_marks
 from grader.course.calibration.pages import comparison_page, marking_page
 from grader.course.calibration.summary import lines_of, short_digest, summarize
-from grader.course.record import Store
+from grader.course.record import class_settings
+from grader.course.record.store import Store
+from grader.course.regrading import adjusting
 from grader.engine.lab import Lab
 from grader.engine.results import Result
 

@@ -19,7 +19,7 @@ from scipy import optimize
 
 from grader.course.calibration.comparison import ComparedCell
 from grader.course.calibration.marks import Cell
-from grader.course.regrade import regraded
+from grader.course.regrading.regrade import regraded
 from grader.engine.faults import rows
 from grader.engine.marks import earned
 from grader.engine.results import CriterionResult

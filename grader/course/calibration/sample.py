@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from markupsafe import Markup
 
 from grader.base.text import printable
-from grader.course.record import Store
-from grader.course.submission_archive import source, unpack, unshowable
+from grader.course.record.store import Store
+from grader.course.record.submission_archive import source, unpack, unshowable
 from grader.engine.chart_data import Chart
 from grader.engine.lab import Lab
 from grader.engine.results import Result

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from grader.base.errors import RequestError
 from grader.base.text import printable, some
-from grader.course.database import FILE_NAME
-from grader.course.grade_request import GradeRequest
-from grader.course.record import Store
+from grader.course.record.database import FILE_NAME
+from grader.course.record.store import Store
+from grader.course.run.grade_request import GradeRequest
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import guess_at
 from grader.people import late_policy, roster

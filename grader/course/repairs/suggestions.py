@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from grader.course.patches import diff_of
-from grader.course.repair_candidates import limited
+from grader.course.record.patches import diff_of
+from grader.course.repairs.candidates import limited
 from grader.engine.findings import Where
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.adjusting import said
-from grader.course.record import Store
+from grader.course.record.store import Store
+from grader.course.regrading.adjusting import said
 from grader.engine.results import CheckResult, Result
 from grader.engine.rubric_nodes import guess_at
 from grader.people.final_grade import Adjustment, FinalGrade

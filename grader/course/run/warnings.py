@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from grader.base.text import printable, some
-from grader.course import missing_packages
+from grader.course.run import missing_packages
 from grader.engine.results import AUTOMATIC, Result
 from grader.engine.rubric import LatePolicy
 from grader.people.final_grade import Adjustment, FinalGrade, automatic_points, maximum_points, summed

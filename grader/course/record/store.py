@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import TypeVar
 
 from grader.base import stamps
-from grader.course import class_settings
-from grader.course.class_settings import ClassSettings
-from grader.course.database import read
-from grader.course.decisions import Decisions, is_reviewed
-from grader.course.drafts import Drafts
-from grader.course.repair_log import RepairLog
+from grader.course.record import class_settings
+from grader.course.record.class_settings import ClassSettings
+from grader.course.record.database import read
+from grader.course.record.decisions import Decisions, is_reviewed
+from grader.course.record.drafts import Drafts
+from grader.course.record.repair_log import RepairLog
 from grader.engine.chart_data import Chart, unpacked
 from grader.engine.marks import fits, marked
 from grader.engine.results import Result, from_dict, to_record

@@ -6,8 +6,8 @@ submission is that of its repaired copy. A regrade grades that copy again while 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -16,13 +16,12 @@ from grader import __version__
 from grader.base import stamps
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.database import read
-from grader.course.decisions import OvertakenError
-from grader.course.patches import LARGEST, applied, diff_of
-from grader.course.pool import OpenMarker
-from grader.course.publishing import publish_all, write_class
-from grader.course.record import Key, Store
-from grader.course.repair_log import (
+from grader.course.markers.pool import OpenMarker
+from grader.course.publishing.out_files import publish_all, write_class
+from grader.course.record.database import read
+from grader.course.record.decisions import OvertakenError
+from grader.course.record.patches import LARGEST, applied, diff_of
+from grader.course.record.repair_log import (
     MAX_COMMENT,
     LoggedRepair,
     of_these_files,
@@ -30,9 +29,10 @@ from grader.course.repair_log import (
     repaired_sha256,
     sha256_of,
 )
-from grader.course.repair_suggestions import Mark, Suggestion, suggest
-from grader.course.submission_archive import unpack
-from grader.engine.results import AUTOMATIC, Repair, Result, Unrepaired
+from grader.course.record.store import Key, Store
+from grader.course.record.submission_archive import unpack
+from grader.course.repairs.suggestions import Mark, Suggestion, suggest
+from grader.engine.results import Repair, Result, Unrepaired
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
@@ -41,9 +41,7 @@ from grader.intake.names import is_code
 from grader.people.final_grade import FinalGrade
 from grader.people.identity import PersonLookup
 from grader.report import words
-from grader.report.causes import stops
 
-BY_ITSELF = "Applied automatically: with this edit of one place the code runs."
 WHY_LAPSED = (
     "the student handed in other files since, or the repaired copy earns less; repair the present files, or undo it"
 )
@@ -108,9 +106,9 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
-        handed_in = _handed_in(store, final_grade)
+        handed_in = files_handed_in(store, final_grade)
         before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
-        made = _made(request, final_grade, patched(handed_in.files, before), handed_in, author)
+        made = validated_repair(request, final_grade, patched(handed_in.files, before), handed_in, author)
         result = repaired(handed_in, final_grade, [*before, made], grading, store)
         store.keep_repair(made)
         store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [*before, made])), result)
@@ -141,10 +139,10 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> Preview:
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
-        handed_in = _handed_in(store, final_grade)
+        handed_in = files_handed_in(store, final_grade)
         before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
         complete = replace(request, comment=request.comment or "preview")
-        made = _made(complete, final_grade, patched(handed_in.files, before), handed_in, "")
+        made = validated_repair(complete, final_grade, patched(handed_in.files, before), handed_in, "")
         original = _original(final_grade, handed_in, grading, store)
         result = _graded(handed_in, original, [*before, made], grading)
         return Preview(final_grade.result, result, _refusal(final_grade.id, result, original))
@@ -159,7 +157,7 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggesti
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
-        handed_in = _handed_in(store, final_grade)
+        handed_in = files_handed_in(store, final_grade)
         present = replace(final_grade.result, repairs=())  # the points before any deduction
         before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
     now = replace(handed_in, files=patched(handed_in.files, before))
@@ -180,7 +178,7 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
     yield from (printable(line, 200) for line in found.diff.splitlines())
 
 
-def _made(
+def validated_repair(
     request: RepairRequest, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
 ) -> LoggedRepair:
     """Validate a request and return its repair; `now` holds the files with the repairs already in force."""
@@ -281,7 +279,7 @@ def _final_grade(store: Store, who: str) -> FinalGrade:
     return final_grades[id_]
 
 
-def _handed_in(store: Store, final_grade: FinalGrade) -> Submission:
+def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
     """Return the submission as it was handed in, from the record."""
     sha256 = str(final_grade.result.provenance.get("submission_sha256", ""))
     kept = read(unpack, store.files(sha256))
@@ -304,9 +302,6 @@ def _final(final_grade: FinalGrade) -> str:
     return "open" if final_grade.final is None else f"{words.number(final_grade.final)} points"
 
 
-# --- taking back ---------------------------------------------------------------------------------------------------------
-
-
 def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
     """Take back the last repair in force of a submission or file; return a line on it. The pages of OUT are left as they are.
 
@@ -317,7 +312,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
-        handed_in = _handed_in(store, final_grade)
+        handed_in = files_handed_in(store, final_grade)
         made = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
         old = [each for each in store.repairs_in_force(final_grade.id) if each not in made]
         last = next((each for each in reversed([*old, *made]) if file in ("", each.file)), None)
@@ -366,101 +361,3 @@ def listing(out: Path) -> Iterator[str]:
                 f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}{state}"
             )
             yield from (f"    {printable(line, 200)}" for line in each.diff.splitlines()[2:])
-
-
-# --- regrades ------------------------------------------------------------------------------------------------------------
-
-
-def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
-    """Make repaired copies the present results again after a regrade of the original files.
-
-    Yields
-    ------
-    For each of these submissions with repairs in force, the id with the repaired result or a line on why a repair does not count.
-    A repair counts while the student's file is the same.
-    """
-    by_id: dict[str, list[LoggedRepair]] = {}
-    for each in store.repairs_in_force():
-        by_id.setdefault(each.id, []).append(each)
-    if not by_id:
-        return
-    final_grades = store.final_grades()
-    for id_ in sorted(by_id.keys() & set(ids) & final_grades.keys()):
-        for found in _renewed(store, final_grades[id_], by_id[id_], grading):
-            yield id_, found
-
-
-def apply_suggested(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result]]:
-    """Apply the suggested repairs to submissions that do not run, for ``repairs: {apply: suggested}`` in the rubric.
-
-    A file that already has a repair, in force or taken back, is left alone.
-
-    Yields
-    ------
-    The id of each submission that was repaired, and its result.
-    """
-    decided: dict[str, set[tuple[str, str]]] = {}
-    for each in store.repairs():
-        decided.setdefault(each.id, set()).add(each.is_for)
-    final_grades = store.final_grades()
-    for id_ in sorted(set(ids) & final_grades.keys()):
-        final_grade = final_grades[id_]
-        if final_grade.result.repairs or not stops(final_grade.result, grading.rubric.lab):
-            continue
-        with suppress(RequestError):  # the submission stays as it is if the repair cannot be recorded
-            made = _search_and_apply(store, final_grade, decided.get(id_, set()), grading)
-            if made is not None:
-                yield id_, made
-
-
-def _search_and_apply(
-    store: Store, final_grade: FinalGrade, already_repaired: set[tuple[str, str]], grading: Grading
-) -> Result | None:
-    """Search once for a repair of a submission, apply it, and record it with its result.
-
-    Parameters
-    ----------
-    already_repaired : (file, digest) of each file that has a repair, in force or taken back
-
-    Returns
-    -------
-    The repaired result. None if a repair was searched before, none is found, or the file is in `already_repaired`.
-    """
-    handed_in = _handed_in(store, final_grade)
-    if not store.is_first_search(grading.key(final_grade.id, handed_in.sha256)):
-        return None
-    found = suggest(handed_in, final_grade.result, grading.rubric.lab, grading.mark)
-    if found is None or (found.file, sha256_of(handed_in.files[found.file])) in already_repaired:
-        return None
-    request = RepairRequest(final_grade.id, found.file, found.content, None, grading.rubric.repairs.deduct, BY_ITSELF)
-    made = _made(request, final_grade, handed_in.files, handed_in, AUTOMATIC)
-    result = repaired(handed_in, final_grade, [made], grading, store)
-    store.keep_repair(made)
-    store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [made])), result)
-    return result
-
-
-def _renewed(
-    store: Store, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading
-) -> Iterator[Result | str]:
-    """Yield the result of each repair that still fits the submitted files, and a message for each that does not."""
-    name = printable(final_grade.id, 80)
-    try:
-        handed_in = _handed_in(store, final_grade)
-        current = of_these_files(repairs, handed_in)
-        for each in [each for each in repairs if each not in current]:
-            yield (
-                f"{name}: the repair of {printable(each.file, 80)} by {printable(each.author, 80)} does not count: the student "
-                f"handed in another version of the file. Repair it again, or run `imugrade repair OUT {name} --undo`"
-            )
-        if not current:
-            return
-        key = grading.key(final_grade.id, repaired_sha256(handed_in, current))
-        result = store.recall(key) or store.remark(key, grading.rubric)
-        if result is None:
-            result = repaired(handed_in, final_grade, current, grading, store)
-            store.keep(key, result)
-    except RequestError as problem:
-        yield f"{name}: its repairs do not count: {problem}"
-    else:
-        yield result

@@ -9,7 +9,7 @@ from dataclasses import astuple, dataclass
 
 from grader.base.errors import RequestError
 from grader.base.text import printable
-from grader.course.database import Database, read
+from grader.course.record.database import Database, read
 from grader.engine.results import Result
 from grader.people.final_grade import Adjustment
 from grader.report import words

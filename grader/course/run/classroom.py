@@ -13,20 +13,23 @@ from typing import Protocol
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
-from grader.course import class_settings, cluster, missing_packages, repairs
-from grader.course.class_settings import Change, ClassSettings
-from grader.course.contradictions import contradictions
-from grader.course.database import FILE_NAME
-from grader.course.decisions import is_reviewed
-from grader.course.grade_request import GradeRequest
-from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
-from grader.course.pool import Outcome as Marked
-from grader.course.publishing import publish, publish_class
-from grader.course.record import Key, Store
-from grader.course.submission_archive import pack
-from grader.course.submissions import Class
-from grader.course.unmarked import stopped, unjudged
-from grader.course.warnings import gone, named_lines, of_policy, outdated, remarks, replaced
+from grader.course.markers import cluster
+from grader.course.markers.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
+from grader.course.markers.pool import Outcome as Marked
+from grader.course.publishing.contradictions import contradictions
+from grader.course.publishing.out_files import publish, publish_class
+from grader.course.record import class_settings
+from grader.course.record.class_settings import Change, ClassSettings
+from grader.course.record.database import FILE_NAME
+from grader.course.record.decisions import is_reviewed
+from grader.course.record.store import Key, Store
+from grader.course.record.submission_archive import pack
+from grader.course.repairs import making, renewing
+from grader.course.run import missing_packages
+from grader.course.run.grade_request import GradeRequest
+from grader.course.run.submissions import Class
+from grader.course.run.unmarked import stopped, unjudged
+from grader.course.run.warnings import gone, named_lines, of_policy, outdated, remarks, replaced
 from grader.engine.chart_data import Evidence, unpacked
 from grader.engine.grader import Marker
 from grader.engine.lab import Lab
@@ -233,14 +236,14 @@ class _Run:
     def renew_repairs(self) -> None:
         """Let repaired copies count again for the submissions whose files are the same as when they were repaired."""
         request = self._request
-        with repairs.GradingSettings(request.rubric, request.traces, opener(request)).opened() as grading:
-            for id_, found in repairs.renew(self._store, list(self._outcome.results), grading):
+        with making.GradingSettings(request.rubric, request.traces, opener(request)).opened() as grading:
+            for id_, found in renewing.renew(self._store, list(self._outcome.results), grading):
                 if isinstance(found, str):
                     self.lost_repairs.append(found)
                 else:
                     self._repaired(id_)
             if request.rubric.repairs.suggested:
-                for id_, _ in repairs.apply_suggested(self._store, list(self._outcome.results), grading):
+                for id_, _ in renewing.apply_suggested(self._store, list(self._outcome.results), grading):
                     self._repaired(id_)
 
     def _repaired(self, id_: str) -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from grader import __version__
 from grader.base.files import write_whole
-from grader.course import class_settings
-from grader.course.contradictions import contradictions, untimed
-from grader.course.record import Store
+from grader.course.publishing.contradictions import contradictions, untimed
+from grader.course.record import class_settings
+from grader.course.record.store import Store
 from grader.engine.faults import catalogue
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from grader.base.text import printable, some
-from grader.course.class_settings import ClassSettings
+from grader.course.record.class_settings import ClassSettings
 from grader.people.final_grade import Adjustment, FinalGrade, maximum_points
 from grader.people.identity import Directory, Row
 from grader.report import words

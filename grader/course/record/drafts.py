@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grader.course.database import Database
+from grader.course.record.database import Database
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS drafts (

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from grader.base.errors import RequestError
 from grader.base.text import some
-from grader.course.publishing import write_class
-from grader.course.record import Store
+from grader.course.publishing.out_files import write_class
+from grader.course.record.store import Store
 from grader.engine.marks import fits, marked
 from grader.engine.rubric import Rubric
 from grader.people import late_policy

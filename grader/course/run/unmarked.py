@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from grader import __version__
 from grader.base.text import printable
-from grader.course.grade_request import GradeRequest
+from grader.course.run.grade_request import GradeRequest
 from grader.engine.check_runner import known_checks
 from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status

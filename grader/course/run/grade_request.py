@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.class_settings import ClassSettings
+from grader.course.record.class_settings import ClassSettings
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.people.roster import NO_ROSTER, Roster

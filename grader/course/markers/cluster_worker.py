@@ -18,7 +18,7 @@ from distributed import Worker, WorkerPlugin, get_worker
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
-from grader.course.pool import Pool, Stopped, Unmarked
+from grader.course.markers.pool import Pool, Stopped, Unmarked
 from grader.engine.results import Result, to_record
 from grader.intake import Submission
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from grader.base import stamps
 from grader.base.text import printable
-from grader.course.database import Database, read
-from grader.course.patches import applied
+from grader.course.record.database import Database, read
+from grader.course.record.patches import applied
 from grader.engine.results import Repair
 from grader.intake import Submission
 

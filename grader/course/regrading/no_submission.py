@@ -8,9 +8,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from grader import __version__
-from grader.course import class_settings
-from grader.course.class_settings import ClassSettings
-from grader.course.record import Key, Store
+from grader.course.record import class_settings
+from grader.course.record.class_settings import ClassSettings
+from grader.course.record.store import Key, Store
 from grader.engine.results import CheckResult, ExtensionResult, Result
 from grader.intake.names import safe_id
 from grader.people.final_grade import FinalGrade, HandIn, Person

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from grader.base.errors import GraderError, RequestError
 from grader.base.text import printable
-from grader.course.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, exception_text
+from grader.course.markers.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, exception_text
 from grader.engine.chart_data import Evidence
 from grader.engine.results import Result, from_dict
 from grader.intake import Submission
@@ -28,7 +28,7 @@ from grader.intake import Submission
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-    from grader.course.cluster_worker import GradingPlugin
+    from grader.course.markers.cluster_worker import GradingPlugin
 
 ANSWERS_WITHIN_S = 5.0
 POLL_S = 5.0
@@ -132,7 +132,7 @@ async def _find_scheduler(address: str) -> None:
 @contextmanager
 def _grading_plugins(client: Client, open_marker: OpenMarker, bounds: Bounds, address: str) -> Iterator[str]:
     """Install the grading plugin of this run in every worker, yield the run's name, and close the markers at the end."""
-    from grader.course.cluster_worker import GradingPlugin, versions  # noqa: PLC0415
+    from grader.course.markers.cluster_worker import GradingPlugin, versions  # noqa: PLC0415
 
     with _reporting_lost_scheduler(address):
         staffed = bool(client.nthreads())
@@ -193,7 +193,7 @@ class _Tasks:
 
     def _send(self, task: Task) -> None:
         """Submit one task to Dask under a key of its own; its future enters the queue `_done` when it ends."""
-        from grader.course.cluster_worker import mark  # noqa: PLC0415
+        from grader.course.markers.cluster_worker import mark  # noqa: PLC0415
 
         self._sent += 1
         plain = {**vars(task.submission), "files": dict(task.submission.files), "above": dict(task.submission.above)}

@@ -12,10 +12,10 @@ from pathlib import Path
 from grader.base.errors import RequestError
 from grader.base.files import read_file, write_whole
 from grader.base.text import printable, some
-from grader.course import class_settings
-from grader.course.contradictions import Contradiction, contradictions
-from grader.course.publishing import outdated_pages
-from grader.course.record import Store
+from grader.course.publishing.contradictions import Contradiction, contradictions
+from grader.course.publishing.out_files import outdated_pages
+from grader.course.record import class_settings
+from grader.course.record.store import Store
 from grader.intake.names import distinct_ids
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory

@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from grader.course import class_settings, classroom
-from grader.course.repairs import GradingSettings
+from grader.course.record import class_settings
+from grader.course.repairs.making import GradingSettings
+from grader.course.run import classroom
 from grader.engine.lab import Lab
 
 

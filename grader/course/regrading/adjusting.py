@@ -11,9 +11,9 @@ from grader.base import stamps, tables
 from grader.base.errors import RequestError
 from grader.base.files import read_file
 from grader.base.text import decimal, printable
-from grader.course.no_submission import absent_by_id, admit
-from grader.course.publishing import publish_all, write_class
-from grader.course.record import Store
+from grader.course.publishing.out_files import publish_all, write_class
+from grader.course.record.store import Store
+from grader.course.regrading.no_submission import absent_by_id, admit
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
 from grader.people.final_grade import (

@@ -1,0 +1,1 @@
+"""What is written from the record: the files of OUT, exports, comparisons, and contradictions in them."""

@@ -1,0 +1,1 @@
+"""The durable record of a class: results, settings, decisions of people, submitted files."""

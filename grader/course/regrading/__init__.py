@@ -1,0 +1,1 @@
+"""Other grades without running code: overrides, decisions on groups, another rubric."""

@@ -1,0 +1,1 @@
+"""Repairs of submitted files: made, suggested, and made again after a regrade."""

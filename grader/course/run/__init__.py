@@ -1,0 +1,1 @@
+"""A run of `imugrade grade`: submissions found, graded, recorded, with warnings."""
