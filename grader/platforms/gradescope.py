@@ -244,14 +244,23 @@ PLATFORM = Platform(
     title="Gradescope",
     help=Help(
         respond="""\
-    IMUGRADE_SEED=... imugrade kit --gradescope autograder.zip
+1. Write the archive. For [hidden scenarios](../instructors/hidden.md) set `IMUGRADE_SEED` before; the archive then holds the hidden
+   traces, never the secret. Without it, the public scenarios are used.
 
-writes the archive to upload: `setup.sh`, `run_autograder`, the wheel, and, if there is a seed, the hidden traces that were
-recorded from it (never the seed). Set the assignment to the rubric's 100 points. With hidden traces students see which checks
-they lost and what to try, not the numbers: those they find with `imugrade check`. Where the container isolates nothing, a run
-with hidden traces is refused, so try one submission before you publish. One process marks one submission and stays below
-the container's 768 MB. If a part could not be judged there is no `results.json`, and Gradescope says that the autograder
-failed; run it again from its page.""",
+       imugrade kit --gradescope autograder.zip
+
+2. In Gradescope, create a *Programming Assignment* with 100 autograder points, the sum of the rubric.
+3. On *Configure Autograder*, choose the latest Ubuntu as base image (Python 3.10 or newer is needed), upload the archive and
+   choose *Update Autograder*. The log ends with what `imugrade doctor` says of the container. The smallest container is enough:
+   one process marks one submission and stays below 768 MB.
+4. Choose *Test Autograder*, and hand in the files of `submissions_example/s01-sheet-verbatim`. The score is 100. Where the container
+   isolates nothing, a run with hidden traces is refused: write the archive without a secret, and grade the final hand-ins on
+   your own machine with hidden scenarios, from *Export Submissions*.
+
+With hidden traces students see which checks they lost and what to try, not the numbers: those they find with `imugrade check`.
+Code can carry some hidden data out in its score, so limit how often they hand in. If a part could not be judged there is no
+`results.json`, and Gradescope says that the autograder failed; run it again from its page. Tests run both scripts of the archive;
+they have not run on Gradescope's own machines.""",
         read=("*Export Submissions*", "`submission_metadata.yml`", "the submitters; a group is one submission"),
         grades="the columns in which it exports grades, a row a person.",
     ),
