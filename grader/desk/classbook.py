@@ -122,7 +122,7 @@ class Classbook:
         return self._similar
 
     def shared(self, first: str, second: str) -> frozenset[int]:
-        """Return the hashes that two submissions share beyond the lab's code and code that half of the class has."""
+        """Return the hashes of code that two submissions share, without the lab's code and code that half of the class has."""
         own = own_hashes(self._store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 

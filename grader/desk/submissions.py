@@ -193,7 +193,7 @@ def _page(
 
 
 def override(book: Classbook, web_request: WebRequest) -> Response:
-    """Record an override or a comment, or undo the last one."""
+    """Record the override or comment of a form, or undo the last one, and show the page again."""
     final_grade = one(book, web_request)
     target, points, comment = map(web_request.text, ("target", "points", "comment"))
     if web_request.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):

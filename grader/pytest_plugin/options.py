@@ -25,7 +25,7 @@ class Name:
 
 @dataclass(frozen=True)
 class PluginOptions:
-    """The submission, and the names of what is asked for in it; without any, all."""
+    """What `pytest --imugrade` was asked for: a submission, and names of criteria and checks; without names, all."""
 
     path: Path
     named: tuple[Name, ...]

@@ -205,7 +205,7 @@ def next_lines(cause: Cause, lab: LabName) -> list[words.Line]:
 
 
 def again(cause: Cause) -> words.Line:
-    """Return the command that grades the failed criterion again."""
+    """Return the line *Rerun* of a report: the command that grades the failed criterion again."""
     return words.Line("Rerun", f"imugrade check --only {part_of(cause.checks[0])}")
 
 

@@ -33,7 +33,7 @@ def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough:
 
 
 def import_where_they_are(modules: Iterable[str]) -> None:
-    """Import those of these modules that are installed."""
+    """Import those of these modules that are installed, so that later workers start with them."""
     for name in modules:
         with contextlib.suppress(Exception):  # then it fails for the student's code, as it would anywhere
             importlib.import_module(name)

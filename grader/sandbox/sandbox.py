@@ -52,7 +52,7 @@ class Sandbox:
     isolation_level
         The isolation level in use.
     why
-        Why it is not a better one; empty on the highest.
+        Why no better isolation level is in use; empty on the highest.
 
     Raises
     ------

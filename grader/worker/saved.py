@@ -58,7 +58,7 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
 
 
 def match_files_to_figures(drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]) -> None:
-    """Set each figure's event by whether a file still holds it, or another new picture shows it.
+    """Set the event of each recorded figure: whether a file still shows it in the end, or was overwritten.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ class ComparedCell:
 
     @property
     def kind(self) -> str:
-        """Name of the difference, such as "missed fault" or "too hard"; "" up to a distance of `FULL`."""
+        """Name of the difference between points and marks, such as "missed fault" or "too hard"; "" up to a distance of `FULL`."""
         if self.distance <= FULL:
             return ""
         most = self.criterion.max_points - FULL
