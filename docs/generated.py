@@ -56,7 +56,7 @@ RUBRIC_KEYS = {
     "extensions.file": "The file that must define the extension.",
     "extensions.points": "0: reported, but not counted. Above 0: extra credit.",
     "extensions.checks": "One line `name: weight` for each check.",
-    "faults": "One line `fault: points` for each fault with a deduction of your own. It counts once in its criterion, at most the points of the checks that the fault breaks.",
+    "faults": "One line `fault: points` for each fault with a deduction of your own. It counts once in its criterion.",
     "limits": "Limits on the CPU time of student code.",
     "limits.call_cpu_s": "Seconds for one call.",
     "limits.submission_cpu_s": "Seconds for all calls of one submission.",

@@ -253,9 +253,9 @@ PLATFORM = Platform(
 3. On *Configure Autograder*, choose the latest Ubuntu as base image (Python 3.10 or newer is needed), upload the archive and
    choose *Update Autograder*. The log ends with what `imugrade doctor` says of the container. The smallest container is enough:
    one process marks one submission and stays below 768 MB.
-4. Choose *Test Autograder*, and hand in the files of `submissions_example/s01-sheet-verbatim`. The score is 100. Where the container
-   isolates nothing, a run with hidden traces is refused: write the archive without a secret, and grade the final hand-ins on
-   your own machine with hidden scenarios, from *Export Submissions*.
+4. Choose *Test Autograder*, and hand in the files of `submissions_example/s01-sheet-verbatim`. The score is 100. Where the
+   container isolates nothing, a run with hidden traces is refused: write the archive without a secret, and grade the final
+   hand-ins on your own machine with hidden scenarios, from *Export Submissions*.
 
 With hidden traces students see which checks they lost and what to try, not the numbers: those they find with `imugrade check`.
 Code can carry some hidden data out in its score, so limit how often they hand in. If a part could not be judged there is no

@@ -132,7 +132,7 @@ def _notes(
 
 
 def dots(cells: Sequence[ComparedCell]) -> list[Dot]:
-    """Return a dot for each pair of points, ours above the mean of the marks, in shares of the criterion; the largest first."""
+    """Return the dots of the chart: the grader's points above the mean of the marks, in shares of the criterion; largest first."""
     counted = Counter(
         (round(each.mean / most, 3), round(each.criterion.points / most, 3))
         for each in cells

@@ -45,7 +45,11 @@ class GivenBias(Bias):
 
 
 class Law(TypedDict):
-    """What is beside the bias, and the figures of the noise: step, correlation with earlier reads, largest value, Geary's ratio."""
+    """Numbers of the message on noise that is not white and normal.
+
+    `beside` is the mean beside the bias, `grain` the step of rounding, `memory` the correlation with earlier reads, `most` the
+    largest value, `ratio` Geary's ratio.
+    """
 
     sensor: str
     unit: str
