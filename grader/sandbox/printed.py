@@ -34,7 +34,7 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return the statement that the worker wrote down last, so that a deadly one is found; student code may have written anything."""
+        """Return the statement that the worker wrote down last, to find a deadly one; student code may have written anything."""
         if self._file.closed or not hasattr(os, "pread"):
             return ""
         return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")
