@@ -18,7 +18,7 @@ from typing import Annotated
 import typer
 
 from grader import __version__
-from grader.base.errors import GraderError, RequestError
+from grader.base.errors import GraderError, RequestError, fault_text
 from grader.commands import (
     adjust,
     calibrate,
@@ -93,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception as problem:
         if hasattr(problem, "format_message"):  # a usage error; its class moved from click into typer
             return _misused(problem, problem.format_message())
-        return _fail(f"the grader itself failed: {type(problem).__name__}: {problem}", 3)
+        return _fail(f"the grader itself failed: {fault_text(problem)}", 3)
     if code == INTERRUPTED:
         return _fail("stopped; run the same command again to go on", INTERRUPTED)
     return code if isinstance(code, int) else 0

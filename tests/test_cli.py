@@ -234,7 +234,7 @@ def test_a_second_run_marks_only_what_changed_and_writes_again_what_was_lost_or_
 
 
 def test_a_submission_that_kills_its_markers_is_incomplete_told_and_tried_again(
-    grade: Run, students: Path, tmp_path: Path, marker: FakeMarker
+    grade: Run, run: Run, students: Path, tmp_path: Path, marker: FakeMarker
 ) -> None:
     hand_in(students, kill=1)
     out = tmp_path / "out"
@@ -245,6 +245,13 @@ def test_a_submission_that_kills_its_markers_is_incomplete_told_and_tried_again(
     assert record["status"] == "incomplete"
     assert [each["points"] for criterion in record["criteria"] for each in criterion["checks"]] == [None] * 30
     assert "kill,kill,,,,,,,incomplete\n" in (out / "gradebook.csv").read_text()
+    _, report, _ = run("doctor", "--report", out)
+    assert report.splitlines()[-3:] == [
+        "lab: imu", "faults: 30 checks of 4 submissions",
+        "30x the marking process was killed; first in sensor_access.returns_two_vectors",
+    ]  # fmt: skip
+    assert f"imugrade: {grader.__version__}\n" in report
+    assert [word for word in ("kill\n", "alice", str(tmp_path), str(Path.home())) if word in report] == []
     grade()
     assert [marker.marked().count(name) for name in ("kill", "alice")] == [4, 1]
 

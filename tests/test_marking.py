@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import re
+from dataclasses import replace
+
 import pytest
 
 from grader.base.errors import GraderError
 from grader.course.run.warnings import remarks
 from grader.engine import check_runner, rubric
 from grader.engine.grader import Marker
-from grader.engine.results import Result
+from grader.engine.results import Result, to_json
 from grader.engine.traces import Traces
 from grader.intake.file_budget import MAX_FILES
 from grader.labs.imu import bundles
@@ -31,6 +35,16 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, mo
     )
     assert (result.status, row.outcome, row.points) == ("incomplete", "not_judged", None)
     assert row.message == "Not judged, because the grader failed: ZeroDivisionError: a fault of ours"
+    told = r"ZeroDivisionError at grader/labs/imu/filtering/checks\.py:\d+ in check_reduces_noise: a fault of ours"
+    assert re.fullmatch(told, row.fault)
+    assert json.dumps(row.fault) in to_json(result)
+
+
+def test_a_fault_of_ours_in_feedback_says_where_it_was(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.engine.feedback.hint_of", lambda *_: 1 // 0)
+    result = marked(marker, edit(verbatim(), "filters.py", ("self.alpha *", "2 * self.alpha *")), "filtering")
+    faults = {check.fault.partition(":")[0] for check in result.criteria[0].checks if check.outcome == "not_judged"}
+    assert faults == {"ZeroDivisionError at grader/engine/feedback.py"}
 
 
 def test_checks_and_rubric_hold_the_same_ids() -> None:
@@ -82,6 +96,11 @@ def test_what_sound_code_does_not_meet_is_lost_and_shown_to_a_person(
     assert result.status == "graded"
     assert {check.outcome for check in result.criteria[0].checks} == {"failed"}
     assert "the grader could not read what the code returned" in result.notes[0]
+    faults = [check.fault for check in result.criteria[0].checks]
+    assert all(fault.startswith("ZeroDivisionError at grader/") and fault.endswith("thought of") for fault in faults)
+    hidden = replace(result, provenance={**result.provenance, "hidden": True})
+    assert "ZeroDivisionError" in to_json(result)
+    assert "ZeroDivisionError" not in to_json(hidden)  # at which line, code could choose
     (told,) = remarks({"a": FinalGrade("a", result)}, (), ())
     assert told == "an answer that the grader could not read (review what the code returns): a"
 

@@ -6,6 +6,13 @@ does is never an error of the run: `NoAnswer` and its kinds end in a lost check.
 
 from __future__ import annotations
 
+import traceback
+from pathlib import Path
+
+from grader.base.text import printable
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+
 
 class RequestError(Exception):
     """The request was wrong: a bad path, a bad rubric. One line that names it; exit code 2.
@@ -26,6 +33,22 @@ class RequestError(Exception):
 
 class GraderError(Exception):
     """The grader itself failed: never a student's fault, never a zero; exit code 3."""
+
+
+def fault_text(problem: BaseException, *, message: bool = True) -> str:
+    """Return an exception as one line to report: ``ZeroDivisionError at grader/engine/marks.py:31 in marked: division by zero``.
+
+    The place is the innermost line of this package or of an instructor's own check, without the folders of a user.
+    """
+    place = ""
+    for frame in traceback.extract_tb(problem.__traceback__):
+        path = Path(frame.filename)
+        is_ours = path.is_relative_to(_PACKAGE)
+        if is_ours or path.parent.name.startswith("own_checks_"):
+            file = path.relative_to(_PACKAGE.parent).as_posix() if is_ours else path.name
+            place = f" at {file}:{frame.lineno} in {frame.name}"
+    said = f": {' '.join(str(problem).split())}" if message else ""
+    return printable(f"{type(problem).__name__}{place}{said}", 400)
 
 
 class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of ours

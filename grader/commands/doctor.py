@@ -20,17 +20,30 @@ def doctor(
         list[Path] | None,
         typer.Argument(metavar="[SUBMISSIONS]", help="Submissions as for grade: check which packages they import."),
     ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            "--report", metavar="OUT", help="Print what to report about faults of the grader in this graded class."
+        ),
+    ] = None,
 ) -> int:
     """Show the isolation levels and versions of this machine, and which packages of SUBMISSIONS are missing.
+
+    With --report, print what to copy into a report about the grader: versions and its faults on record. It has no name, file, text
+    or secret of the class.
 
     \b
     Examples:
       imugrade doctor
       imugrade doctor submissions
+      imugrade doctor --report out
     """
     say("looking at this machine …" if not paths else "reading the submissions …")  # importing takes a second
     from grader.commands import machine  # noqa: PLC0415
 
+    if report is not None:
+        print("\n".join(printable(line, 500) for line in machine.report(report)))
+        return 0
     _show(machine.examine(say) if not paths else [("Packages", machine.packages_of(paths))])
     return 0
 

@@ -158,6 +158,7 @@ def _summary(outcome: Outcome, index: str) -> Iterator[str]:
     if outcome.incomplete:
         names = ", ".join(printable(id_, 120) for id_ in outcome.incomplete)
         yield f"Not judged, because the grader failed: {names}. Run the command again: only these are graded again."
+        yield "If that does not help: `imugrade doctor --report OUT` prints what to report, without names and files."
     yield f"Open {printable(index, 1000)}"
 
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import importlib.metadata
 import platform
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
+from grader.course.record.store import Store
 from grader.course.run import missing_packages
+from grader.course.run.classroom import lab_on_record
 from grader.engine.lab_registry import chosen_lab
 from grader.engine.reading import Reader
 from grader.engine.recording import try_recording
@@ -41,6 +44,30 @@ def examine(tell: Callable[[str], None]) -> list[tuple[str, list[Finding]]]:
     isolation = _isolation()
     tell("recording traces …")
     return [("Isolation", isolation), ("Versions", _versions()), ("Traces", [_reference()])]
+
+
+def report(out: Path) -> list[str]:
+    """Return the lines of a report about faults of the grader: versions, isolation, lab, and how often each fault is on record.
+
+    A fault is told without its message, which could hold a name or a number of a submission.
+
+    Raises
+    ------
+    RequestError
+        If no class was graded in this folder.
+    """
+    with Store.existing(out) as store:
+        settings, results = store.settings(), store.present().values()
+    checks = [check for result in results for part in result.parts for check in part.checks if check.fault]
+    first: dict[str, str] = {}
+    for check in checks:
+        first.setdefault(check.fault.partition(": ")[0], check.id)
+    count = Counter(check.fault.partition(": ")[0] for check in checks)
+    levels = ", ".join(each.isolation_level.name for each in probe() if each.usable)
+    lines = [f"{finding.name}: {finding.text}" for finding in _versions()]
+    lines += [f"isolation: {settings.isolation if settings else ''} (here: {levels})", f"lab: {lab_on_record(out).id}"]
+    lines += [f"faults: {len(checks)} checks of {len(results)} submissions"]
+    return lines + [f"{many}x {fault}; first in {first[fault]}" for fault, many in count.most_common()]
 
 
 def packages_of(paths: Sequence[Path]) -> list[Finding]:

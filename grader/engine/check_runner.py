@@ -24,7 +24,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from grader.base.errors import GraderError, NoAnswer, RequestError
+from grader.base.errors import GraderError, NoAnswer, RequestError, fault_text
 from grader.base.text import printable
 from grader.engine import hidden_feedback
 from grader.engine.check_catalog import Check, check_files, title_of
@@ -42,7 +42,8 @@ from grader.engine.traces import Traces
 class Judgement:
     """Outcome of one check; `feedback` is what students read, or None if the grader failed to judge.
 
-    `ours` is True if the sandbox or the request failed, which no answer can cause.
+    `ours` is True if the sandbox or the request failed, which no answer can cause. `fault` is the exception with its place in our
+    code, and with its message unless that could hold hidden data; "" where the check was judged.
     """
 
     check: Check
@@ -50,6 +51,7 @@ class Judgement:
     trouble: str
     duration_s: float
     ours: bool = False
+    fault: str = ""
 
     @property
     def keeps(self) -> float:
@@ -101,18 +103,21 @@ class CheckRun:
         """Record how a check ended; an interrupted check is discarded."""
         if isinstance(ended, KeyboardInterrupt):
             return
-        verdict = None
+        verdict, cause = None, ended
         try:
             verdict = self._verdict(this, ended)
         except Exception as fault_of_ours:  # the check ran; its feedback failed
             said = "" if self._secret else f": {fault_of_ours}"
+            cause = fault_of_ours
             ended = GraderError(f"feedback on {this.id}: {type(fault_of_ours).__name__}{said}")
-        of_ours = isinstance(ended, GraderError | RequestError)
-        trouble = f"{type(ended).__name__}: {ended}" if verdict is None and (of_ours or not self._secret) else ""
+        ours = isinstance(ended, GraderError | RequestError)
+        trouble = fault = ""
+        if verdict is None and cause is not None:
+            trouble = f"{type(ended).__name__}: {ended}" if ours or not self._secret else ""
+            fault = fault_text(cause, message=not self._secret)
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
-        ours = isinstance(ended, GraderError | RequestError)
-        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours)
+        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, fault)
 
     def _verdict(self, this: Check, ended: BaseException | None) -> Feedback | None:
         """Return the feedback on how a check ended; None if the end is a failure of the grader."""

@@ -268,7 +268,7 @@ class Marker:
         if judgement is None or judgement.feedback is None:
             trouble = judgement.trouble if judgement else "the check did not run"
             said = "Not judged, because the grader failed" + (f": {printable(trouble, 300)}" if trouble else "")
-            return found(outcome="not_judged", said=said)
+            return found(outcome="not_judged", said=said, fault=judgement.fault if judgement else "")
         feedback = judgement.feedback
         return found(
             outcome=feedback.outcome,
@@ -282,6 +282,7 @@ class Marker:
             keeps=feedback.keeps,
             not_understood=feedback.not_understood,
             deducted=feedback.deducted,
+            fault=judgement.fault,
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:

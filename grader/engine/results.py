@@ -42,7 +42,8 @@ class CheckResult:
     The message is either one sentence, `said`, or `expected` and `got`, which may have more lines. `where` is the place in the
     student's files. `keeps` is the share of the points that is earned; `marks` computes the points from it. `not_understood` is
     True if the grader could not interpret the answer: a person has to review it. `deducted` lists the faults that lost the points
-    of a check that was judged by its criterion's faults, so that a report has one entry for each.
+    of a check that was judged by its criterion's faults, so that a report has one entry for each. `fault` is
+    the exception in the grader that kept the check from being judged, with its place in our code.
     """
 
     id: str
@@ -61,6 +62,7 @@ class CheckResult:
     keeps: float | None = field(default=None, compare=False, repr=False)
     not_understood: bool = False
     deducted: tuple[Deducted, ...] = field(default=(), compare=False, repr=False)
+    fault: str = ""
 
     @property
     def message(self) -> str:
@@ -259,6 +261,7 @@ def _row(check: CheckResult) -> dict[str, Any]:
         "misconceptions": list(check.misconceptions),
         "duration_s": check.duration_s,
         **({"not_understood": True} if check.not_understood else {}),
+        **({"fault": check.fault} if check.fault else {}),
     }
 
 
@@ -292,9 +295,11 @@ def _extra_credit(result: Result) -> dict[str, Any]:
 
 def to_json(result: Result) -> str:
     """Return the text of `result.json`: valid UTF-8, fields in the contract's order, a newline at the end."""
-    text = json.dumps(
-        {**to_dict(result), "provenance": shown_provenance(result)}, indent=2, ensure_ascii=False, allow_nan=False
-    )
+    told = {**to_dict(result), "provenance": shown_provenance(result)}
+    if result.provenance.get("hidden"):  # code could choose at which line of ours an answer is not understood
+        for row in (row for part in (*told["criteria"], *told["extensions"]) for row in part["checks"]):
+            row.pop("fault", None)
+    text = json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False)
     shown = _UNSEEN.sub(lambda found: json.dumps(found.group())[1:-1], text)
     return shown.encode("utf-8", "replace").decode("utf-8") + "\n"
 

@@ -18,9 +18,9 @@ from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from grader.base.errors import GraderError, RequestError
+from grader.base.errors import GraderError, RequestError, fault_text
 from grader.base.text import printable
-from grader.course.markers.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, exception_text
+from grader.course.markers.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked
 from grader.engine.chart_data import Evidence
 from grader.engine.results import Result, from_dict
 from grader.intake import Submission
@@ -156,7 +156,7 @@ def _set_up(client: Client, plugin: GradingPlugin, address: str) -> None:
     except RequestError as problem:
         raise RequestError(f"--cluster {printable(address)}: {problem}") from None
     except Exception as problem:
-        reason = printable(exception_text(problem), 300)
+        reason = printable(fault_text(problem), 300)
         raise RequestError(
             f"--cluster {printable(address)}: a worker cannot grade ({reason}); install the same imugrade[cluster] there"
         ) from None
@@ -234,7 +234,7 @@ class _Tasks:
         except KilledWorker:
             return Unmarked(KILLED)  # Dask has tried it on several
         except Exception as problem:
-            return self._backlog.failed(task, exception_text(problem))
+            return self._backlog.failed(task, fault_text(problem))
         if "trouble" in answer:
             task.stopped = answer["stopped"] or task.stopped
             return self._backlog.failed(task, answer["trouble"])

@@ -18,6 +18,7 @@ from multiprocessing import connection
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
+from grader.base.errors import fault_text
 from grader.engine.processes import starting_processes
 from grader.engine.results import Result
 
@@ -200,11 +201,6 @@ class Pool:
         return backlog.failed(process.task, message)
 
 
-def exception_text(problem: BaseException) -> str:
-    """Return an exception's type and message on one line."""
-    return " ".join(f"{type(problem).__name__}: {problem}".split())
-
-
 @dataclass(frozen=True)
 class _Opened:
     """Message of a worker process: its marker is open."""
@@ -285,6 +281,6 @@ def _serve(line: connection.Connection[_Message, Any], begin: Callable[[], None]
             try:
                 result = marker.mark(submission, cpu_s)
             except Exception as problem:
-                line.send(exception_text(problem))
+                line.send(fault_text(problem))
                 return
             line.send(result)

@@ -18,7 +18,8 @@ from grader.intake import Submission
 def unjudged(submission: Submission, request: GradeRequest, reason: str) -> Result:
     """Return the result of a submission that the grader failed on: all points are open, none is lost."""
     note = f"The grader failed on this submission ({printable(reason, 300)}); grade it again"
-    return _without_marker(submission, request, "incomplete", CheckResult("", "", "not_judged", None, 0.0), note)
+    row = CheckResult("", "", "not_judged", None, 0.0, fault=printable(reason, 300))
+    return _without_marker(submission, request, "incomplete", row, note)
 
 
 def stopped(submission: Submission, request: GradeRequest, reason: str) -> Result:
