@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import pytest
+
 from grader.engine.results import Result
 from grader.intake import Submission
+from tests.corpus.cases import Case
 from tests.corpus.writing import Files, as_bytes
 from tests.recordings import Marking
 
@@ -20,3 +25,11 @@ def marked(marker: Marking, files: Files, only: str | None = None) -> Result:
 def lost_by(result: Result) -> dict[str, float]:
     checks = [check for part in result.criteria for check in part.checks]
     return {check.id: check.max_points - (check.points or 0.0) for check in checks if check.points != check.max_points}
+
+
+def thinned(cases: Sequence[Case], every: int) -> list[object]:
+    """Return the parameters of a table of submissions; all but one of so many run each week alone."""
+    return [
+        pytest.param(case, marks=[pytest.mark.weekly] if n % every else [], id=case.name)
+        for n, case in enumerate(cases)
+    ]

@@ -10,7 +10,7 @@ from tests.corpus.pieces import COMPARE, PLOT_LOOP, edit, lab, verbatim
 from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, breaks, look_at_words, lost
-from tests.single_faults import lost_by, marked
+from tests.single_faults import lost_by, marked, thinned
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 LOAD = """
@@ -40,7 +40,7 @@ def test_who_uses_what_is_not_there_is_told_what_is(player: Marking) -> None:
     assert "ModuleNotFoundError: No module named 'tqdm_of_mine'; there are numpy, scipy, matplotlib, mujoco," in message
 
 
-@pytest.mark.parametrize("stopped", STOPPED_IN_PLOT)
+@pytest.mark.parametrize("stopped", ["an exception", pytest.param("a loop without an end", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("where", PLOTS_FIRST)
 def test_a_plot_that_stops_the_script_does_not_cost_what_is_drawn_later(
     player: Marking, where: str, stopped: str
@@ -147,12 +147,6 @@ PAIRS = (
 )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def alone(player: Marking) -> dict[str, dict[str, float]]:
-    """What each edit costs by itself."""
-    return {name: lost_by(marked(player, _edited(name))) for name in EDITS}
-
-
 def _edited(*names: str) -> dict[str, str]:
     files = verbatim()
     for path, old, new in (EDITS[name] for name in names):
@@ -160,10 +154,10 @@ def _edited(*names: str) -> dict[str, str]:
     return files
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pair", PAIRS, ids=" and ".join)
-def test_two_faults_cost_what_each_of_them_costs(
-    pair: tuple[str, str], alone: dict[str, dict[str, float]], player: Marking
-) -> None:
+def test_two_faults_cost_what_each_of_them_costs(pair: tuple[str, str], player: Marking) -> None:
+    alone = {name: lost_by(marked(player, _edited(name))) for name in pair}
     both = lost_by(marked(player, _edited(*pair)))
     checks = {check for name in pair for check in alone[name]}
     assert all(alone[name] for name in pair)
@@ -192,7 +186,7 @@ def _judged(player: Marking, sample: Case) -> Result:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sample", _chosen("unforeseen sound"), ids=lambda sample: sample.name)
+@pytest.mark.parametrize("sample", thinned(_chosen("unforeseen sound"), 4))
 def test_sound_work_in_a_style_of_its_own_loses_nothing(sample: Case, player: Marking) -> None:
     result = _judged(player, sample)
     assert [(check.id, check.message) for check in lost(result)] == []
@@ -200,7 +194,7 @@ def test_sound_work_in_a_style_of_its_own_loses_nothing(sample: Case, player: Ma
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sample", _chosen("unforeseen", "habits"), ids=lambda sample: sample.name)
+@pytest.mark.parametrize("sample", thinned(_chosen("unforeseen", "habits"), 4))
 def test_a_fault_loses_what_the_marker_said_and_is_told_why(sample: Case, player: Marking) -> None:
     result = _judged(player, sample)
     found = lost_by(result)

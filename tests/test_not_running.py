@@ -16,7 +16,7 @@ from tests.corpus.pieces import LAYOUTS, edit, steps, tidy, verbatim
 from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, graded_by, look_at_edit
-from tests.single_faults import lost_by, marked, submission_of
+from tests.single_faults import lost_by, marked, submission_of, thinned
 
 DEFINED_IN = {
     "imu_reader.py": {"sensor_access", "data_collection", "visualization"},
@@ -34,14 +34,14 @@ def _judged() -> list[Case]:
     return [case for cases in alike.values() for case in (cases if len(cases) < 2 else (cases[0], cases[-1]))]
 
 
-@pytest.mark.parametrize("case", _judged(), ids=lambda case: case.name)
+@pytest.mark.parametrize("case", thinned(_judged(), 3))
 def test_it_costs_what_needs_it_alone(case: Case, player: Marking) -> None:
     lost = {check.partition(".")[0] for check in lost_by(marked(player, case.files))}
     assert lost <= DEFINED_IN[case.file]
     assert len(lost) == (len(DEFINED_IN[case.file]) if case.name.startswith("syntax") else 1)
 
 
-@pytest.mark.parametrize("nothing", of("nothing"), ids=lambda nothing: nothing.name)
+@pytest.mark.parametrize("nothing", thinned(of("nothing"), 3))
 def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Case, player: Marking) -> None:
     assert graded_by(player, nothing).troubles == []
 
@@ -146,7 +146,12 @@ def in_layout(case: Case, layout: str) -> Submission:
 @pytest.mark.parametrize(
     ("case", "layout"),
     [
-        *((case, "three-files") for case in QUICK),
+        *(
+            pytest.param(
+                case, "three-files", marks=[pytest.mark.weekly] if n % 3 else [], id=f"{case.name}-three-files"
+            )
+            for n, case in enumerate(QUICK)
+        ),
         *((case_of("module level", name), layout) for name in ELSEWHERE for layout in ("one-file", "notebook")),
     ],
     ids=lambda value: value if isinstance(value, str) else value.name,

@@ -23,7 +23,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(edit(tidy(), "filters.py", ("x = np", ends)), tmp_path_factory.mktemp("class") / "lab")
 
 
-@pytest.mark.parametrize("system", ["darwin", "win32"])
+@pytest.mark.parametrize("system", [pytest.param("darwin", marks=pytest.mark.weekly), "win32"])
 def test_a_check_marks_as_it_does_on_linux(lab: Path, system: str) -> None:
     answer, page = lab.parent / "result.json", lab.parent / "report.html"
     command = [sys.executable, "tests/other_systems.py", system, "-m", "grader", "check", str(lab)]

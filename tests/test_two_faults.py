@@ -19,7 +19,7 @@ from tests.single_faults import lost_by, marked
 
 Fault = tuple[str, str, str]
 """The name of a row of the corpus, the file that it patches, and the patch."""
-_EVERY = 200
+_EVERY = 600
 NOT_TO_BE_TRIED = {("misspelt-in-recording", "record-and-plot-rows")}
 """Pairs that cost points in *Visualization*, too: the plot is made for rows of the recorder's own form, and the recorder does not
 run, so that nothing is left to try the plot with."""

@@ -30,8 +30,8 @@ from tests.scoreboard import Case
 
 _ALSO = ("test_rubric",)
 """Files of tests without a sandbox that are not marked as quick, since they are few."""
-_BATCHES = "tests/recordings/test_corpus.py"
-"""Judges all cases together; a mutant meets them one by one."""
+_CASES = "tests/recordings/test_corpus.py::test_a_case"
+"""A mutant meets all cases of the corpus, and not only those of a shorter run."""
 Lines = Mapping[str, Mapping[int, frozenset[str]]]
 """By file and line: what came there, tests and cases by their names."""
 
@@ -65,7 +65,7 @@ class Collected:
         items[:] = [
             item
             for item in items
-            if (item.get_closest_marker("quick") or item.path.stem in _ALSO) and not item.nodeid.startswith(_BATCHES)
+            if (item.get_closest_marker("quick") or item.path.stem in _ALSO) and not item.nodeid.startswith(_CASES)
         ]
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:

@@ -1,9 +1,9 @@
-"""The whole corpus, judged from recordings on every change."""
+"""The corpus, judged from recordings: a row of each third fault on every change, each fault before a merge, all rows each week."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterator
 
 import pytest
 
@@ -11,27 +11,43 @@ from tests.recordings.losses import disagreements, pinned, pins
 from tests.recordings.marker import recorded_corpus, verdict
 from tests.scoreboard import Case
 
-pytestmark = [pytest.mark.quick, pytest.mark.recorded]
+pytestmark = [pytest.mark.recorded]
 FAULTY = ("faulty", "lookalikes", "pairs")
-_MANY = 48
-BATCHES = [recorded_corpus()[first::_MANY] for first in range(_MANY)]
-"""Every case once, spread so that each batch takes about as long as another."""
-_EVERYDAY = 12
-"""Each twelfth batch runs without `-m full`, and every other one of them with `-m quick`."""
+_FAULTS, _EVERYDAY, _QUICK, _SLOW = 3, 16, 3, 2
+"""One of so many faults is judged without `-m slow`; of the rows without a fault; of both, with `-m quick`; of those rows, with `-m slow`."""
 
 
-def _marks(batch: int) -> list[pytest.MarkDecorator]:
-    """Return the markers that leave a batch out of shorter runs."""
-    return [pytest.mark.slow] if batch % _EVERYDAY else [pytest.mark.longer] if batch % (2 * _EVERYDAY) else []
+def _rows() -> Iterator[object]:
+    """Yield each case, marked by the shortest run that judges it.
+
+    Every day: the first row of each third fault. With `-m slow`: the first row of each fault and of the checks that it costs, since a row that
+    repeats both is another way to write the same. Each week: all.
+    """
+    seen = Counter[Hashable]()
+    for case in recorded_corpus():
+        fault = case.fault or tuple(case.faults or ())
+        kinds = [(case.criterion, fault), (case.criterion, fault, case.loses)] if fault else []
+        first, other = (seen[kind] == 0 for kind in kinds) if fault else _nth(seen[case.part])
+        if first and fault:
+            seen["faults"] += 1
+            first = seen["faults"] % _FAULTS == 0 and case.part not in ("lookalikes", "pairs")
+        seen.update([case.part, *kinds] if fault else [case.part])
+        if first:
+            seen["everyday"] += 1
+        quick = first and seen["everyday"] % _QUICK == 0
+        marks = (
+            ([pytest.mark.quick] if quick else []) if first else [pytest.mark.slow] if other else [pytest.mark.weekly]
+        )
+        yield pytest.param(case, marks=marks, id=case.id)
 
 
-@pytest.mark.parametrize(
-    "cases",
-    [pytest.param(cases, marks=_marks(n)) for n, cases in enumerate(BATCHES)],
-    ids=range(len(BATCHES)),
-)
-def test_every_case_is_judged_as_the_corpus_says(cases: Sequence[Case]) -> None:
-    assert [line for case in cases for line in disagreements(verdict(case))] == []
+def _nth(number: int) -> tuple[bool, bool]:
+    return number % _EVERYDAY == 0, number % _SLOW == 0
+
+
+@pytest.mark.parametrize("case", list(_rows()))
+def test_a_case_is_judged_as_the_corpus_says(case: Case) -> None:
+    assert disagreements(verdict(case)) == []
 
 
 def test_the_corpus_is_as_large_as_it_was() -> None:
@@ -42,5 +58,6 @@ def test_the_corpus_is_as_large_as_it_was() -> None:
     assert parts["extensions"] >= 50
 
 
+@pytest.mark.quick
 def test_losses_are_pinned_of_cases_that_there_are() -> None:
     assert set(pinned()) <= {case.id for case in recorded_corpus() if pins(case)}

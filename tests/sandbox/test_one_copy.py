@@ -17,7 +17,7 @@ from grader.sandbox import one_copy, surroundings
 from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox
 
-from .conftest import WORKER_CODE, run
+from .conftest import ISOLATING, WORKER_CODE, run
 
 SOLUTION = Path(reference.__file__).parent
 PACKAGE = Path(grader.__file__).parent
@@ -93,6 +93,11 @@ result = sorted(set(found))
 """
 
 
+@pytest.mark.parametrize(
+    "isolating_sandbox",
+    [pytest.param(name, marks=[pytest.mark.weekly] if n else []) for n, name in enumerate(ISOLATING)],
+    indirect=True,
+)
 def test_a_submission_finds_no_copy_wherever_it_searches_and_what_was_installed_for_students(
     isolating_sandbox: Sandbox, checkout: Path
 ) -> None:
