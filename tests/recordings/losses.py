@@ -7,6 +7,7 @@ read before it is committed.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
@@ -63,12 +64,21 @@ def disagreements(said: Verdict) -> list[str]:
     return found
 
 
-def all_losses() -> str:
-    """Judge all cases whose losses are pinned, and return the text of the file."""
-    chosen = [case for case in recorded_corpus() if pins(case)]
+def of_rows(only: str) -> list[Case]:
+    """Return the cases with this in their id whose losses are pinned."""
+    return [case for case in recorded_corpus() if pins(case) and only in case.id]
+
+
+def all_losses(only: str = "") -> str:
+    """Judge all cases whose losses are pinned, or those with `only` in their id, tell the progress, and return the text of the file."""
+    chosen = of_rows(only)
+    found = {id_: dict(its) for id_, its in pinned().items()} if only else {}
     with ProcessPoolExecutor(2) as pool:
-        judged = pool.map(_lost_by, chosen, chunksize=10)
-        found = {case.id: dict(its) for case, its in zip(chosen, judged, strict=True) if its}
+        for number, (case, its) in enumerate(zip(chosen, pool.map(_lost_by, chosen), strict=True), 1):
+            print(f"{number} of {len(chosen)} submissions judged", end="\r", file=sys.stderr, flush=True)
+            found.pop(case.id, None)
+            if its:
+                found[case.id] = dict(its)
     return yaml.safe_dump(found, sort_keys=True, width=200, allow_unicode=True)
 
 
