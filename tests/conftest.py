@@ -57,7 +57,7 @@ SLOW = (
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
 LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")
 """Files that `pytest -m quick` leaves out, too: they judge hundreds of made-up students."""
-QUICK = "quick and not slow and not longer"
+QUICK = "quick and not slow and not longer and not weekly"
 ALL = "not delivered and not weekly"
 """The marker expressions of `-m quick`, and of a run without `-m`."""
 

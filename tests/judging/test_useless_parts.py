@@ -226,7 +226,17 @@ def earned(part: str, made: Any) -> dict[str, float]:
     return kept(Restarting(part, made), PARTS[part][0])
 
 
-@pytest.mark.parametrize(("part", "made"), [(p, m) for p, _, m in USELESS], ids=[f"{p}: {n}" for p, n, _ in USELESS])
+_EVERY = 6
+"""One of so many useless parts runs on each change, all of them each week."""
+
+
+@pytest.mark.parametrize(
+    ("part", "made"),
+    [
+        pytest.param(part, made, id=f"{part}: {name}", marks=[pytest.mark.weekly] if n % _EVERY else [])
+        for n, (part, name, made) in enumerate(USELESS)
+    ],
+)
 def test_a_useless_part_earns_its_form_at_most(part: str, made: Any) -> None:
     points = earned(part, made)
     assert sum(points.values()) <= PARTS[part][1], points
