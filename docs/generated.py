@@ -29,7 +29,7 @@ from grader.labs.imu.student import FilterCase, Student
 from grader.platforms import registry
 from grader.platforms.platform import Platform
 from grader.report import explanations
-from grader.sandbox import packages, surroundings
+from grader.sandbox import surroundings
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 
 FOLDER = Path(__file__).resolve().parent
@@ -234,7 +234,7 @@ def _held(count: int, fell: int | None) -> str:
 
 def libraries() -> str:
     """Return the packages that student code may import."""
-    return _code(packages.LIBRARIES)
+    return _code(LAB.packages)
 
 
 def library_folders() -> str:

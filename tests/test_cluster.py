@@ -204,9 +204,9 @@ def refusal(address: str, opener: object = partial(fake_marker, Path())) -> str:
 
 def test_a_worker_with_other_versions_is_refused(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     site.staff(1)
-    ours = cluster_worker.versions()
+    ours = cluster_worker.versions(LAB.packages)
     assert "imugrade" in ours
-    monkeypatch.setattr(cluster_worker, "versions", lambda: {**ours, "mujoco": "9.9"})
+    monkeypatch.setattr(cluster_worker, "versions", lambda _: {**ours, "mujoco": "9.9"})
     told = refusal(site.address, partial(fake_marker, tmp_path))
     assert told.startswith(f"--cluster {site.address}: worker tcp://127.0.0.1:")
     assert told.endswith(f" has mujoco {ours['mujoco']}, this machine has 9.9; install the same on both")

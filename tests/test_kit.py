@@ -73,10 +73,10 @@ def everything(place: Path) -> dict[str, bytes]:
 def test_check_names_the_versions_that_differ_from_the_class(tmp_path: Path) -> None:
     assert class_versions.line(tmp_path) == "", "an instructor's own install knows no class"
     file = tmp_path / class_versions.FILE
-    file.write_text(class_versions.constraints())
+    file.write_text(class_versions.constraints(LAB.packages))
     assert class_versions.line(tmp_path) == ""
     here = version("numpy")
-    file.write_text(class_versions.constraints().replace(f"numpy=={here}", "numpy==1.99.0"))
+    file.write_text(class_versions.constraints(LAB.packages).replace(f"numpy=={here}", "numpy==1.99.0"))
     said = f"Your versions differ from your class: numpy {here} (class: 1.99.0)."
     assert class_versions.line(tmp_path) == f"{said} python -m pip install -r constraints.txt installs the same."
 

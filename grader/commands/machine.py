@@ -23,7 +23,6 @@ from grader.sandbox.isolation_levels import IsolationLevel
 from grader.sandbox.level_choice import probe
 
 _NOT_ISOLATED = "no isolation: fine for your own code; `grade` needs --trust-submissions"
-_PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ def _one_copy(isolation_level: IsolationLevel) -> Finding:
 
 def _versions() -> list[Finding]:
     rows = [Finding("imugrade", None, __version__), Finding("Python", None, platform.python_version())]
-    rows += [Finding(name, *_version(name)) for name in _PACKAGES]
+    rows += [Finding(name, *_version(name)) for name in (*chosen_lab().packages, "pytest")]
     return [*rows, Finding("system", None, platform.platform())]
 
 

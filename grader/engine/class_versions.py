@@ -12,15 +12,14 @@ from pathlib import Path
 
 FILE = "constraints.txt"
 """Constraints file of pip, in the kit and in the students' wheel."""
-PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib")
 _BOUND = re.compile(r"([<>=!]=|[<>])\s*([\d.]+)")
 _PINNED = re.compile(r"^([\w-]+)==([\w.]+)", re.MULTILINE)
 
 
-def constraints() -> str:
+def constraints(packages: Sequence[str]) -> str:
     """Return a constraints file with the versions of this machine, each for the releases of Python that it supports."""
     lines = []
-    for package in PACKAGES:
+    for package in packages:
         bounds = _BOUND.findall(metadata(package)["Requires-Python"] or "")
         where = " and ".join(f'python_version {sign} "{release}"' for sign, release in bounds)
         lines.append(f"{package}=={version(package)}{f'; {where}' if where else ''}\n")

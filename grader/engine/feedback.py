@@ -24,7 +24,6 @@ from grader.engine.findings import (
 )
 from grader.engine.load_report import not_handed_in
 from grader.engine.results import Deducted, Outcome, message_of
-from grader.engine.submission_session import AVAILABLE_PACKAGES
 
 
 @dataclass(frozen=True)
@@ -178,8 +177,6 @@ def _raised(finding: Raised, table: Mapping[str, FaultRow]) -> Feedback:
     error = finding.error
     place = f" at {error.where}" if error.where else ""
     said = f"{_exception_name(error)}: {printable(error.message, 300)}"
-    if error.type == "ModuleNotFoundError":
-        said += AVAILABLE_PACKAGES
     said += not_handed_in(error)
     fault = fault_of(error, table)
     return Feedback(

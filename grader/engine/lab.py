@@ -125,8 +125,12 @@ class Lab:
     settings
         The rubric keys of this lab, each with the function that reads it from the file's reader, the key's node (None if the key
         is left out) and the folder that relative paths start from.
+    packages
+        Packages that students may use, and whose versions a class shares.
+    suffixes
+        The files that a submission is run with, by suffix: code and data.
     libraries
-        Libraries that only some submissions import and that take long to import: a class imports each once.
+        Modules of these packages that only some submissions import and that take long to import: a class imports each once.
     recorder
         The program that records ground truth, as ``python -m`` names it; not needed for public ground truth.
     depends_on
@@ -166,6 +170,21 @@ class Lab:
     calls: Mapping[str, str] = field(default_factory=dict)
     waits_for: Mapping[str, str] = field(default_factory=dict)
     settings: Mapping[str, Callable[[Reader, Node | None, Path], Any]] = field(default_factory=dict)
+    packages: tuple[str, ...] = ("numpy", "matplotlib")
+    suffixes: tuple[str, ...] = (
+        ".py",
+        ".ipynb",
+        ".csv",
+        ".txt",
+        ".json",
+        ".yaml",
+        ".yml",
+        ".toml",
+        ".ini",
+        ".cfg",
+        ".npy",
+        ".npz",
+    )
     libraries: tuple[str, ...] = ()
     recorder: str = ""
     depends_on: tuple[str, ...] = ("numpy",)

@@ -22,7 +22,6 @@ from grader.sandbox.wire import Frame
 SEED = 0
 """Seed of the random generators of student code; no outcome depends on its value."""
 
-_SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz")
 _SENT_BYTES = 24_000_000
 _LOADING = ("load", "run_script")
 _WAITS_FOR = {"load": "{path} to be imported", "run_script": "{path} to run as a program"}
@@ -46,6 +45,9 @@ class Sheet(Protocol):
 
     @property
     def files(self) -> Collection[str]: ...
+
+    @property
+    def suffixes(self) -> Collection[str]: ...
 
     @property
     def waits_for(self) -> Mapping[str, str]: ...
@@ -204,7 +206,9 @@ class SandboxSession:
         rows: list[tuple[str, str, int]] = []
         arrays: dict[str, np.ndarray] = {}
         total = 0
-        wanted = [p for p in self.files if PurePosixPath(p).suffix.lower() in _SENT and p not in self.deadly]
+        wanted = [
+            p for p in self.files if PurePosixPath(p).suffix.lower() in self._lab.suffixes and p not in self.deadly
+        ]
         for path in sorted(wanted, key=self._send_order):
             content = self.files[path]
             total += len(content)

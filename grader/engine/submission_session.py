@@ -22,9 +22,6 @@ _LONGEST_NOTE = 500
 _MOST_PLACES = 4  # files that a note lists
 _MOST_BREAKPOINTS = 3
 _HOW_IN_WORDS = {"hints": "was run without its type hints"}
-AVAILABLE_PACKAGES = (
-    "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
-)
 
 T = TypeVar("T")
 
@@ -178,8 +175,7 @@ class SubmissionSession(SandboxSession):
         for path in places:
             for each in self.load(path).stepped_over:
                 if name in each.defines:
-                    more = AVAILABLE_PACKAGES if each.error.type == "ModuleNotFoundError" else ""
-                    why = f"{each.where} did not define {name}: {each.why}{more}"
+                    why = f"{each.where} did not define {name}: {each.why}"
                     return Missing(name, fault_of_statement(each), why, each.at)
         for path in places:
             if (error := self.load(path).unreadable) is not None:

@@ -79,7 +79,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     handout = lab.handout(brought)
     files = {name: _named_after(handout, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
-    files[class_versions.FILE] = class_versions.constraints().encode()
+    files[class_versions.FILE] = class_versions.constraints(lab.packages).encode()
     files[guide.NAME] = guide.build(lab, rubric).encode()
     files |= {**handout.files, wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), brought)}
     _write(out, files)

@@ -26,13 +26,7 @@ LEFT = {
     ("worker/environment.py", "mujoco"): "used once beforehand; the files that it opens; its steps, watched",
     ("worker/environment.py", "gravity"): "what a watched step starts from",
     ("worker/desktop_stubs.py", "mujoco"): "its viewer, which has no window here",
-    ("engine/submission_session.py", "mujoco"): "the packages of the sandbox, told to who misses another one",
-    ("engine/class_versions.py", "mujoco"): "a package whose version the class shares",
     ("engine/lab_registry.py", "imu"): "the shipped lab, which a command takes where none is named",
-    (
-        "course/markers/cluster_worker.py",
-        "mujoco",
-    ): "the packages of the sandbox, the same on all machines of a cluster",
     ("course/publishing/differences.py", "mujoco"): "how a package of a result's provenance is called",
     ("report/overview.py", "mujoco"): "how a package of a result's provenance is called",
     ("report/pages.py", "mujoco"): "how a package of a result's provenance is called",

@@ -22,6 +22,7 @@ from grader.base.errors import GraderError, RequestError, fault_text
 from grader.base.text import printable
 from grader.course.markers.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked
 from grader.engine.chart_data import Evidence
+from grader.engine.lab_registry import chosen_lab
 from grader.engine.results import Result, from_dict
 from grader.intake import Submission
 
@@ -142,7 +143,9 @@ def _grading_plugins(client: Client, open_marker: OpenMarker, bounds: Bounds, ad
         )
     run = f"imugrade-{uuid.uuid4().hex}"
     try:
-        _set_up(client, GradingPlugin(run, versions(), pickle.dumps((open_marker, bounds))), address)
+        _set_up(
+            client, GradingPlugin(run, versions(chosen_lab().packages), pickle.dumps((open_marker, bounds))), address
+        )
         yield run
     finally:
         with suppress(Exception):  # the cluster may be gone, and the plugins with it

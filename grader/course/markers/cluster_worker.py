@@ -9,7 +9,7 @@ import json
 import pickle
 import platform
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack, suppress
 from importlib.metadata import version
 from typing import Any, ClassVar
@@ -22,13 +22,13 @@ from grader.course.markers.pool import Pool, Stopped, Unmarked
 from grader.engine.results import Result, to_record
 from grader.intake import Submission
 
-_NUMBERS_DEPEND_ON = ("mujoco", "numpy", "scipy", "matplotlib")
+_OURS = ("imugrade", "python")
 
 
-def versions() -> dict[str, str]:
-    """Return the versions that must be equal on every machine that marks a class."""
+def versions(packages: Iterable[str]) -> dict[str, str]:
+    """Return the versions that must be equal on every machine that marks a class: of Python, ours, and of the lab's packages."""
     python = ".".join(platform.python_version_tuple()[:2])
-    return {"imugrade": __version__, "python": python, **{name: version(name) for name in _NUMBERS_DEPEND_ON}}
+    return {"imugrade": __version__, "python": python, **{name: version(name) for name in packages}}
 
 
 def plain(result: Result) -> dict[str, Any]:
@@ -106,7 +106,8 @@ class GradingPlugin(WorkerPlugin):
         return plain(outcome)
 
     def _agree(self) -> None:
-        for name, here in versions().items():
+        here_are = versions(name for name in self._made_by if name not in _OURS)
+        for name, here in here_are.items():
             there = self._made_by.get(name, "none")
             if here != there:
                 raise RequestError(

@@ -124,6 +124,8 @@ LAB = Lab(
         "filter": "LowPassFilter", "plot": "plot_imu_data",
     },
     settings={"model": _model},
+    packages=("mujoco", "numpy", "scipy", "matplotlib"),
+    suffixes=(*Lab.suffixes, ".xml"),
     libraries=(
         "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation",
     ),
