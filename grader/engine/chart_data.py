@@ -10,7 +10,7 @@ import json
 import struct
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 Role = Literal[
@@ -60,14 +60,10 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Packed charts of one submission, and the hashes of its code (see `fingerprint`).
-
-    `figures` holds the charts of each part as rendered for a page, if they were rendered already; it is not recorded.
-    """
+    """Packed charts of one submission, and the hashes of its code (see `fingerprint`)."""
 
     charts: bytes = b""
     fingerprint: tuple[int, ...] = ()
-    figures: Mapping[str, str] = field(default_factory=dict)
 
 
 def packed(charts: tuple[Chart, ...]) -> bytes:

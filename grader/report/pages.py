@@ -71,27 +71,16 @@ class Part:
 
 Drawn = Mapping[str, str]
 """HTML of the charts of each part, by the part's id."""
-_FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<section id="'
 
 
 def drawn(shown: Iterable[Chart]) -> Drawn:
-    """Render charts as HTML, once for each result: this takes ten times as long as the rest of a page."""
+    """Render charts, by the part that they belong to."""
     macros: Any = _environment().get_template("charts.html.j2").module
     found: dict[str, str] = {}
     for chart in shown:
         if (views := charts.views(chart)) or chart.png:
             set_ = Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
             found[chart.part] = found.get(chart.part, Markup()) + macros.figure(set_)
-    return found
-
-
-def drawn_in(page: str) -> Drawn:
-    """Extract the rendered charts from an existing page, to reuse them. Escaping keeps students' text from looking like one."""
-    found = {}
-    for section in page.split(_SECTION)[1:]:
-        starts, ends = section.find(_FIGURE), section.rfind(_FIGURE_ENDS)
-        if 0 <= starts < ends:
-            found[section.partition('"')[0]] = Markup(section[starts : ends + len(_FIGURE_ENDS)])
     return found
 
 
@@ -111,11 +100,7 @@ def report_page(
     catalogue
         The lab's faults, by id, with their explanations.
     """
-    return report_around(drawn(shown), final_grade, catalogue)
-
-
-def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[str, FaultRow] | None = None) -> str:
-    """Return `report.html` with charts that are already rendered."""
+    figures = drawn(shown)
     result = final_grade.result
     extensions = [extension for extension in result.extensions if extension.checks]
     return rendered(

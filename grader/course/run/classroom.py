@@ -30,7 +30,7 @@ from grader.course.run.grade_request import GradeRequest
 from grader.course.run.submissions import Class
 from grader.course.run.unmarked import stopped, unjudged
 from grader.course.run.warnings import gone, named_lines, of_policy, outdated, remarks, replaced
-from grader.engine.chart_data import Evidence, unpacked
+from grader.engine.chart_data import Evidence
 from grader.engine.grader import Marker
 from grader.engine.lab import Lab
 from grader.engine.lab_registry import chosen_lab
@@ -41,7 +41,6 @@ from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.people.final_grade import FinalGrade, HandIn, graded
 from grader.platforms.classes import Entry
-from grader.report.pages import Drawn, drawn
 from grader.sandbox.isolation_levels import LEVELS
 
 _WALL_PER_CPU = 5
@@ -267,7 +266,7 @@ class _Run:
                 result = _result(submission, self._request, marked)
                 self._store.keep(_key(submission, self._request), result)
                 slim = replace(result, evidence=Evidence())  # charts of a large class would fill the memory
-                self._keep_and_report(_key(submission, self._request), slim, result.evidence.figures)
+                self._keep_and_report(_key(submission, self._request), slim, resumed=False)
         self._choose_best_attempt()
 
     def _choose_best_attempt(self) -> None:
@@ -307,19 +306,19 @@ class _Run:
                 yield submission
             else:
                 self._outcome.resumed += 1
-                self._keep_and_report(key, known)
+                self._keep_and_report(key, known, resumed=True)
 
-    def _keep_and_report(self, key: Key, result: Result, figures: Drawn | None = None) -> None:
-        """Record, publish and report a result. `figures` are the drawn charts of a new result, None for one on record."""
+    def _keep_and_report(self, key: Key, result: Result, *, resumed: bool) -> None:
+        """Record, publish and report a result."""
         attempt = self._attempts[key]
         attempt.result = result
         final_grade = self._final_grade(key, attempt)
         self._count(final_grade)
-        self._publish(final_grade, figures)
-        self._progress.done(key.id, result, resumed=figures is None)
+        self._publish(final_grade)
+        self._progress.done(key.id, result, resumed=resumed)
 
-    def _publish(self, final_grade: FinalGrade, figures: Drawn | None = None) -> None:
-        publish(self._request.out, final_grade, self._store, self._request.rubric.lab, figures)
+    def _publish(self, final_grade: FinalGrade) -> None:
+        publish(self._request.out, final_grade, self._store, self._request.rubric.lab)
 
     def _final_grade(self, key: Key, attempt: _Attempt) -> FinalGrade:
         if attempt.result is None:
@@ -368,18 +367,7 @@ def guarded_marker(
                 f"the class was graded at the isolation level {at_least}, and this machine offers {marker.isolation.name} "
                 "(`imugrade doctor` says why); add --change to grade the rest at that level"
             )
-        yield _Drawing(marker)
-
-
-@dataclass(frozen=True)
-class _Drawing:
-    """Marker that also draws the charts, so that this work is spread over the worker processes."""
-
-    marker: Marking
-
-    def mark(self, submission: Submission, cpu_s: float | None = None) -> Result:
-        result = self.marker.mark(submission, cpu_s)
-        return replace(result, evidence=replace(result.evidence, figures=drawn(unpacked(result.evidence.charts))))
+        yield marker
 
 
 def _result(submission: Submission, request: GradeRequest, marked: Marked) -> Result:
