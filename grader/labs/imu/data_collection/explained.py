@@ -115,7 +115,9 @@ class Explained:
         first, second = self.facts.push, self.facts.later
         if second is None or not (first.length or second.length) or self.few_rows_follow:
             return False
-        return fault == counting_fault(first, second, skips=self.push is not None and self.push.skip > 1)
+        found = counting_fault(first, second, skips=self.push is not None and self.push.skip > 1)
+        every_step = abs(first.length * self.facts.learnt_timestep - first.duration_s) <= self.facts.learnt_timestep
+        return fault == ("hard-coded-timestep" if found == "fixed-rate" and every_step else found)
 
     # ---- time stamps
 
@@ -174,7 +176,8 @@ class Explained:
     def starts_over(self) -> bool:
         """Return whether all rows after the first show one state, because the code sets the start again in each pass."""
         again = self.push_claim is not None and len(self.push_claim.set_at) > 0
-        return again and all_alike(self.series.rows(1)) and self.push is not None and not self.push.aliased
+        filled = self.series.rows(1, self.series.filled_rows)
+        return again and all_alike(filled) and self.push is not None and not self.push.aliased
 
     @property
     def driven(self) -> bool:

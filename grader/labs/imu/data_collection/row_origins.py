@@ -148,6 +148,7 @@ def _origins(run: Run) -> Iterator[RowOrigin]:
             yield from (RowOrigin(world, lag, exchanged=exchanged) for lag in lags)
             for skip in strides:
                 yield from (RowOrigin(world, skip=skip, first=first, exchanged=exchanged) for first in {0, skip - 1})
+                yield RowOrigin(world, lag=1, skip=skip, exchanged=exchanged)  # read before the first of them
             if at and len(at) >= run.series.filled_rows:
                 yield RowOrigin(world, skip=apart, at=at, exchanged=exchanged)
             yield RowOrigin(world, exchanged=exchanged, aliased=True)

@@ -142,7 +142,9 @@ def _middle(values: Array) -> Array:
 OFFSETS = (
     Offset(1, "no-bias", lambda reads, _: [np.zeros(3)]),
     Offset(2, "bias-sign-flipped", lambda reads, _: [-reads.bias]),
-    Offset(3, "stale-clean-reading", lambda reads, _: [reads.truth[0] + reads.bias - reads.truth]),
+    Offset(
+        3, "stale-clean-reading", lambda reads, _: [reads.truth[0] - reads.truth + bias for bias in (reads.bias, 0)]
+    ),
     Offset(4, "swapped-sensors", lambda reads, other: [other.truth - reads.truth + reads.bias], together=True),
     Offset(5, "biases-exchanged", lambda _, other: [other.bias], together=True),
     Offset(6, "bias-axes-exchanged", lambda reads, _: list(map(np.array, itertools.permutations(reads.bias)))),

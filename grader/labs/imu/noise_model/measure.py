@@ -288,7 +288,7 @@ def measure(student: Student, truth: Traces) -> Facts:
         sensors=(first, second),
         follows=follows,
         exchanged=ask.exchanged,
-        one_twice=refused is None and _is_one_twice(run),
+        one_twice=_is_one_twice(run),
         disturbance=disturbance,
         timestep=float(truth["push"].scalars["timestep"]),
         odd=run.odd or "",

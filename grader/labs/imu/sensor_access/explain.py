@@ -44,25 +44,25 @@ Change = Callable[[Scene, Array], Array]
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A hypothesis on one sensor: a fault of the address, faults of the values, both or none.
+    """A hypothesis on one sensor: faults of the address, faults of the values, both or none.
 
     Attributes
     ----------
     cost : how implausible it is
-    place, values : ids of the faults; "" and () if there are none
+    place, values : ids of the faults
     start : returns the address that is read
     change : what is done to the values at that address
     """
 
     cost: int
-    place: str
+    place: tuple[str, ...]
     values: tuple[str, ...]
     start: Place
     change: Change
 
     @property
-    def cause(self) -> tuple[str, ...]:
-        return self.place, *self.values
+    def cause(self) -> tuple[tuple[str, ...], ...]:
+        return self.place, self.values
 
     def predict(self, scene: Scene, sensor: int) -> Array:
         """Return the readings (states, 3) that this hypothesis predicts for a sensor."""
@@ -111,7 +111,7 @@ def _fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
             right = start == torso.scene.own(sensor)
             fault = "hard-coded-address" if right else "wrong-fixed-address"
-            yield Hypothesis(3, fault, (), _fixed(start), _unchanged)
+            yield Hypothesis(3, (fault,), (), _fixed(start), _unchanged)
 
 
 # ---- values
@@ -174,13 +174,46 @@ def _hypotheses() -> tuple[Hypothesis, ...]:
     changes = list(_changes())
     rounded = [(v, _then_rounded(change, d)) for v, change in changes if v != "precision-lost" for d in _DECIMALS]
     return (
-        *(Hypothesis(bool(place), place, (), start, _unchanged) for place, start in _PLACES),
+        *(Hypothesis(bool(place), _ids(place), (), start, _unchanged) for place, start in _PLACES),
         *(
-            Hypothesis(1 + bool(p), p, (v,), start, change)
+            Hypothesis(1 + bool(p), _ids(p), (v,), start, change)
             for (p, start), (v, change) in itertools.product(_PLACES, changes)
         ),
-        *(Hypothesis(2, "", (value, "precision-lost"), Scene.own, change) for value, change in rounded),
+        *(Hypothesis(2, (), (value, "precision-lost"), Scene.own, change) for value, change in rounded),
     )
+
+
+@functools.cache
+def _two_faults() -> tuple[Hypothesis, ...]:
+    """Return hypotheses of two faults of the address, or of two of the values; they have to predict every IMU."""
+    places = [(fault, start) for fault, start in _PLACES if fault in _SHIFTED]
+    changes = [(fault, change) for fault, change in _changes() if fault in _COMBINED]
+    return (
+        *(
+            Hypothesis(2, (fault, "off-by-one-address"), (), _shifted(start, by), _unchanged)
+            for (fault, start), by in itertools.product(places, (-1, 1))
+        ),
+        *(
+            Hypothesis(3, (), tuple(sorted({one, other})), Scene.own, _one_after_another(first, then))
+            for (one, first), (other, then) in itertools.product(changes, repeat=2)
+        ),
+    )
+
+
+def _shifted(start: Place, by: int) -> Place:
+    return lambda scene, sensor: start(scene, sensor) + by
+
+
+def _one_after_another(first: Change, then: Change) -> Change:
+    return lambda scene, x: then(scene, first(scene, x))
+
+
+_SHIFTED = ("sensor-id-as-address", "same-sensor-twice", "end-of-sensor")
+_COMBINED = ("sign-flipped", "gravity-removed", "wrong-units", "axes-permuted")
+
+
+def _ids(*faults: str) -> tuple[str, ...]:
+    return tuple(filter(None, faults))
 
 
 def _then_rounded(change: Change, decimals: int) -> Change:
@@ -236,7 +269,8 @@ class Explained:
     @property
     def share_misplaced(self) -> float:
         """The share of the sensors that are read at another address than their own; 1 where the ids are ignored."""
-        computed = {each.place for each in self.sensors if each} - {"", "hard-coded-address", "wrong-fixed-address"}
+        faults = {fault for each in self.sensors if each for fault in each.place}
+        computed = faults - {"hard-coded-address", "wrong-fixed-address"}
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH) if computed else 1.0
 
     def altered(self) -> tuple[Visit, int] | None:
@@ -283,7 +317,7 @@ _NOT_FOUND = ("KeyError", "ValueError", "IndexError")
 
 def _explain(facts: Facts, sensor: int) -> Hypothesis | None:
     """Return the cheapest hypothesis for a sensor that predicts all IMUs, else the cheapest that predicts the robot's own."""
-    everywhere = (*_hypotheses(), *_fixed_places(facts.torso, sensor))
+    everywhere = (*_hypotheses(), *_two_faults(), *_fixed_places(facts.torso, sensor))
     return explained(everywhere, sensor, facts.visits) or explained(_hypotheses(), sensor, [facts.torso])
 
 
@@ -292,8 +326,9 @@ def explained(known: Iterable[Hypothesis], sensor: int, visits: Sequence[Visit])
 
 
 def _named_places(found: Sequence[Hypothesis]) -> list[str]:
-    names = [each.place for each in found if each.place]
-    return ["swapped-sensors"] if names == ["same-sensor-twice"] * 2 else list(dict.fromkeys(names))
+    names = [fault for each in found for fault in each.place]
+    exchanged = names.count("same-sensor-twice") == len(BOTH)
+    return list(dict.fromkeys("swapped-sensors" if exchanged and n == "same-sensor-twice" else n for n in names))
 
 
 def _rightness(visits: Sequence[Visit], sensor: int) -> float:
