@@ -52,7 +52,7 @@ SLOW = (
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading",
     "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro",
     "test_shadowing_modules", "test_statements", "test_traces",
-    "test_variants", "test_worked_check",
+    "test_variants",
 )  # fmt: skip
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
 LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")

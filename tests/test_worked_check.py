@@ -52,6 +52,12 @@ def lost(tree: Path, patch: str, *names: str) -> list[dict[str, dict[str, Any]]]
     return [{check["id"]: check for check in each if check["outcome"] not in ("passed", "skipped")} for each in checks]
 
 
+@pytest.mark.quick
+def test_both_patches_apply_to_the_present_files() -> None:
+    subprocess.run(["git", "apply", "--check", "-"], cwd=ROOT, input=CHECK + FAULT, text=True, check=True)
+
+
+@pytest.mark.slow
 def test_the_worked_check_and_fault_apply_and_grade_as_the_page_says(tree: Path) -> None:
     sound, new = lost(tree, CHECK, "sound", ROW)
     assert sound == {}
