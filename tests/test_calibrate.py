@@ -198,7 +198,7 @@ def test_a_proposal_comes_closer_to_several_marks_says_whose_grade_changes_and_c
     block = yaml.safe_load("\n".join(found.block()))
     assert block == {"faults": {"sensor-id-as-address": 4}}  # between 6 and 3; the present value counts as two marks
     assert (found.before, found.after, found.unseen) == (3.0, 1.0, 1.0)
-    assert [(each.id, before, after) for each, before, after in found.moved] == [
+    assert [(each.final_grade.id, each.before, each.after) for each in found.moved] == [
         (f"wrong-{i}", 94.0, 96.0) for i in range(6)
     ]
     pasted = rubric.parse(LAB, f"{RUBRIC.text}\n{yaml.safe_dump(block)}".encode())

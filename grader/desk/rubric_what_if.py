@@ -27,24 +27,11 @@ from grader.desk.web_requests import WebRequest
 from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import LARGEST
-from grader.people.final_grade import FinalGrade, graded
+from grader.people.final_grade import FinalGrade, GradeChange, grade_changes, graded
 from grader.report import overview, words
 
 _SHOWN = 50
 _HEAD = "# Made at the review desk on {when} from {source}, which holds the reasons.\n"
-
-
-@dataclass(frozen=True)
-class GradeChange:
-    """A submission whose grade would change."""
-
-    final_grade: FinalGrade
-    before: float | None
-    after: float | None
-
-    @property
-    def by(self) -> float:
-        return round((self.after or 0.0) - (self.before or 0.0), 2)
 
 
 @dataclass(frozen=True)
@@ -225,12 +212,7 @@ def _number(text: str) -> float | int | str:
 
 def _preview(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Preview:
     """Return the changed scores, the largest change first, and the means before and after."""
-    changes = [
-        GradeChange(each, before[id_].final, each.final)
-        for id_, each in after.items()
-        if before[id_].final != each.final
-    ]
-    changes.sort(key=lambda change: (-abs(change.by), change.final_grade.id))
+    changes = grade_changes(before, after)
     top = max((each.result.max_score for side in (before, after) for each in side.values()), default=100.0)
     scores = [graded(side.values()) for side in (before, after)]
     means = [words.number(round(statistics.fmean(side), 1)) if side else "–" for side in scores]

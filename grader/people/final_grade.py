@@ -298,6 +298,26 @@ def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
     return [each.final for each in final_grades if each.result.status == "graded" and each.final is not None]
 
 
+@dataclass(frozen=True)
+class GradeChange:
+    """A submission with another final grade than before; None is a grade that is open or blank."""
+
+    final_grade: FinalGrade
+    before: float | None
+    after: float | None
+
+    @property
+    def by(self) -> float:
+        return round((self.after or 0.0) - (self.before or 0.0), 2)
+
+
+def grade_changes(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> list[GradeChange]:
+    """Return the submissions of both sides whose final grade differs, the largest change first."""
+    both = ((before[id_].final, each) for id_, each in after.items() if id_ in before)
+    changes = [GradeChange(each, was, each.final) for was, each in both if was != each.final]
+    return sorted(changes, key=lambda change: (-abs(change.by), change.final_grade.id))
+
+
 def points_by_check(criterion: CriterionResult) -> dict[str, float | None]:
     """Return the automatic points of each check of a criterion."""
     return {check.id: check.points for check in criterion.checks}

@@ -25,7 +25,7 @@ from grader.engine.marks import earned
 from grader.engine.results import CriterionResult
 from grader.engine.rubric import Criterion, Rubric
 from grader.engine.rubric_sections import divided
-from grader.people.final_grade import FinalGrade
+from grader.people.final_grade import FinalGrade, GradeChange, grade_changes
 from grader.report import words
 
 FEWEST = 5
@@ -92,7 +92,7 @@ class Proposal:
     after: float
     unseen: float
     why: tuple[str, ...]
-    moved: tuple[tuple[FinalGrade, float, float], ...]
+    moved: tuple[GradeChange, ...]
 
     def sentences(self) -> list[str]:
         """Return what the proposal does to the distance, and what remains and why."""
@@ -140,11 +140,6 @@ def propose(rubric: Rubric, cells: Sequence[ComparedCell], final_grades: Mapping
     proposed = _with(rubric, {(each.kind, each.id): each.after for each in changes})
     after = regraded(now, proposed)
     unseen = {key: points for each in problems for key, points in each.unseen().items()}
-    moved = [
-        (now[id_], now[id_].final or 0.0, each.final or 0.0)
-        for id_, each in after.items()
-        if each.final != now[id_].final
-    ]
     return Proposal(
         changes,
         proposed,
@@ -152,7 +147,7 @@ def propose(rubric: Rubric, cells: Sequence[ComparedCell], final_grades: Mapping
         _distance(cells, _points(after)),
         _distance(cells, {**_points(now), **unseen}),
         tuple(_why(cells, _points(after))),
-        tuple(sorted(moved, key=lambda row: (-abs(row[2] - row[1]), row[0].id))),
+        tuple(grade_changes(now, after)),
     )
 
 

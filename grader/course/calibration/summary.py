@@ -102,7 +102,7 @@ def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Seq
         proposal = propose(rubric, cells, final_grades)
     except RequestError as other_measurements:
         problem = f"no proposal: {other_measurements}"
-    moved = () if proposal is None else tuple((words.distinct(who), *grades) for who, *grades in proposal.moved)
+    moved = () if proposal is None else proposal.moved
     return Summary(
         tuple(comparison.by_criterion(cells)),
         tuple(each for each in comparison.by_fault(cells) if each.distance > comparison.FULL),
@@ -110,7 +110,7 @@ def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Seq
         tuple(_difference(cell, final_grades[cell.id], rubric) for cell in comparison.differing(cells)),
         proposal,
         tuple(filter(None, (*_notes(rubric, results, cells, marks), problem))),
-        moved,  # type: ignore[arg-type] # a name and two grades each
+        tuple((words.distinct(each.final_grade), each.before or 0.0, each.after or 0.0) for each in moved),
     )
 
 

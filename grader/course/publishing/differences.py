@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from grader.base.text import printable
 from grader.engine.results import CheckResult, Result
-from grader.people.final_grade import FinalGrade, graded
+from grader.people.final_grade import FinalGrade, grade_changes, graded
 from grader.report import words
 
 _CAUSES = {
@@ -30,7 +30,7 @@ def lines_of(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> It
     yield from _changed_weights(old, new, both)
     own = {id_: [cause for cause in causes[id_] if cause not in common] for id_ in both}
     blocks = {id_: _block(old[id_], new[id_], own[id_]) for id_ in both}
-    moved = [id_ for id_ in both if old[id_].final != new[id_].final]
+    moved = {each.final_grade.id for each in grade_changes(old, new)}
     for id_, lines in blocks.items():
         if id_ in moved:
             yield f"{printable(id_, words.NAME_LIMIT)}  {_final(old[id_])} → {_final(new[id_])}"

@@ -22,7 +22,7 @@ from grader.engine.marks import fits, marked
 from grader.engine.rubric import OwnChecks, Rubric, load, parse
 from grader.engine.traces import Traces
 from grader.people import late_policy, roster
-from grader.people.final_grade import FinalGrade, HandIn, Person
+from grader.people.final_grade import FinalGrade, HandIn, Person, grade_changes
 from grader.people.roster import NO_ROSTER, Roster
 from grader.report.causes import stops
 
@@ -253,19 +253,17 @@ def change(
         )
         for id_, each in kept.items()
     }
-    finals = [(kept[id_].final, each.final) for id_, each in after.items()]
     graded = [(kept[id_].final, each.final) for id_, each in after.items() if each.result.status == "graded"]
     known = [(was, now) for was, now in graded if was is not None and now is not None]
     means = (statistics.fmean(was for was, _ in known), statistics.fmean(now for _, now in known)) if known else None
-    moved = sum(was != now for was, now in finals)
     broken = (each for each in kept.values() if not each.result.repairs and stops(each.result, rubric.lab))
     to_repair = sum(1 for _ in broken) if new.repairs and not old.repairs else 0
     several = new.attempts == "latest" or None in hand_ins.values()
     chosen_anew = old.attempts != new.attempts and several and bool(final_grades)
     return Change(
         differences,
-        moved,
-        len(finals),
+        len(grade_changes(kept, after)),
+        len(after),
         means,
         len(final_grades) - len(kept),
         chosen_anew,
