@@ -257,6 +257,17 @@ def agreement() -> str:
     )
 
 
+# --- values that count as numbers --------------------------------------------------------------------------------------
+
+
+def kinds_of_values() -> str:
+    """Return what each kind of values counts as in each question, as the worker's code answers it."""
+    from tests.judging import test_kinds_of_numbers as kinds  # noqa: PLC0415 - the documentation is built without the tests
+
+    rows = ((name, *kinds.outcomes(name).values()) for name in kinds.KINDS)
+    return _table(("Your function returns", *(f"`{question}`" for question in kinds.QUESTIONS)), rows)
+
+
 # --- what programs and own checks use ---------------------------------------------------------------------------------
 
 _ASKED = (Student.read, Student.simulate, Student.noise, Student.filter)
@@ -366,7 +377,7 @@ PARTS: Mapping[str, Callable[[], str]] = {
     function.__name__.replace("_", "-"): function
     for function in (
         agreement, answers, attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels,
-        libraries, library_folders, modules, outcomes, platform_fields, public_traces, questions, result_json,
+        kinds_of_values, libraries, library_folders, modules, outcomes, platform_fields, public_traces, questions, result_json,
         rubric, rubric_keys, system_files,
     )
 }  # fmt: skip

@@ -75,7 +75,7 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all_as_a_spreadsheet_sa
     table = tmp_path / "a.csv"
     table.write_text(
         "\ufeffid,criterion,points,comment\nalice,sensor_access,18,ok\nalicia,sensor_access,1,x\nbob,sensoraccess,1,x\n"
-        "bob,sensor_access,21,x\nbob,sensor_access,1.005,x\nbob,sensor_access,nan,x\nbob,sensor_access,1,\nbob,sensor_access,,x\n"
+        "bob,sensor_access,21,x\nbob,sensor_access,1.005,x\nbob,sensor_access,٣,x\nbob,sensor_access,1,\nbob,sensor_access,,x\n"
     )
     code, _, err = run("adjust", out, "--csv", table)
     assert code == 2
@@ -84,7 +84,7 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all_as_a_spreadsheet_sa
         "4: there is no criterion sensoraccess (did you mean sensor_access?)",
         "5: points must be a number from 0 to 20 with at most two decimals, not 21",
         "6: points must be a number from 0 to 20 with at most two decimals, not 1.005",
-        "7: points must be a number from 0 to 20 with at most two decimals, not nan",
+        "7: points must be a number from 0 to 20 with at most two decimals, not ٣",
         "8: say why in a comment of at most 2000 characters",
         "9: bob has no adjustment of sensor_access to withdraw",
     ]

@@ -118,6 +118,16 @@ def test_a_check_that_does_not_end_well_is_told_in_one_line(
     assert all(line.startswith("imugrade: ") for line in err.splitlines())
 
 
+@pytest.mark.parametrize("text", ["٣", "1_0", "nan"])
+@pytest.mark.parametrize(
+    "words", ["ci x --min-score", "grade x -o out --min-score", "repair out a f --deduct", "adjust out a --points"]
+)
+def test_an_option_that_takes_points_refuses_what_is_no_number_in_a_form(run: Run, words: str, text: str) -> None:
+    code, out, err = run(*words.split(), text)
+    assert (code, out) == (2, "")
+    assert f"{text} is not a number. Write it like 2.5" in err
+
+
 # --- check ------------------------------------------------------------------------------------------------------------
 
 

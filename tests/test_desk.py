@@ -455,6 +455,18 @@ def test_a_request_without_a_student_keeps_the_others_and_gets_its_student_on_th
         assert "is ambiguous: it may mean" in words(ambiguous.text)
 
 
+def test_half_a_character_in_a_request_is_written_out_in_a_file_and_in_the_form(desk: Desk, tmp_path: Path) -> None:
+    half = '{"student": "%s", "text": "Half \\ud83d", "check": "%s"}'
+    (tmp_path / "a.json").write_text(half % ("bob", ""))
+    (tmp_path / "b.json").write_text(half % ("bob", "\\udc00"))
+    assert read_in(desk.book, tmp_path)[0] == "1 regrade request added"
+    assert desk.post("/regrade-requests", {"text": half % ("ada", "")}).status == 303
+    assert desk.post("/regrade-requests", {"text": half % ("\\udfff", "")}).status == 400
+    found = desk.book.on_thread(desk.book.store.regrade_requests)
+    assert [(each.id, each.text) for each in found] == [("bob", "Half \\ud83d"), ("ada", "Half \\ud83d")]
+    assert desk.get("/regrade-requests").status == 200
+
+
 def test_times_at_the_desk_are_those_of_the_class(desk: Desk) -> None:
     give(desk, "bob", ADDRESS, "4")
     assert re.search(r"\d\d:\d\d UTC by prof", words(desk.get("/submission/bob").text))

@@ -157,6 +157,8 @@ def test_an_error_stands_beside_its_field_and_what_was_typed_stays(desk: Desk, o
         ("deduct", "x", points),
         ("deduct", "101", points),
         ("deduct", "nan", points),
+        ("deduct", "٣", points),
+        ("deduct", "1_0", points),
         ("comment", "", "Say what you changed. The student reads this."),
         ("comment", "x" * 2001, "At most 2000 characters."),
     ):

@@ -248,10 +248,10 @@ def _words(result: Result) -> list[str]:
 
 
 def test_two_secrets_lead_to_the_same_words_and_to_no_place_that_code_chose(results: list[Result]) -> None:
-    """Powers of ten apart: an error's size is told, as coarsely as that."""
+    """Sizes apart: an error's size is told in three steps."""
     first, second = (_words(result) for result in results)
     differ = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
-    assert [pair for pair in differ if not all(re.search(" by (1e|0|1)", text) for text in pair)] == []
+    assert [pair for pair in differ if not all(re.search(" by (less|0.1|more)", text) for text in pair)] == []
     assert results[0].notes == results[1].notes
     checks = [check for result in results for part in result.parts for check in part.checks]
     assert "error" in {check.outcome for check in checks}
@@ -259,7 +259,7 @@ def test_two_secrets_lead_to_the_same_words_and_to_no_place_that_code_chose(resu
 
 
 def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Result]) -> None:
-    """Of our own numbers only powers of ten have as many digits. Notes come from a process with the public robot: see above."""
+    """Of our own numbers only points and the three sizes are told. Notes come from a process with the public robot: see above."""
     for result in (replace(each, notes=()) for each in results):
         for text in outputs(result, SPY).values():
             told = text.split("<main")[-1].split("Provenance")[0].split('"provenance"')[0]

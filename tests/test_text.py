@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.base.text import csv_cell, printable
+from grader.base.text import csv_cell, decimal, printable
 
 
 @pytest.mark.parametrize(
@@ -56,3 +56,33 @@ def test_no_cell_is_a_formula_and_other_cells_stay_as_they_are() -> None:
         assert csv_cell(text) == "'" + text
     for text in ("", "alice", "1-2", " =1", "'=1", "O'Neill"):
         assert csv_cell(text) == text
+
+
+NOT_NUMBERS = (
+    "1_0",
+    "٣",
+    "１",
+    "nan",
+    "inf",
+    "0x10",
+    "1e400",
+    "9" * 400,
+    "1" * 100_000 + "x",
+    "1,000.5",
+    "",
+    "--1",
+    "1 0",
+)
+
+
+@pytest.mark.parametrize("text", NOT_NUMBERS)
+def test_a_number_in_a_form_has_digits_a_point_or_a_comma_and_a_sign(text: str) -> None:
+    assert decimal(text) is None
+    assert [decimal(f" {given} ") for given in ("2.5", "2,5", "+2.50", ".5", "5.", "-1e-1")] == [
+        2.5,
+        2.5,
+        2.5,
+        0.5,
+        5.0,
+        -0.1,
+    ]

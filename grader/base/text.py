@@ -6,6 +6,7 @@ XML and CI commands is the business of the formats.
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 
@@ -66,11 +67,15 @@ def enumerated(names: Iterable[str], last: str = "and") -> str:
 
 
 def decimal(text: str) -> float | None:
-    """Return the number in a text that a person wrote, with a point or a comma; None if there is none."""
-    try:
-        return float(text.strip().replace(",", "."))
-    except ValueError:
-        return None
+    """Return the number in a text that a person wrote, with a point or a comma; None if there is none.
+
+    `float` alone would take ``1_0``, ``nan`` and digits of other scripts, which a spreadsheet or another reader takes otherwise.
+    """
+    plain = text.strip().replace(",", ".")
+    return float(plain) if _DECIMAL.fullmatch(plain) else None
+
+
+_DECIMAL = re.compile(r"[+-]?(\d{1,15}(\.\d{0,20})?|\.\d{1,20})(e[+-]?\d\d?)?", re.ASCII | re.IGNORECASE)
 
 
 def some(names: Sequence[str], most: int, between: str = ", ") -> str:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import login
+from grader.commands.common import as_points, login
 
 
 def adjust(
@@ -26,7 +26,8 @@ def adjust(
         typer.Option("--criterion", metavar="C", help="A criterion, a check (visualization.titles), total or bonus."),
     ] = "",
     points: Annotated[
-        float | None, typer.Option("--points", metavar="P", help="Points that replace the automatic points.")
+        float | None,
+        typer.Option("--points", parser=as_points, metavar="P", help="Points that replace the automatic points."),
     ] = None,
     comment: Annotated[
         str, typer.Option("--comment", metavar="TEXT", help="The reason. The student can read it.")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from grader.base.text import enumerated
-from grader.commands.common import LevelOption, RubricOption
+from grader.commands.common import LevelOption, RubricOption, as_points
 from grader.platforms import registry
 
 
@@ -31,7 +31,8 @@ def ci(
         typer.Option("--out", "-o", metavar="FILE", help="The output file; - is standard output."),
     ] = None,
     min_score: Annotated[
-        float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if the score is below N.")
+        float | None,
+        typer.Option("--min-score", parser=as_points, metavar="N", help="Exit with 1 if the score is below N."),
     ] = None,
     rubric: RubricOption = None,
     traces_: Annotated[

@@ -36,6 +36,16 @@ SeedOption = Annotated[
 LevelOption = Annotated[str | None, typer.Option("--isolation", hidden=True)]
 
 
+def as_points(text: object) -> float:
+    """Return the number in the value of an option that takes points, as it is read in a form; refuse anything else."""
+    from grader.base.text import decimal  # noqa: PLC0415
+
+    value = decimal(str(text))
+    if value is None:
+        raise typer.BadParameter(f"{text!s:.40} is not a number. Write it like 2.5.")
+    return value
+
+
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
     """Return an option's value if it is one of the allowed words."""
     from grader.base.text import printable  # noqa: PLC0415

@@ -12,7 +12,7 @@ import typer
 
 from grader.base.errors import RequestError
 from grader.base.text import enumerated
-from grader.commands.common import LevelOption, RubricOption, SeedOption, console, one_of, say, shown_path
+from grader.commands.common import LevelOption, RubricOption, SeedOption, as_points, console, one_of, say, shown_path
 from grader.platforms import registry
 
 if TYPE_CHECKING:
@@ -61,7 +61,8 @@ def grade(
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List the submissions, and grade nothing.")] = False,
     min_score: Annotated[
-        float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if a score is below N.")
+        float | None,
+        typer.Option("--min-score", parser=as_points, metavar="N", help="Exit with 1 if a score is below N."),
     ] = None,
     change: Annotated[
         bool, typer.Option("--change", help="Allow changes of recorded scores, for example by a new rubric.")

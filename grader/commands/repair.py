@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import SeedOption, login
+from grader.commands.common import SeedOption, as_points, login
 
 
 def repair(
@@ -25,7 +25,9 @@ def repair(
     patch: Annotated[
         Path | None, typer.Option("--patch", metavar="DIFF", help="The change, as a unified diff of this file.")
     ] = None,
-    deduct: Annotated[float, typer.Option("--deduct", metavar="N", help="The deduction, in points.")] = 0.0,
+    deduct: Annotated[
+        float, typer.Option("--deduct", parser=as_points, metavar="N", help="The deduction, in points.")
+    ] = 0.0,
     comment: Annotated[
         str, typer.Option("--comment", metavar="TEXT", help="The reason. The student can read it.")
     ] = "",

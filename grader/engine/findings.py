@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypedDict, TypeVar
@@ -68,7 +67,7 @@ class Size:
     Attributes
     ----------
     what : beginning of a sentence, a constant of the grader's code: never text or a name of the student's
-    value, unit : size of the error; a message shows only its power of ten, because code could encode hidden data in the digits
+    value, unit : size of the error; a message shows one of three steps, because code could encode hidden data in the digits
     """
 
     what: str
@@ -78,14 +77,9 @@ class Size:
     def __str__(self) -> str:
         if self.value is None:
             return self.what
-        if not 1e-12 < abs(self.value) < 1e12:  # NaN fails this comparison, too
-            return f"{self.what}, beyond all measure"
-        power = math.floor(math.log10(abs(self.value)))
-        return f"{self.what} by {_power(power)} to {_power(power + 1)} {self.unit}".rstrip()
-
-
-def _power(exponent: int) -> str:
-    return f"{10.0**exponent:g}"
+        size = abs(self.value)
+        step = "less than 0.1" if size < 0.1 else "0.1 to 10" if size < 10.0 else "more than 10"  # NaN is the largest
+        return f"{self.what} by {step} {self.unit}".rstrip()
 
 
 class GraderText(str):

@@ -1,7 +1,7 @@
 """Feedback on hidden scenarios: kind and size of an error, but nothing that code could choose after it has seen hidden data.
 
 With a secret, a worker holds hidden data from `submit` on. So feedback consists of constants of the grader's code (those of this
-module, of the fault table and those marked as `GraderText`) and a power of ten. It holds no text, name, number, shape, line,
+module, of the fault table and those marked as `GraderText`) and a size in three steps. It holds no text, name, number, shape, line,
 file or exit code of the student's. Messages about loading come from a process with the public robot, see `public_session`.
 """
 
@@ -73,10 +73,10 @@ def _kind(finding: Raised) -> str:
 
 
 def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a failed check: the titles of its faults and the order of magnitude of the error."""
+    """Return the feedback on a failed check: the titles of its faults, or the size of the error."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     kinds = [table[id_].title for id_ in finding.faults]
-    got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or _DOES_NOT
+    got = "; ".join(kinds) or str(finding.off or _DOES_NOT)
     own = [finding.hint] if isinstance(finding.hint, GraderText) else [table[id_].hint for id_ in finding.faults]
     return Feedback(
         outcome,
@@ -89,10 +89,10 @@ def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
 
 
 def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback from the rows' titles and hints; a number appears only as its power of ten."""
+    """Return the feedback from the rows' titles and hints. Sizes stand for numbers, only of faults without a public name."""
     if not charge.costs:
         return no_more(charge)
-    sizes = [str(cost.shown.size) for cost in charge.costs if cost.shown.size]
+    sizes = [size for cost in charge.costs if (size := _size(cost, rows))]
     titles = [rows[cost.row].title for cost in charge.costs if rows[cost.row].title]
     names = public(charge, rows)
     deducted = tuple(_deducted(cost, rows) for cost in charge.costs)
@@ -108,9 +108,14 @@ def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
 
 
 def _deducted(cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
-    row, size = rows[cost.row], cost.shown.size
-    got = "; ".join(filter(None, [row.title, str(size) if size else ""])) or _DOES_NOT
+    row = rows[cost.row]
+    got = "; ".join(filter(None, [row.title, _size(cost, rows)])) or _DOES_NOT
     return Deducted(cost.row, cost.share, row.hint if row.explanation else f"{row.hint} {_PUBLIC}", "", _HOLDS, got)
+
+
+def _size(cost: Cost, rows: Mapping[str, FaultRow]) -> str:
+    """Return the size of an error that no fault with a public name explains, else "": code could choose it to tell hidden data."""
+    return str(cost.shown.size) if cost.shown.size and not rows[cost.row].explanation else ""
 
 
 def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:

@@ -19,7 +19,7 @@ from grader.people.identity import Directory, Match, Row, participant
 from grader.people.worksheet_times import LATE, local_time
 
 MAX_BYTES = 16_000_000
-_DAYS = re.compile(r"\d{1,3}")
+_DAYS = re.compile(r"[0-9]{1,3}")
 COLUMNS: Mapping[str, tuple[str, ...]] = {
     "canvas": ("canvas_user_id",),
     "moodle": ("identifier",),
