@@ -33,6 +33,14 @@ def test_a_refused_hand_in_uses_up_no_grace_days(day: int, refused: bool, used: 
     assert (late.refused, late.grace_days) == (refused, used)
 
 
+def test_a_hand_in_of_the_hour_that_clocks_repeat_is_a_day_late() -> None:
+    due = datetime.fromisoformat("2026-10-25T02:45+02:00")
+    policy = LatePolicy(due, grace_minutes=0, per_day=10.0, cut_off_days=7, tz="Europe/Berlin")
+    late = judged(HandIn((Person("Ann"),), submitted="2026-10-25T02:15+01:00"), policy, ()).late
+    assert late is not None
+    assert (late.seconds, late.days) == (1800, 1)
+
+
 def test_a_canvas_name_whose_two_readings_both_agree_with_the_roster_is_ambiguous(tmp_path: Path) -> None:
     name = "a_1_2_3_filters.py"  # A's attachment 2 of "3_filters.py", or A 1's attachment 3 of "filters.py"
     both = canvas.read(Download(tmp_path, "", {name: False}, known={"1": "A", "2": "A 1"}))
