@@ -36,6 +36,8 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
         ("lab04-rroe42", "lab04-rroe42", "graded"),
         ("s1003", "s1003", "no submission"),
     ]
+    with desk_over(Path("out").absolute()) as desk:
+        assert '<option value="s1003">' in desk.get("/").text, "Find suggests people of the roster"
     for word in ("s1001", "jdoe-gh", "9001", "Jane Doe", "Doe, Jane", "JANE DOE"):
         assert "1 on record" in run("grade", "class", "-o", "out", "--only", word)[1]
         assert run("adjust", "out", word, "--criterion", "filtering", "--comment", word)[0] == 0

@@ -271,11 +271,24 @@ def test_what_a_ci_reads_is_what_its_schema_allows(platform: str, files: str, wo
     assert subprocess.run(command, capture_output=True, check=False).returncode == 1
 
 
+@pytest.mark.parametrize(
+    ("kit", "folder"), [("github", ".github/imugrade"), ("gitlab", ".gitlab/imugrade"), ("classroom50", "")]
+)
+def test_a_platform_installs_the_versions_of_the_class(kit: str, folder: str, tmp_path: Path) -> None:
+    getattr(give, kit)(LAB, tmp_path / "kit")
+    files = [
+        path.read_text(encoding="utf-8") for path in (tmp_path / "kit").rglob("*") if path.suffix in (".py", ".yml")
+    ]
+    assert (tmp_path / "kit" / folder / "constraints.txt").read_text() == class_versions.constraints(LAB.packages)
+    assert [text for text in files if "constraints.txt" not in text] == []
+
+
 def test_gradescope_finds_both_programs_at_the_root_and_executable(autograder: Path, tmp_path: Path) -> None:
     with zipfile.ZipFile(autograder) as archive:
         modes = {entry.filename: entry.external_attr >> 16 & 0o777 for entry in archive.infolist()}
         archive.extractall(tmp_path)
     assert (modes["setup.sh"], modes["run_autograder"]) == (0o755, 0o755)
+    assert (tmp_path / "constraints.txt").read_text() == class_versions.constraints(LAB.packages)
     for name in ("setup.sh", "run_autograder"):
         assert b"\r" not in (tmp_path / name).read_bytes()
         subprocess.run(["bash", "-n", name], cwd=tmp_path, check=True)

@@ -18,6 +18,8 @@ from grader.platforms import registry
 if TYPE_CHECKING:
     from grader.course.record.class_settings import Change
     from grader.course.run.classroom import Outcome
+    from grader.course.run.grade_request import GradeRequest
+    from grader.course.run.submissions import Class
 
 
 def grade(
@@ -70,6 +72,9 @@ def grade(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Show what would be graded and which scores would change.")
     ] = False,
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Grade although packages are missing that many submissions import.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Grade recorded submissions again.")] = False,
     trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
     weak_secret: Annotated[
@@ -82,7 +87,8 @@ def grade(
     OUT remembers the rubric, the roster and the attempt rule. You need not give them again. Give the secret of hidden
     scenarios each time, in IMUGRADE_SEED; `openssl rand -hex 16` makes one. If you give another rubric, rule or secret, the
     command first says which scores change. It changes them with --change, or after a yes on a terminal.
-    `imugrade diff` compares the two versions.
+    `imugrade diff` compares the two versions. The first run asks before it grades on a machine without packages that many
+    submissions import.
 
     \b
     Examples:
@@ -129,6 +135,8 @@ def grade(
         for line in (*classroom.forecast(request, found), *([changed.in_words()] if changed else [])):
             print(line)
         return 0
+    if known is None and not anyway:
+        _ask_about_packages(request, found)
     if changed is not None:
         request = replace(request, change=_confirmed(changed, change))
     screen = console()
@@ -173,6 +181,17 @@ def _notices(outcome: Outcome, *, secret: bool) -> Iterator[str]:
     if outcome.known:
         many = f"{outcome.known} warning{'s' * (outcome.known != 1)}"
         yield f"{many}, unchanged since the last run (`imugrade review` lists them)"
+
+
+def _ask_about_packages(request: GradeRequest, found: Class) -> None:
+    """Ask before a class is graded on a machine that lacks packages which many submissions import; without a terminal, refuse."""
+    from grader.course.run import missing_packages  # noqa: PLC0415
+
+    lines = missing_packages.lines(missing_packages.many(missing_packages.of_class(found.entries, request.rubric)))
+    for line in lines:
+        say(line)
+    if lines and not (sys.stdin.isatty() and typer.confirm("Grade without?")):
+        raise RequestError("packages are missing (see above); install them, or add --anyway. Nothing was graded")
 
 
 def _confirmed(changed: Change, change: bool) -> bool:

@@ -14,8 +14,8 @@ from grader.base.errors import GraderError, RequestError
 from grader.course.record.store import Store
 from grader.course.run import missing_packages
 from grader.course.run.classroom import lab_on_record
+from grader.engine import rubric as rubrics
 from grader.engine.lab_registry import chosen_lab
-from grader.engine.reading import Reader
 from grader.engine.recording import try_recording
 from grader.platforms.classes import read_class
 from grader.sandbox import one_copy
@@ -71,10 +71,8 @@ def report(out: Path) -> list[str]:
 
 def packages_of(paths: Sequence[Path]) -> list[Finding]:
     """Return which packages these submissions import that student code cannot import here. No code is run."""
-    there, missing = missing_packages.available(), {}
-    with Reader() as reader:
-        for entry, submission in reader.each(read_class(paths, chosen_lab().files).entries):
-            missing[entry.id] = missing_packages.imported(submission) - there
+    lab = chosen_lab()
+    missing = missing_packages.of_class(read_class(paths, lab.files).entries, rubrics.load(lab))
     lines = missing_packages.lines(missing)
     none = f"{len(missing)} submissions import no known package that is missing here"
     return [Finding("missing", False, line) for line in lines] or [Finding("missing", True, none)]

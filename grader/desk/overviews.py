@@ -102,6 +102,7 @@ def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 
     lab = next((each.result.lab for each in final_grades.values()), None)
     frame = {
         "final_grades": final_grades,
+        "everybody": [*final_grades.values(), *book.absent().values()],
         "lab": lab.label if lab else "",
         "author": web_request.author,
         "trouble": book.trouble,

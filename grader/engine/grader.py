@@ -293,7 +293,7 @@ class Marker:
             "traces_sha256": self._traces.sha256,
             "submission_sha256": submission.sha256,
             "python": platform.python_version(),
-            **{package: _version(package) for package in self._lab.depends_on},
+            **{package: _version(package) for package in (*self._lab.depends_on, *self._lab.packages)},
             "isolation": self._sandbox.isolation_level.name,
             "seed": SEED,
             **({"hidden": True} if self._secret else {}),

@@ -79,7 +79,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     handout = lab.handout(brought)
     files = {name: _named_after(handout, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
-    files[class_versions.FILE] = class_versions.constraints(lab.packages).encode()
+    files[class_versions.FILE] = _constraints(lab)
     files[guide.NAME] = guide.build(lab, rubric).encode()
     files |= {**handout.files, wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), brought)}
     _write(out, files)
@@ -89,7 +89,8 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """Write `autograder.py` and the wheel, for ``CLASSROOM/autograders/ASSIGNMENT``."""
     _refuse_full(out)
-    files = {"autograder.py": _text("platforms/autograder.py.txt").encode(), wheel.name(): _wheel(lab, rubric)}
+    program = _text("platforms/autograder.py.txt").encode()
+    files = {"autograder.py": program, class_versions.FILE: _constraints(lab), wheel.name(): _wheel(lab, rubric)}
     _write(out, files)
     return Kit(out, "Classroom 50", _READABLE)
 
@@ -97,15 +98,14 @@ def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 def github(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """Return the kit for GitHub: a workflow and the wheel, for the root of the repository that students start from."""
     workflow = _text("platforms/imugrade.yml.txt").encode()
-    files = {".github/workflows/imugrade.yml": workflow, f".github/imugrade/{wheel.name()}": _wheel(lab, rubric)}
-    _beside_others(out, files)
+    _beside_others(out, {".github/workflows/imugrade.yml": workflow, **_installed(".github/imugrade", lab, rubric)})
     return Kit(out, "GitHub Actions", _READABLE)
 
 
 def gitlab(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """Return the kit for GitLab: a pipeline and the wheel, for the root of the repository that students start from."""
     pipeline = _text("platforms/gitlab.yml.txt").encode()
-    _beside_others(out, {".gitlab-ci.yml": pipeline, f".gitlab/imugrade/{wheel.name()}": _wheel(lab, rubric)})
+    _beside_others(out, {".gitlab-ci.yml": pipeline, **_installed(".gitlab/imugrade", lab, rubric)})
     return Kit(out, "GitLab CI", _READABLE)
 
 
@@ -116,6 +116,7 @@ def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces |
     files = {
         "setup.sh": _text("platforms/setup.sh.txt").encode(),
         "run_autograder": _text("platforms/run_autograder.txt").replace("{options}", options).encode(),
+        class_versions.FILE: _constraints(lab),
         wheel.name(): _wheel(lab, rubric),
         **traces,
     }
@@ -123,6 +124,15 @@ def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces |
         raise RequestError(f"{printable(str(out))}: it is there already; remove it or choose another name")
     _write(out.parent, {out.name: wheel.pack(files, ("setup.sh", "run_autograder"))})
     return Kit(out, "Gradescope", "hidden scenarios" if traces else "public scenarios: no seed was given")
+
+
+def _installed(folder: str, lab: Lab, rubric: Path | None) -> dict[str, bytes]:
+    """Return what a platform installs from a folder: the wheel, and the versions of the class."""
+    return {f"{folder}/{wheel.name()}": _wheel(lab, rubric), f"{folder}/{class_versions.FILE}": _constraints(lab)}
+
+
+def _constraints(lab: Lab) -> bytes:
+    return class_versions.constraints(lab.packages).encode()
 
 
 def _wheel(lab: Lab, rubric: Path | None) -> bytes:

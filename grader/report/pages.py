@@ -29,11 +29,13 @@ _TOLD = {  # without the seed and without a digest of traces, with which guesses
     "python": "Python",
     "mujoco": "MuJoCo",
     "numpy": "NumPy",
+    "scipy": "SciPy",
+    "matplotlib": "matplotlib",
     "isolation": "Isolation",
     "rubric_sha256": "Rubric",
     "submission_sha256": "Submission",
 }
-_LIBRARIES = ("Python", "MuJoCo", "NumPy")
+_LIBRARIES = ("Python", "MuJoCo", "NumPy", "SciPy", "matplotlib")
 
 
 @dataclass(frozen=True)

@@ -150,7 +150,7 @@ def installed_since(store: Store) -> set[str]:
     """Return the ids whose code failed to import a package that student code can import now."""
     failed = {id_: missing_packages.failed(each.result) for id_, each in store.final_grades().items()}
     there = missing_packages.available() if any(failed.values()) else set()
-    return {id_ for id_, names in failed.items() if names & there}
+    return {id_ for id_, names in failed.items() if names.keys() & there}
 
 
 def _key(submission: Submission, request: GradeRequest) -> Key:

@@ -9,11 +9,15 @@ import os
 import re
 import shlex
 import sys
+from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from grader.base.text import some
+from grader.engine.reading import Readable, Reader
 from grader.engine.results import Result
+from grader.engine.rubric import Rubric
 from grader.intake import Submission
+from grader.report import words
 from grader.sandbox import packages
 
 DISTRIBUTIONS: Mapping[str, str] = {
@@ -21,27 +25,61 @@ DISTRIBUTIONS: Mapping[str, str] = {
     "filterpy": "filterpy", "glfw": "glfw", "gymnasium": "gymnasium", "h5py": "h5py", "imageio": "imageio",
     "ipywidgets": "ipywidgets", "mediapy": "mediapy", "numba": "numba", "pandas": "pandas", "plotly": "plotly",
     "pyquaternion": "pyquaternion", "quaternion": "numpy-quaternion", "rich": "rich", "seaborn": "seaborn",
-    "skimage": "scikit-image", "sklearn": "scikit-learn", "statsmodels": "statsmodels", "sympy": "sympy", "tqdm": "tqdm",
+    "skimage": "scikit-image", "sklearn": "scikit-learn", "statsmodels": "statsmodels", "sympy": "sympy",
     "transforms3d": "transforms3d", "xarray": "xarray", "yaml": "PyYAML",
 }  # fmt: skip
 """The distribution that `pip` installs, by the name that is imported."""
+Missing = Mapping[str, Mapping[str, float]]
+"""By submission, its packages that are not available, each with the points that it loses without it, or may lose."""
 _IMPORTED = re.compile(rb"""(?:^|["\n])[ \t]*(?:import|from)[ \t]+([A-Za-z_]\w{0,40})""", re.MULTILINE)
 """An import in a Python file, or in a line of a notebook's JSON."""
 _FAILED = re.compile(r"No module named '([A-Za-z_]\w{0,40})")
 _MOST_NAMES = 5
+_MANY, _SHARE = 3, 0.1
+"""Submissions, and share of the class, that many submissions are at least."""
 
 
-def imported(submission: Submission) -> set[str]:
-    """Return the known packages that a submission imports, in any Python file or notebook."""
-    sources = (content for path, content in submission.files.items() if path.lower().endswith((".py", ".ipynb")))
+def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
+    """Return the known packages that a submission imports in any Python file or notebook, with the points that may need them.
+
+    These are the points of the criteria whose names the importing files define; if they define none, those of all criteria.
+    """
+    sources = {path: text for path, text in submission.files.items() if path.lower().endswith((".py", ".ipynb"))}
     own = {path.rpartition("/")[2].partition(".")[0] for path in submission.files}
-    return {name.decode() for content in sources for name in _IMPORTED.findall(content)} & DISTRIBUTIONS.keys() - own
+    users: dict[str, dict[str, bytes]] = {}
+    for path, content in sources.items():
+        for name in {name.decode() for name in _IMPORTED.findall(content)} & DISTRIBUTIONS.keys() - own:
+            users.setdefault(name, {})[path] = content
+    points = {criterion.id: criterion.points for criterion in rubric.criteria}
+    everything = sum(points.values())
+    parts = rubric.lab.parts
+    return {
+        name: sum(points.get(part.id, 0.0) for part in parts if part.named_in(files)) or everything
+        for name, files in users.items()
+    }
 
 
-def failed(result: Result) -> set[str]:
-    """Return the known packages whose import failed when a submission was graded."""
-    texts = (*result.notes, *(check.got for part in result.parts for check in part.checks))
-    return {name for text in texts for name in _FAILED.findall(text)} & DISTRIBUTIONS.keys()
+def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
+    """Return which packages submissions import that student code cannot import here. No code is run."""
+    there = available()
+    with Reader() as reader:
+        found = {entry.id: imported(submission, rubric) for entry, submission in reader.each(entries)}
+    return {id_: {name: n for name, n in names.items() if name not in there} for id_, names in found.items()}
+
+
+def failed(result: Result) -> Mapping[str, float]:
+    """Return the known packages whose import failed when a submission was graded, with the points of the checks that raised."""
+    checks = [check for part in result.parts for check in part.checks]
+    texts = (*result.notes, *(check.got for check in checks))
+    lost = sum(check.max_points - (check.points or 0.0) for check in checks if check.outcome == "error")
+    return {name: lost for text in texts for name in _FAILED.findall(text) if name in DISTRIBUTIONS}
+
+
+def many(missing: Missing) -> Missing:
+    """Return the packages that many submissions of the class lack."""
+    users = Counter(name for names in missing.values() for name in names)
+    least = max(_MANY, _SHARE * len(missing))
+    return {id_: {name: n for name, n in names.items() if users[name] >= least} for id_, names in missing.items()}
 
 
 def available() -> set[str]:
@@ -49,18 +87,12 @@ def available() -> set[str]:
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders())}
 
 
-def lines(missing: Mapping[str, Iterable[str]]) -> list[str]:
-    """Return what to tell an instructor: each package with its submissions, then the command that installs all of them.
-
-    Parameters
-    ----------
-    missing
-        The packages of each submission that are not available, by id.
-    """
-    users: dict[str, list[str]] = {}
+def lines(missing: Missing) -> list[str]:
+    """Return what to tell an instructor: each package with its submissions and their points, then the command that installs all."""
+    users: dict[str, dict[str, float]] = {}
     for id_, names in missing.items():
-        for name in sorted(names):
-            users.setdefault(name, []).append(id_)
+        for name, points in sorted(names.items()):
+            users.setdefault(name, {})[id_] = points
     if not users:
         return []
     lines = [f"{name} is not installed for student code: {_who(ids)}" for name, ids in sorted(users.items())]
@@ -76,7 +108,7 @@ def command(distributions: Iterable[str]) -> str:
     return shlex.join([sys.executable, "-m", "pip", "install", *distributions])
 
 
-def _who(ids: list[str]) -> str:
-    return (
-        f"{len(ids)} submission{'s' * (len(ids) > 1)} import{'s' * (len(ids) == 1)} it ({some(ids, _MOST_NAMES, '; ')})"
-    )
+def _who(users: Mapping[str, float]) -> str:
+    one, most = len(users) == 1, max(users.values())
+    cost = f", and without it {'it loses' if one else 'they lose'} up to {words.number(most)} points" if most else ""
+    return f"{words.counted(len(users), 'submission')} import{'s' * one} it ({some([*users], _MOST_NAMES, '; ')}){cost}"
