@@ -179,7 +179,6 @@ def environment(scratch: str, cache: str) -> dict[str, str]:
         "MKL_NUM_THREADS": "1",
         "MPLBACKEND": "Agg",
         "MPLCONFIGDIR": cache,
-        "MUJOCO_GL": "disable",
     }
     # Some Pythons find their own libpython by it only.
     libraries = os.environ.get("LD_LIBRARY_PATH")

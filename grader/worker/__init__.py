@@ -31,16 +31,21 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
     Parameters
     ----------
-    thorough : whether to use each library once, too
-    questions : a lab's questions: a module with `HANDLERS`, and `sheet_names` if the sheet's code passes names on by ``import *``
+    thorough
+        Whether to use each library once, too.
+    questions
+        A lab's questions: a module with `HANDLERS`, with `sheet_names` if the sheet's code passes names on by ``import *``, with
+        `warm_up(thorough)` if it needs libraries of its own, and with `install(lab_configuration)` if it prepares each worker.
     """
     global _guard  # noqa: PLW0603 - there is one worker code in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
     STATE.sheet_names = getattr(questions, "sheet_names", STATE.sheet_names)
+    STATE.install_lab = getattr(questions, "install", STATE.install_lab)
     environment.import_libraries()
     artist_facts.remember_classes()
     if thorough:
         environment.use_libraries()
+    getattr(questions, "warm_up", lambda thorough: None)(thorough)
     _guard = Guard(__name__.partition(".")[0])
     _guard.hide()
 

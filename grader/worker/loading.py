@@ -35,7 +35,8 @@ from .submission import STATE
 
 _MAX_PATHS = 4000  # most files of a submission with those that its notebooks write; their list fits into an answer
 _MAX_OUTLINED = 100  # most files that an outline lists
-_FOLDER = "course/labs/lab-04-01"  # folder of the submission; programs may look for files some folders above their own
+_ABOVE = "course/labs"  # above the folder of the submission; programs may look for files some folders above their own
+_LEVELS = 1 + _ABOVE.count("/")
 
 
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -48,19 +49,20 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     STATE.homes = {name: file.removesuffix(".py") for name, file in fields["homes"].items()}
     STATE.required = tuple(file.removesuffix(".py") for file in fields["required"])
     STATE.lab_configuration = fields["lab_configuration"]
-    os.makedirs(_FOLDER, exist_ok=True)
-    os.chdir(_FOLDER)
-    STATE.folder = os.getcwd()
+    STATE.folder = os.path.abspath(f"{_ABOVE}/{fields['folder']}")
+    os.makedirs(STATE.folder, exist_ok=True)
+    os.chdir(STATE.folder)
     environment.remember_folder(STATE.folder)
     for path, key, levels_above in fields["files"]:
         _write(path, arrays[key].tobytes())
-        if 0 < levels_above <= _FOLDER.count("/"):
+        if 0 < levels_above <= _LEVELS:
             _write("../" * levels_above + path, arrays[key].tobytes())  # for who opens it by way of its own folder
         STATE.paths.append(path)
     sent = len(STATE.paths)
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
-    environment.install(STATE.lab_configuration, run_magic=_run_magic)
+    environment.install(run_magic=_run_magic)
+    STATE.install_lab(STATE.lab_configuration)
     repeatability.seed(fields["seed"])
     recorder.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
@@ -191,7 +193,7 @@ def _prepare_imports() -> None:
 
 def _original_of(place: str) -> str:
     """Return the folder of the submission that is meant by a copy above its own, as ``../step5`` is; ImportError if none is."""
-    for above in Path(STATE.folder).parents[: _FOLDER.count("/")]:
+    for above in Path(STATE.folder).parents[:_LEVELS]:
         if Path(place).is_relative_to(above) and (own := Path(STATE.folder, Path(place).relative_to(above))).is_dir():
             return str(own)
     raise ImportError(place)

@@ -169,13 +169,9 @@ def _replace_dates() -> None:
 
 
 def _replace_process() -> None:
-    """Give student code the same process id on every isolation level, and its own clock as the time that it used."""
+    """Give student code the same process id on every isolation level."""
     really = os.getpid
     vars(os)["getpid"] = lambda: really() if _LIBRARY.calls() else PID
-    resource: Any = sys.modules.get("resource")
-    if resource is not None:
-        used = lambda who: resource.struct_rusage((time.process_time(), 0.0, 100_000, *[0] * 13))  # noqa: E731
-        vars(resource)["getrusage"] = used
 
 
 def _replace_random_bytes() -> None:

@@ -25,6 +25,7 @@ class _State:
         self.misspelled_methods: dict[str, dict[str, str]] = {}
         self.supplied: dict[str, list[str]] = {}
         self.sheet_names: Callable[[dict[str, Any], dict[str, Any]], dict[str, Any]] = lambda configuration, standins: {}
+        self.install_lab: Callable[[dict[str, Any]], None] = lambda configuration: None
 
     def code(self) -> list[str]:
         """Return the files and notebooks with code, those nearest to the submission's folder first."""

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from typing import Any
+
+os.environ["MUJOCO_GL"] = "disable"  # read when it is imported
 
 import mujoco
 import numpy as np
 
 from . import bonuses, filtering, noise, questions
+from .simulation import install, warm_up
 
+__all__ = ["HANDLERS", "install", "sheet_names", "warm_up"]
 HANDLERS = {
     "read": questions.read,
     "simulate": questions.simulate,

@@ -18,7 +18,7 @@ from grader.worker.calling import plan_call
 from grader.worker.screen import replaced
 from grader.worker.values import Packer, numbers
 
-from . import calls, own_globals
+from . import calls, own_globals, simulation
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 
@@ -173,13 +173,13 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"value": None, "departs": []}
     before = _options(model)
-    environment.watch_next_run()
+    simulation.watch_next_run()
     with reporting_errors(answer), own_globals.set_model_and_data(model, data):
         collect, departs = calls.adapt_collector(function, model, fields["duration_s"], ids)
         answer["departs"] = [*departs, *own_globals.globals_read_instead(function, (calls.MODEL,))]
         answer["value"] = packer.node(collect(model, data, fields["duration_s"]))
     answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
-    return answer, packer.arrays | {f"first_{name}": value for name, value in environment.watched_run().items()}
+    return answer, packer.arrays | {f"first_{name}": value for name, value in simulation.watched_run().items()}
 
 
 def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
