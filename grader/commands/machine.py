@@ -95,7 +95,7 @@ def _isolation() -> list[Finding]:
 def _one_copy(isolation_level: IsolationLevel) -> Finding:
     """Return whether a submission could read the solution of a second install, of a checkout, or of this one."""
     try:
-        search = one_copy.search(isolation_level)
+        search = one_copy.search(isolation_level, chosen_lab().packages)
     except GraderError as error:
         return Finding("hidden", False, f"could not be checked from inside the sandbox: {error}")
     if not search.found:

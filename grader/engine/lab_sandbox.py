@@ -31,7 +31,7 @@ def open_sandbox(
     thorough : also run each part of the worker code once in advance, so that no submission is charged for a first use
     """
     return Sandbox(
-        Contents(WORKER_CODE, lab.folder / "worker", warm=tuple(libraries), thorough=thorough),
+        Contents(WORKER_CODE, lab.folder / "worker", packages=lab.packages, warm=tuple(libraries), thorough=thorough),
         isolation_level=isolation_level,
     )
 

@@ -81,7 +81,7 @@ class Zygote:
         process: subprocess.Popen[bytes] | None = None
         try:
             uid = {} if self.isolation_level.own_namespaces else _harmless_uid(_needed(contents))
-            scratch, cache = self._folders(uid)
+            scratch, cache = self._folders(uid, contents.packages)
             command = [sys.executable, "-B", "-s", surroundings.zygote(), str(theirs.fileno())]
             if self.isolation_level.program:
                 command = bubblewrap.command(self._plan(contents, uid, scratch, cache), theirs.fileno())
@@ -113,7 +113,7 @@ class Zygote:
         return ours, process
 
     def _plan(self, contents: Contents, uid: dict[str, Any], scratch: tuple[str, ...], cache: str) -> Plan:
-        visible = surroundings.visible(contents.readable)
+        visible = surroundings.visible(contents.readable, contents.packages)
         search = surroundings.search(visible)
         if self._folder is not None:
             search = surroundings.search_by_links(visible, os.path.join(self._folder, _PACKAGES))
@@ -136,7 +136,7 @@ class Zygote:
             end_with_parent=self.isolation_level.own_root and is_main_thread(),
         )
 
-    def _folders(self, uid: dict[str, Any]) -> tuple[tuple[str, ...], str]:
+    def _folders(self, uid: dict[str, Any], libraries: tuple[str, ...]) -> tuple[tuple[str, ...], str]:
         """Scratch folders and cache: the same names every time where the sandbox has a root of its own."""
         names = [rootfs.SCRATCH, *(f"{rootfs.SCRATCH}{number}" for number in range(2, _SCRATCH_FOLDERS + 1))]
         if self.isolation_level.own_root:
@@ -145,7 +145,7 @@ class Zygote:
         os.chmod(self._folder, 0o711)
         folders = [self._folder + name for name in names]
         cache = self._folder + rootfs.CACHE
-        surroundings.link_packages(os.path.join(self._folder, _PACKAGES))
+        surroundings.link_packages(os.path.join(self._folder, _PACKAGES), libraries)
         for path in (*folders, cache):
             os.mkdir(path, 0o700)
         with contextlib.suppress(OSError):
@@ -363,7 +363,7 @@ def _wait_for(pidfd: int, seconds: float) -> None:
 
 
 def _needed(contents: Contents) -> list[str]:
-    shown = surroundings.visible(contents.readable)
+    shown = surroundings.visible(contents.readable, contents.packages)
     folders = [contents.worker_code, *([contents.questions] if contents.questions else [])]
     own = [str(path) for folder in folders for path in (folder, *folder.rglob("*.py"))]
     return [*shown, *surroundings.code(), *own]

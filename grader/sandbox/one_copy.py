@@ -27,7 +27,7 @@ class Search:
     found: tuple[str, ...]
 
 
-def search(isolation_level: IsolationLevel) -> Search:
+def search(isolation_level: IsolationLevel, libraries: tuple[str, ...] = ()) -> Search:
     """Open every file that a submission could open on this isolation level, and search it for names and lines of the grader.
 
     Raises
@@ -36,10 +36,11 @@ def search(isolation_level: IsolationLevel) -> Search:
         If the isolation level cannot be had here.
     """
     # On an isolation level with the host's root, / itself cannot be listed.
-    roots = ["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *surroundings.visible()]
+    roots = ["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *surroundings.visible((), libraries)]
     own = [rootfs.SANDBOX, rootfs.WORKER_CODE, str(_WORKER_CODE), *surroundings.code()]  # every sandbox needs these
     fields = {"roots": list(dict.fromkeys(roots)), "phrases": _phrases(), "own": own}
-    with Sandbox(Contents(_WORKER_CODE), isolation_level=isolation_level.name) as sandbox, sandbox.worker() as worker:
+    contents = Contents(_WORKER_CODE, packages=libraries)
+    with Sandbox(contents, isolation_level=isolation_level.name) as sandbox, sandbox.worker() as worker:
         answer = worker.ask("search", fields, cpu_s=_WITHIN_CPU_S).fields
     return Search(int(answer["opened"]), tuple(map(str, answer["found"])))
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from packaging.requirements import InvalidRequirement, Requirement
 from packaging.utils import canonicalize_name
 
-LIBRARIES = ("matplotlib", "mujoco", "numpy", "scipy")
+OF_THE_WORKER = ("matplotlib", "numpy")
 OWN = "imugrade"
 OWN_FOLDERS = frozenset({"grader", "reference"})
 FOLDER_NAMES = ("site-packages", "dist-packages")
@@ -59,14 +59,14 @@ def folders() -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=8)
-def shown(folders: tuple[str, ...]) -> tuple[str, ...]:
+def shown(folders: tuple[str, ...], libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Return the entries that a sandbox shows of some package folders, without distributions that hold a folder of our name."""
-    kept = for_students([one for folder in folders for one in installed(folder)])
+    kept = for_students([one for folder in folders for one in installed(folder)], libraries)
     entries = (entries_of(one) for one in kept)
     return tuple(path for own in entries if OWN_FOLDERS.isdisjoint(map(os.path.basename, own)) for path in own)
 
 
-def for_students(distributions: Sequence[Installed]) -> list[Installed]:
+def for_students(distributions: Sequence[Installed], libraries: Iterable[str] = ()) -> list[Installed]:
     """Return the lab's libraries and the packages installed for students, with what these need.
 
     Packages that the grader itself needs are left out, unless a person installed them by name.
@@ -76,7 +76,7 @@ def for_students(distributions: Sequence[Installed]) -> list[Installed]:
         known.setdefault(one.name, []).append(one)
     own = _closure([OWN], known, extras=True)
     roots = {name for name, of in known.items() if name not in own or any(one.asked_for for one in of)}
-    kept = _closure({*LIBRARIES, *roots} - _INSTALLERS - {OWN}, known) - {OWN}
+    kept = _closure({*OF_THE_WORKER, *libraries, *roots} - _INSTALLERS - {OWN}, known) - {OWN}
     return [one for one in distributions if one.name in kept]
 
 

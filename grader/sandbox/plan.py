@@ -23,6 +23,8 @@ class Contents:
         The package folder of a lab's questions, if it has one; the worker code gets it as the second argument of `warm_up`.
     readable
         Further paths that the sandbox shows read-only.
+    packages
+        Distributions that the sandbox shows although the grader needs them, too, with what they need.
     warm
         Modules that are imported once for all workers; `Sandbox.warm` adds some later. On the lowest level each worker
         imports what it needs.
@@ -33,6 +35,7 @@ class Contents:
     worker_code: Path
     questions: Path | None = None
     readable: tuple[Path, ...] = ()
+    packages: tuple[str, ...] = ()
     warm: tuple[str, ...] = ()
     thorough: bool = False
 

@@ -49,9 +49,9 @@ _MODULES_OF_THE_SANDBOX = (
 _HERE = Path(__file__).resolve().parent
 
 
-def visible(extra: Sequence[Path] = ()) -> tuple[str, ...]:
+def visible(extra: Sequence[Path] = (), libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Return the paths that a sandbox shows read-only: libraries of the system and of Python, and packages, entry by entry."""
-    entries = packages.shown(packages.folders())
+    entries = packages.shown(packages.folders(), libraries)
     return tuple(sorted({*_libraries(), *SYSTEM, *_standard(), *entries, *(os.path.abspath(path) for path in extra)}))
 
 
@@ -85,10 +85,10 @@ def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
     return tuple(path for path in others if os.path.exists(path) and is_below(os.path.realpath(path), real))
 
 
-def link_packages(folder: str) -> None:
+def link_packages(folder: str, libraries: tuple[str, ...]) -> None:
     """Make a folder of links to the entries that a sandbox shows of the package folders; the first of a name counts."""
     os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
-    for path in packages.shown(packages.folders()):
+    for path in packages.shown(packages.folders(), libraries):
         parent, name = os.path.split(path)
         compiled = os.path.basename(parent) == "__pycache__"
         with contextlib.suppress(FileExistsError):

@@ -21,11 +21,6 @@ ASKED = {*LAB.homes, *LAB.homes.values(), *LAB.pictures, *LAB.titles, *LAB.title
 
 #: What is left: one package that the sandbox has, as NumPy is one, and how it is made fit for a sandbox.
 LEFT = {
-    ("sandbox/packages.py", "mujoco"): "the packages of the sandbox",
-    ("sandbox/surroundings.py", "mujoco"): "it is told to look for no graphics card",
-    ("worker/environment.py", "mujoco"): "used once beforehand; the files that it opens; its steps, watched",
-    ("worker/environment.py", "gravity"): "what a watched step starts from",
-    ("worker/desktop_stubs.py", "mujoco"): "its viewer, which has no window here",
     ("engine/lab_registry.py", "imu"): "the shipped lab, which a command takes where none is named",
     ("course/publishing/differences.py", "mujoco"): "how a package of a result's provenance is called",
     ("report/overview.py", "mujoco"): "how a package of a result's provenance is called",

@@ -133,7 +133,7 @@ def forecast(request: GradeRequest, found: Class) -> list[str]:
     with Reader() as reader:
         if (request.out / FILE_NAME).is_file():
             with Store.existing(request.out) as store:
-                again, present = installed_since(store), store.present()
+                again, present = installed_since(store, request.rubric.lab), store.present()
                 for _, each in reader.each(found.entries):
                     given.setdefault(each.id, set()).add(each.sha256)
                     kept.append(
@@ -146,10 +146,10 @@ def forecast(request: GradeRequest, found: Class) -> list[str]:
     ]
 
 
-def installed_since(store: Store) -> set[str]:
+def installed_since(store: Store, lab: Lab) -> set[str]:
     """Return the ids whose code failed to import a package that student code can import now."""
     failed = {id_: missing_packages.failed(each.result) for id_, each in store.final_grades().items()}
-    there = missing_packages.available() if any(failed.values()) else set()
+    there = missing_packages.available(lab) if any(failed.values()) else set()
     return {id_ for id_, names in failed.items() if names.keys() & there}
 
 
@@ -229,7 +229,7 @@ class _Run:
         self._outcome = outcome
         self._adjustments, self._reviews = store.adjustments(), store.reviews()
         self._attempts: dict[Key, _Attempt] = {}
-        self._installed_since = installed_since(store)
+        self._installed_since = installed_since(store, request.rubric.lab)
         self.lost_repairs: list[str] = []
 
     def renew_repairs(self) -> None:

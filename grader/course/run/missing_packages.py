@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from grader.base.text import some
+from grader.engine.lab import Lab
 from grader.engine.reading import Readable, Reader
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
@@ -61,7 +62,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
     """Return which packages submissions import that student code cannot import here. No code is run."""
-    there = available()
+    there = available(rubric.lab)
     with Reader() as reader:
         found = {entry.id: imported(submission, rubric) for entry, submission in reader.each(entries)}
     return {id_: {name: n for name, n in names.items() if name not in there} for id_, names in found.items()}
@@ -82,9 +83,9 @@ def many(missing: Missing) -> Missing:
     return {id_: {name: n for name, n in names.items() if users[name] >= least} for id_, names in missing.items()}
 
 
-def available() -> set[str]:
+def available(lab: Lab) -> set[str]:
     """Return the names that student code can import from installed packages on this machine."""
-    return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders())}
+    return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders(), lab.packages)}
 
 
 def lines(missing: Missing) -> list[str]:
