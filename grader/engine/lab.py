@@ -199,6 +199,11 @@ class Lab:
         """The folder with its checks, fault table, stand-ins and starter files."""
         return Path(str(importlib.import_module(self.module).__file__)).parent
 
+    @property
+    def slug(self) -> str:
+        """The label as a name of a folder: ``lab-04-01``."""
+        return self.label.lower().replace(" ", "-")
+
     @cached_property
     def homes(self) -> Mapping[str, str]:
         """The names that a submission must define, each with the file in which it is expected."""

@@ -47,6 +47,9 @@ class Sheet(Protocol):
     def files(self) -> Collection[str]: ...
 
     @property
+    def slug(self) -> str: ...
+
+    @property
     def suffixes(self) -> Collection[str]: ...
 
     @property
@@ -184,6 +187,7 @@ class SandboxSession:
         files, arrays = self._files_to_send()
         fields = {
             "files": files,
+            "folder": self._lab.slug,
             "lab_configuration": self._lab_configuration,
             "seed": SEED,
             "withheld": sorted(self.deadly),
