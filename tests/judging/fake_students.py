@@ -25,9 +25,9 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import Student
-from grader.labs.imu.worker import HANDLERS
+from grader.labs.imu.worker import HANDLERS, simulation
 from grader.sandbox.wire import Frame
-from grader.worker import environment, submission
+from grader.worker import submission
 from tests.generated import differs
 from tests.recordings.answers import history_after
 
@@ -103,7 +103,7 @@ def _as_in_the_sandbox(parts: Mapping[str, Any]) -> Iterator[None]:
         mock.patch.object(submission.STATE, "folder", str(Path.cwd())),
         mock.patch.object(entropy, "randbits", entropy.randbits),
     ):
-        environment._watch_steps()
+        simulation._watch_steps()
         try:
             yield
         finally:
