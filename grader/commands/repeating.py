@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +15,10 @@ from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.base.text import printable
 from grader.engine.check_runner import Judgement, session
+from grader.engine.lab import Lab
 from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.rubric import Rubric
 from grader.intake import Submission, read_submission
-from grader.labs.imu.repeating import Asked, Recorder, Watched, program
 
 FOLDER = ".imugrade"
 """The folder in a submission that `repro` writes to; git and the grader ignore it."""
@@ -65,11 +67,14 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
     said = feedback.message if feedback and feedback.message else "All of it is earned."
     folder = os.path.relpath(path / submission.folder, out)
     return write_program(
-        out, program(check_id, said, questions, folder), questions, {rubric.lab.model: student.robot.xml}
+        out,
+        _repeating(rubric.lab).program(check_id, said, questions, folder),
+        questions,
+        {rubric.lab.model: student.robot.xml},
     )
 
 
-def write_program(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, str]) -> Path:
+def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mapping[str, str]) -> Path:
     """Write the program, the arrays that it reads, and the files `beside` it; return the path of the program.
 
     Raises
@@ -89,14 +94,16 @@ def write_program(out: Path, text: str, questions: Sequence[Asked], beside: Mapp
 
 def recorded_calls(
     rubric: Rubric, submission: Submission, isolation_level: str | None = None
-) -> tuple[Recorder, Mapping[str, Judgement]]:
+) -> tuple[Any, Mapping[str, Judgement]]:
     """Run all checks on the public scenarios as `imugrade check` does; return the recorded calls and the judgements."""
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)
     with open_sandbox_for(lab, submission.files, isolation_level) as sandbox:
-        student = Recorder(sandbox, lab, submission.files, truth=truth, above=submission.above, **limits)
-        check_run = Watched(lab, student, truth, None)
+        student = _repeating(lab).Recorder(
+            sandbox, lab, submission.files, truth=truth, above=submission.above, **limits
+        )
+        check_run = _repeating(lab).Watched(lab, student, truth, None)
         try:
             session(lab, rubric.own_checks).run(check_run)
         finally:
@@ -104,7 +111,14 @@ def recorded_calls(
     return student, check_run.judgements
 
 
-def _archive(questions: Sequence[Asked]) -> bytes:
+def _repeating(lab: Lab) -> Any:
+    """Return the module of the lab that records its calls and writes them as a program."""
+    if not lab.repeating:
+        raise RequestError(f"{lab.label} has no programs that repeat its calls")
+    return importlib.import_module(lab.repeating)
+
+
+def _archive(questions: Sequence[Any]) -> bytes:
     stream = io.BytesIO()
-    np.savez_compressed(stream, **{name: array for each in questions for name, array in each.kept.items()})  # type: ignore[arg-type] # numpy's stub takes the arrays for its own option
+    np.savez_compressed(stream, **{name: array for each in questions for name, array in each.kept.items()})
     return stream.getvalue()

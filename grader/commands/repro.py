@@ -29,8 +29,8 @@ def repro(
 ) -> int:
     """Write a program that calls your code with the public input of a check.
 
-    The program is repro.py; its input is repro.npz beside it. It needs NumPy, MuJoCo and your files. Run it, change it, set a
-    breakpoint in it.
+    The program is repro.py; its input is repro.npz beside it. It needs your files and the packages that they import.
+    Run it, change it, set a breakpoint in it.
 
     \b
     Example:
@@ -39,9 +39,9 @@ def repro(
     """
     from grader.commands import repeating  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
 
     folder = repeating.folder_in(path) if out is None else out
-    written = repeating.write(rubrics.load(LAB, rubric), check, path, folder, isolation_level)
+    written = repeating.write(rubrics.load(chosen_lab(), rubric), check, path, folder, isolation_level)
     print(f"{written} written; run it with: python {os.path.relpath(written)}")
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,8 +13,8 @@ from grader.base.text import printable
 from grader.commands.common import LevelOption, RubricOption, SeedOption, say
 
 if TYPE_CHECKING:
+    from grader.engine.lab import Lab
     from grader.engine.traces import Traces
-    from grader.labs.imu.answers import Collection
 
 app = typer.Typer(
     help="Record, list and plot the ground-truth traces.\n\n"
@@ -51,37 +51,35 @@ def plot(
     Example:
       imugrade traces plot -o plots --mine my_lab
     """
-    from grader.labs.imu import motions  # noqa: PLC0415
+    from grader.base.errors import RequestError  # noqa: PLC0415
+    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
 
+    lab = chosen_lab()
+    if lab.plot is None:
+        raise RequestError(f"there is nothing to plot in {lab.label}")
     traces = _obtained(seed, rubric)
-    own = None if mine is None else _recorded(mine, traces, rubric, isolation_level)
-    for path in motions.plot(traces, out, own):
+    own = None if mine is None else _recorded(lab, mine, traces, rubric, isolation_level)
+    for path in lab.plot(traces, out, own):
         print(path)
     return 0
 
 
-def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: str | None) -> Mapping[str, Collection]:
-    """Return what the submission's own `simulate_and_collect` records in a sandbox; print what could not be obtained."""
-    from grader.base.errors import NoAnswer, RequestError  # noqa: PLC0415
+def _recorded(
+    lab: Lab, path: Path, traces: Traces, rubric: Path | None, isolation_level: str | None
+) -> Mapping[str, Any]:
+    """Return what the submission's own code records in a sandbox; print what could not be obtained."""
+    from grader.base.errors import RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
-    from grader.engine.findings import Missing, Raised, raised  # noqa: PLC0415
     from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
-    from grader.labs.imu.data_collection import measure  # noqa: PLC0415
-    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    submission, limits = read_submission(path, LAB.files), asdict(rubrics.load(LAB, rubric).limits)
-    own = {}
-    with open_sandbox_for(LAB, submission.files, isolation_level) as sandbox:
-        student = LAB.student(sandbox, LAB, submission.files, truth=traces, above=submission.above, **limits)
-        for scenario in ("push", "push_dirty"):
-            try:
-                series = measure.asked(student, traces, scenario)  # type: ignore[arg-type] # this lab's own
-                raised(series.error, "collecting data")
-                own[scenario] = series
-            except (Missing, NoAnswer, Raised) as why:
-                say(f"{scenario}: {why}")
-        student.close()
+    submission, limits = read_submission(path, lab.files), asdict(rubrics.load(lab, rubric).limits)
+    own: Mapping[str, Any] = {}
+    if lab.recordings is not None:
+        with open_sandbox_for(lab, submission.files, isolation_level) as sandbox:
+            student = lab.student(sandbox, lab, submission.files, truth=traces, above=submission.above, **limits)
+            own = lab.recordings(student, traces, say)
+            student.close()
     if not own:
         raise RequestError(f"{printable(str(path), 500)} has no recording; imugrade check says why")
     return own

@@ -125,6 +125,12 @@ class Lab:
     settings
         The rubric keys of this lab, each with the function that reads it from the file's reader, the key's node (None if the key
         is left out) and the folder that relative paths start from.
+    plot
+        Draws the traces, or a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files.
+    recordings
+        Asks a submission for its recordings, by scenario; tells why one is missing.
+    repeating
+        The module with the `Recorder`, `Watched` and `program` of `imugrade repro`.
     packages
         Packages that students may use, and whose versions a class shares.
     suffixes
@@ -170,6 +176,9 @@ class Lab:
     calls: Mapping[str, str] = field(default_factory=dict)
     waits_for: Mapping[str, str] = field(default_factory=dict)
     settings: Mapping[str, Callable[[Reader, Node | None, Path], Any]] = field(default_factory=dict)
+    plot: Callable[[Traces, Path, Mapping[str, Any] | None], list[Path]] | None = None
+    recordings: Callable[[Any, Traces, Callable[[str], None]], Mapping[str, Any]] | None = None
+    repeating: str = ""
     packages: tuple[str, ...] = ("numpy", "matplotlib")
     suffixes: tuple[str, ...] = (
         ".py",

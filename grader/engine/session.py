@@ -338,23 +338,28 @@ class SandboxSession:
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Ask a question, and ask it once more in a new process if the worker's process ended.
-
-        A process may also end because the system is short of memory, or because of another file in it; code that ends its process
-        does so twice. If a statement was found to end the process, ask again without it.
-        """
+        """Ask, and ask again in a new process as long as that may help, see `_may_help_to_repeat`."""
+        tried = False
         while True:
             known = self._endings.count
             try:
-                return self._ask_twice(ask)
-            except NoAnswer:
-                if self._endings.count == known:
+                return ask()
+            except (NoAnswer, GraderError) as nothing:
+                if not self._may_help_to_repeat(nothing, known, tried=tried):
                     raise
+                tried = self._endings.count == known
                 self.end_session()
 
-    def _ask_twice(self, ask: Callable[[], T]) -> T:
-        try:
-            return ask()
-        except (Crashed, Malformed, GraderError):
-            self.end_session()
-            return ask()
+    def _may_help_to_repeat(self, nothing: Exception, known: int, *, tried: bool) -> bool:
+        """Return whether to ask again: if a statement was found that ended the process, or if it ended and this is the first time.
+
+        Without that statement the next process may live. A process may also end because the system is short of memory, or
+        because of another file in it; code that ends its process does so twice. Code that used up its time would do so again.
+
+        Parameters
+        ----------
+        nothing : why no answer came
+        known : the number of such statements before the question
+        tried : whether it was asked again for no other reason than that the process ended
+        """
+        return self._endings.count > known or not (tried or isinstance(nothing, TimedOut))

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Any, TypeVar
 
-from grader.base.errors import NoAnswer, TimedOut
+from grader.base.errors import NoAnswer
 from grader.base.text import enumerated, printable
 from grader.engine.breakpoints import breakpoints
 from grader.engine.findings import GraderText, Missing, StudentError, Where
@@ -47,37 +47,33 @@ class SubmissionSession(SandboxSession):
         return self.ask(question.op, {**place, **question.fields}, question.arrays)
 
     def load(self, path: str) -> Loaded:
-        """Load a file in the current worker once, and return the report on it.
+        """Load a file in the current worker once, and return the report.
 
-        It is loaded again in a new process if another file, or data of a question, may have affected the report.
+        It is loaded again in a new process if another file, or data of a question, may have affected the report, and where
+        `_may_help_to_repeat` says so.
         """
         if path in self.deadly:
             raise self.deadly[path].with_traceback(None)
         session = self._fresh_session()
-        if path not in session.loaded:
-            known = self._endings.count
-            try:
-                frame = self.ask("load", {"path": path})
-            except NoAnswer as nothing:
-                if session.loaded or self._endings.count > known or self._deserves_second_load(path, nothing):
-                    return self._load_alone(path)
-                self.deadly[path] = nothing
-                raise
-            loaded = loaded_from(frame, path)
-            if not loaded.is_clean and session.has_seen_data:
-                return self._load_alone(path)  # its report may hold data of an earlier question, which may be hidden
-            session.loaded[path] = loaded
-            self._answers.setdefault(("load", path), loaded)
-        return session.loaded[path]
-
-    def _deserves_second_load(self, path: str, nothing: NoAnswer) -> bool:
-        """Return whether to load a file once more: after its first failure that is not a timeout, see `retried`."""
-        again = not isinstance(nothing, TimedOut) and path not in self._suspects
-        self._suspects.add(path)
-        return again
-
-    def _load_alone(self, path: str) -> Loaded:
-        """Load a file again in a new process: another file that was loaded before may have changed the old one."""
+        if path in session.loaded:
+            return session.loaded[path]
+        known = self._endings.count
+        try:
+            loaded = loaded_from(self.ask("load", {"path": path}), path)
+        except NoAnswer as nothing:
+            if not session.loaded:
+                if not self._may_help_to_repeat(nothing, known, tried=path in self._suspects):
+                    self.deadly[path] = nothing
+                    raise
+                if self._endings.count == known:
+                    self._suspects.add(path)
+        else:
+            if (
+                loaded.is_clean or not session.has_seen_data
+            ):  # else its report may hold data of a question, which may be hidden
+                session.loaded[path] = loaded
+                self._answers.setdefault(("load", path), loaded)
+                return loaded
         self.end_session()
         return self.load(path)
 

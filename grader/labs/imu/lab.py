@@ -5,7 +5,7 @@ It is read before anything slow is imported, so what needs NumPy is imported whe
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from grader.engine.lab import Handout, Lab, LabFile, Part
@@ -78,6 +78,18 @@ def _handout(own: LabFile | None) -> Handout:
     return handout(LAB, own)
 
 
+def _plot(truth: Traces, out: Path, own: Mapping[str, Any] | None) -> list[Path]:
+    from grader.labs.imu.motions import plot  # noqa: PLC0415
+
+    return plot(truth, out, own)
+
+
+def _recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> Mapping[str, Any]:
+    from grader.labs.imu.data_collection.measure import recordings  # noqa: PLC0415
+
+    return recordings(student, truth, tell)
+
+
 LAB = Lab(
     module=__name__,
     id="imu",
@@ -107,6 +119,9 @@ LAB = Lab(
     match=_match,
     brought=_brought,
     handout=_handout,
+    plot=_plot,
+    recordings=_recordings,
+    repeating="grader.labs.imu.repeating",
     model="textbook/assets/robot-models/mujoco/humanoid-sensors.xml",
     points_to={"visualization.comparison_plot": "LowPassFilter"},
     calls={

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from grader.base.errors import NoAnswer
+from grader.engine.findings import Missing, Raised, raised
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import SENSORS, Collection
 from grader.labs.imu.compare import Array, share_among, triple
@@ -188,6 +189,19 @@ def asked(student: Student, truth: Traces, name: str) -> Collection:
         dirty = (scenario["dirty_qpos"], scenario["dirty_qvel"], float(scenario["dirty_time"]))
         series = student.simulate(duration_s=duration_s, ids=torso_ids(truth), timestep=timestep, dirty=dirty)
     return series.with_last_for_all().with_gap()
+
+
+def recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> dict[str, Collection]:
+    """Return what `simulate_and_collect` records of the motion on the sheet, by scenario; tell why one is missing."""
+    own = {}
+    for scenario in ("push", "push_dirty"):
+        try:
+            series = asked(student, truth, scenario)
+            raised(series.error, "collecting data")
+            own[scenario] = series
+        except (Missing, NoAnswer, Raised) as why:
+            tell(f"{scenario}: {why}")
+    return own
 
 
 def run(student: Student, truth: Traces, name: str, before: Run | None = None) -> Run:

@@ -89,11 +89,6 @@ class Sensor:
         return self.law_is_off and twins.scales() and enough and noise.unpredicted <= _MOST * noise.std
 
     @cached_property
-    def obeys_zero(self) -> bool:
-        """Return whether reads are free of noise if a standard deviation of 0 is asked for; a drift of the bias is no noise."""
-        return self.silent.still or self.drifts
-
-    @cached_property
     def means(self) -> Array:
         """Default bias (instances, 3) of each instance: the mean over its reads."""
         return np.asarray(self.default.mean(axis=1))
