@@ -6,6 +6,7 @@ secret show how many different feedbacks each check gives; their logarithms add 
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Mapping, Sequence
 
@@ -95,6 +96,8 @@ def bits(found: Mapping[str, set[tuple[object, ...]]]) -> float:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(prog="python -m tests.hostile.channel", description=__doc__).parse_args()
+
     from grader.labs.imu import bundles
     from grader.labs.imu.lab import LAB
     from tests import sandboxes
