@@ -35,7 +35,7 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """What the recorder simulates in place of the lab's own, such as an instructor's robot."""
+    """Replacement for the subject that the lab's recorder simulates, such as an instructor's robot."""
 
     @property
     def identity(self) -> Sequence[str]:

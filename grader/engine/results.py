@@ -25,7 +25,7 @@ Status = Literal["graded", "incomplete", "empty", "unreadable"]
 
 @dataclass(frozen=True)
 class Deducted:
-    """What one fault costs at a check: the share of the points, and what is said about it. `fault` is the id of its row."""
+    """Deduction of one fault at a check: the share of the points, and the text about it. `fault` is the id of its row."""
 
     fault: str
     share: float

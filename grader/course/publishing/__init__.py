@@ -1,1 +1,1 @@
-"""What is written from the record: the files of OUT, exports, comparisons, and contradictions in them."""
+"""Files written from the record: the pages of OUT, exports and comparisons, and the contradictions found in them."""

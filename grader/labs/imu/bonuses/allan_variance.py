@@ -145,7 +145,7 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a student's curves show: an Allan deviation (`fault` is ""), the estimate of a fault, or an unknown one (None)."""
+    """Content of a student's curves: an Allan deviation (`fault` is ""), the estimate of a fault, or an unknown one (None)."""
 
     fault: str | None
     seconds: bool = True

@@ -40,7 +40,7 @@ _SCALES = (1.0, float(np.degrees(1.0)))
 
 @dataclass(frozen=True)
 class LiveRun:
-    """What was observed while the student's `live_plot` ran.
+    """Observations made while the student's `live_plot` ran.
 
     Attributes
     ----------
