@@ -24,9 +24,23 @@ from tests.sandboxes import Opened
 from tests.single_faults import marked
 
 
-def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
+class UnsayableError(Exception):
+    def __str__(self) -> str:
+        raise IndexError
+
+
+@pytest.mark.parametrize(
+    ("problem", "says"),
+    [
+        (ZeroDivisionError("a fault of ours"), "ZeroDivisionError: a fault of ours"),
+        (UnsayableError(), "UnsayableError: its message raises IndexError"),
+    ],
+)
+def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(
+    marker: Marker, monkeypatch: pytest.MonkeyPatch, problem: Exception, says: str
+) -> None:
     def broken(*_: object) -> bool:
-        raise ZeroDivisionError("a fault of ours")
+        raise problem
 
     monkeypatch.setattr("grader.labs.imu.filtering.measure.Facts.noise_gain", property(broken))
     result = marked(marker, tidy())
@@ -34,8 +48,8 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(marker: Marker, mo
         check for criterion in result.criteria for check in criterion.checks if check.id == "filtering.reduces_noise"
     )
     assert (result.status, row.outcome, row.points) == ("incomplete", "not_judged", None)
-    assert row.message == "Not judged, because the grader failed: ZeroDivisionError: a fault of ours"
-    told = r"ZeroDivisionError at grader/labs/imu/filtering/checks\.py:\d+ in check_reduces_noise: a fault of ours"
+    assert row.message == f"Not judged, because the grader failed: {says}"
+    told = says.replace(":", r" at grader/labs/imu/filtering/checks\.py:\d+ in check_reduces_noise:")
     assert re.fullmatch(told, row.fault)
     assert json.dumps(row.fault) in to_json(result)
 

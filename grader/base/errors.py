@@ -47,8 +47,16 @@ def fault_text(problem: BaseException, *, message: bool = True) -> str:
         if is_ours or path.parent.name.startswith("own_checks_"):
             file = path.relative_to(_PACKAGE.parent).as_posix() if is_ours else path.name
             place = f" at {file}:{frame.lineno} in {frame.name}"
-    said = f": {' '.join(str(problem).split())}" if message else ""
+    said = f": {' '.join(message_of(problem).split())}" if message else ""
     return printable(f"{type(problem).__name__}{place}{said}", 400)
+
+
+def message_of(problem: BaseException) -> str:
+    """Return what an exception says; an instructor's own check may raise one that cannot say it."""
+    try:
+        return str(problem)
+    except Exception as unsayable:
+        return f"its message raises {type(unsayable).__name__}"
 
 
 class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of ours

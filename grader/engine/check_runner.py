@@ -24,7 +24,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from grader.base.errors import GraderError, NoAnswer, RequestError, fault_text
+from grader.base.errors import GraderError, NoAnswer, RequestError, fault_text, message_of
 from grader.base.text import printable
 from grader.engine import hidden_feedback
 from grader.engine.check_catalog import Check, check_files, title_of
@@ -107,13 +107,13 @@ class CheckRun:
         try:
             verdict = self._verdict(this, ended)
         except Exception as fault_of_ours:  # the check ran; its feedback failed
-            said = "" if self._secret else f": {fault_of_ours}"
+            said = "" if self._secret else f": {message_of(fault_of_ours)}"
             cause = fault_of_ours
             ended = GraderError(f"feedback on {this.id}: {type(fault_of_ours).__name__}{said}")
         ours = isinstance(ended, GraderError | RequestError)
         trouble = fault = ""
         if verdict is None and cause is not None:
-            trouble = f"{type(ended).__name__}: {ended}" if ours or not self._secret else ""
+            trouble = f"{type(ended).__name__}: {message_of(ended)}" if ours or not self._secret else ""
             fault = fault_text(cause, message=not self._secret)
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
