@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import contextlib
 import importlib
 import io
@@ -65,11 +66,40 @@ def _socketpair() -> tuple[socket.socket, socket.socket]:
         return ours, server.accept()[0]
 
 
+_is_there, _names_in = os.access, os.listdir
+
+
+def _as_it_is_written(path: Any) -> Any:
+    """Return the path of the file that a file system which ignores upper and lower case finds by this path."""
+    if not isinstance(path, str | os.PathLike) or _is_there(path, os.F_OK):
+        return path
+    folder, name = os.path.split(os.fspath(path))
+    above = _as_it_is_written(folder) if folder else "."
+    there = _names_in(above) if name and os.path.isdir(above) else []
+    return os.path.join(above, next((each for each in there if each.casefold() == name.casefold()), name))
+
+
+def _ignore_case() -> None:
+    """Let files be found by names with other upper and lower case, as on Windows and macOS."""
+
+    def found(call: Any) -> Any:
+        return lambda path=".", *arguments, **named: call(_as_it_is_written(path), *arguments, **named)
+
+    for module, names in {
+        os: ("access", "stat", "lstat", "open", "scandir", "listdir"),
+        io: ("open",),
+        builtins: ("open",),
+    }.items():
+        for name in names:
+            setattr(module, name, found(getattr(module, name)))
+
+
 def be(system: str) -> None:
     """Take away what that system does not have, and add what it has."""
     for name in _PACKAGES:
         importlib.import_module(name)
     sys.platform = system
+    _ignore_case()
     gone = [_LINUX, _POSIX] if system == "win32" else [_LINUX]
     for module, names in ((m, names) for table in gone for m, names in table.items()):
         for name in names:

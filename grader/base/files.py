@@ -50,6 +50,14 @@ def write_whole(path: Path, content: str | bytes) -> None:
         raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
 
 
+def seen_from(folder: Path, path: Path) -> str:
+    """Return a path relative to a folder; the whole path where there is none, as between two drives of Windows."""
+    try:
+        return os.path.relpath(path, folder)
+    except ValueError:
+        return os.path.abspath(path)
+
+
 def _is_stream(path: Path) -> bool:
     """Return whether the path is a device, a pipe or an open file of this process, so that no file can replace it."""
     if path.parent in (Path("/dev"), Path("/dev/fd"), Path("/proc/self/fd")):

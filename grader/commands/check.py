@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import shlex
+import subprocess
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -117,7 +119,7 @@ class _Arguments:
     @property
     def command(self) -> str:
         """Return the command that checks the submission again."""
-        return shlex.join(("imugrade", "check", *self._path_argument))
+        return _typed("imugrade", "check", *self._path_argument)
 
     @property
     def repeat(self) -> str:
@@ -125,13 +127,18 @@ class _Arguments:
         if not any(next(self.path.glob(each), None) for each in ("*.py", "*/*.py")):
             return ""
         rubric = () if self.rubric is None else ("--rubric", str(self.rubric))
-        typed = shlex.join(("", *self._path_argument, *rubric)).removeprefix("''")
+        typed = "".join(f" {_typed(each)}" for each in (*self._path_argument, *rubric))
         return f"imugrade repro {{}}{typed.replace('{', '{{').replace('}', '}}')}"
 
     @property
     def _path_argument(self) -> tuple[str, ...]:
         """The path as it is typed in a command; nothing for the working folder, which is the default."""
         return () if self.path == Path() else (str(self.path),)
+
+
+def _typed(*arguments: str) -> str:
+    """Return a command as it is typed in the system's shell."""
+    return subprocess.list2cmdline(arguments) if sys.platform == "win32" else shlex.join(arguments)
 
 
 def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | None) -> int:

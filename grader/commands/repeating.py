@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import io
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from grader.base.errors import RequestError
-from grader.base.files import write_whole
+from grader.base.files import seen_from, write_whole
 from grader.base.text import printable
 from grader.engine.check_runner import Judgement, session
 from grader.engine.lab import Lab
@@ -65,7 +64,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
         raise RequestError(f"{check_id} called no .py file here, so there is nothing to reproduce")
     feedback = judgements[check_id].feedback
     said = feedback.message if feedback and feedback.message else "All of it is earned."
-    folder = os.path.relpath(path / submission.folder, out)
+    folder = seen_from(out, path / submission.folder)
     return write_program(
         out,
         _repeating(rubric.lab).program(check_id, said, questions, folder),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -37,11 +36,12 @@ def repro(
       imugrade repro sensor_access.follows_address
       python .imugrade/repro.py
     """
+    from grader.base.files import seen_from  # noqa: PLC0415
     from grader.commands import repeating  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
 
     folder = repeating.folder_in(path) if out is None else out
     written = repeating.write(rubrics.load(chosen_lab(), rubric), check, path, folder, isolation_level)
-    print(f"{written} written; run it with: python {os.path.relpath(written)}")
+    print(f"{written} written; run it with: python {seen_from(Path(), written)}")
     return 0

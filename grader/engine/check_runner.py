@@ -112,7 +112,7 @@ class CheckRun:
             ended = GraderError(f"feedback on {this.id}: {type(fault_of_ours).__name__}{said}")
         ours = isinstance(ended, GraderError | RequestError)
         trouble = fault = ""
-        if verdict is None and cause is not None:
+        if verdict is None and ended is not None and cause is not None:
             trouble = f"{type(ended).__name__}: {message_of(ended)}" if ours or not self._secret else ""
             fault = fault_text(cause, message=not self._secret)
         if verdict is None or verdict.keeps < 1.0:

@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from grader.base.errors import RequestError
+from grader.base.files import seen_from
 from grader.base.text import printable
 from grader.engine import rubric as rubrics
 from grader.engine.lab import Part
@@ -219,7 +220,7 @@ class _Check(pytest.Item):
         place = self._plugin_run.places.of(self._found)
         if place is None:
             return self.nodeid.partition("::")[0], 1
-        return os.path.relpath(self._plugin_run.path / place.file, self.config.rootpath), place.line or 1
+        return seen_from(self.config.rootpath, self._plugin_run.path / place.file), place.line or 1
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """Return the place of the definition that is checked; pytest counts lines from 0."""

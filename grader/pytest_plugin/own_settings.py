@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 
@@ -29,7 +30,10 @@ def _start() -> None:
     )  # as `python -m pytest` does first
     if imports_here and not os.environ.get("PYTHONSAFEPATH"):
         os.environ["PYTHONSAFEPATH"] = "1"
-        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])
+        again = [sys.executable, *sys.orig_argv[1:]]
+        if sys.platform == "win32":  # where execv returns to the shell at once, with exit code 0
+            os._exit(subprocess.call(again))
+        os.execv(sys.executable, again)
 
 
 _start()
