@@ -106,7 +106,10 @@ class Reads:
         )
         of_channels = np.split(windows, scaled.shape[0] * scaled.shape[2])
         try:
-            gaps = [rows[:, -1] - rows[:, :-1] @ np.linalg.lstsq(rows[:, :-1], rows[:, -1])[0] for rows in of_channels]
+            gaps = [
+                rows[:, -1] - rows[:, :-1] @ np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=None)[0]
+                for rows in of_channels
+            ]
         except np.linalg.LinAlgError:
             return 0.0
         return self.pooled_spread * float(np.sqrt(np.mean(np.square(gaps))))
