@@ -161,6 +161,7 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
     assert recorded(tmp_path / "there") == len(outcome.results) == 6
 
 
+@pytest.mark.weekly
 def test_a_scheduler_is_killed_midway_and_the_same_command_on_another_one_ends_with_the_results_of_this_machine(
     site: Site, here: GradeRequest, tmp_path: Path
 ) -> None:

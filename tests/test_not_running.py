@@ -34,14 +34,14 @@ def _judged() -> list[Case]:
     return [case for cases in alike.values() for case in (cases if len(cases) < 2 else (cases[0], cases[-1]))]
 
 
-@pytest.mark.parametrize("case", thinned(_judged(), 3))
+@pytest.mark.parametrize("case", thinned(_judged(), 6))
 def test_it_costs_what_needs_it_alone(case: Case, player: Marking) -> None:
     lost = {check.partition(".")[0] for check in lost_by(marked(player, case.files))}
     assert lost <= DEFINED_IN[case.file]
     assert len(lost) == (len(DEFINED_IN[case.file]) if case.name.startswith("syntax") else 1)
 
 
-@pytest.mark.parametrize("nothing", thinned(of("nothing"), 3))
+@pytest.mark.parametrize("nothing", thinned(of("nothing"), 6))
 def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Case, player: Marking) -> None:
     assert graded_by(player, nothing).troubles == []
 
@@ -148,7 +148,7 @@ def in_layout(case: Case, layout: str) -> Submission:
     [
         *(
             pytest.param(
-                case, "three-files", marks=[pytest.mark.weekly] if n % 3 else [], id=f"{case.name}-three-files"
+                case, "three-files", marks=[pytest.mark.weekly] if n % 6 else [], id=f"{case.name}-three-files"
             )
             for n, case in enumerate(QUICK)
         ),

@@ -143,8 +143,12 @@ def refusal(rubric_file: Path, cache: Path) -> list[str]:
 
 @pytest.mark.parametrize(
     ("name", "seed"),
-    [("humanoid", None), ("ant", None), ("dog", SECRET), ("boxhead", SECRET)],
-    ids=["humanoid-public", "ant-public", "dog-secret", "boxhead-secret"],
+    [
+        pytest.param("humanoid", None, id="humanoid-public"),
+        pytest.param("ant", None, id="ant-public", marks=pytest.mark.weekly),
+        pytest.param("dog", SECRET, id="dog-secret", marks=pytest.mark.weekly),
+        pytest.param("boxhead", SECRET, id="boxhead-secret"),
+    ],
 )
 def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
     opened: Opened, name: str, seed: str | None, robots: dict[str, Model], cache: Path, tmp_path: Path

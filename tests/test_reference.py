@@ -42,6 +42,7 @@ def test_a_duration_that_floats_cannot_divide_loses_no_step(model: mujoco.MjMode
     assert len(simulate_and_collect(model, mujoco.MjData(model), 0.57)["time"]) == 57
 
 
+@pytest.mark.slow
 def test_handed_in_as_loose_files_they_run_and_draw_what_the_sheet_asks_for(tmp_path: Path) -> None:
     names = ("imu_reader.py", "noisy_imu.py", "filters.py")
     (tmp_path / "models").mkdir()

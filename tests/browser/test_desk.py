@@ -20,11 +20,13 @@ RAISED = {
     "where": Where("filters.py", 2),
     "misconceptions": ("sensor-id-as-address",),
 }
+FILES = {**HOSTILE_FILES, "huge.py": b"a = 1\n" * 60}
+"""axe needs a minute for a page with a thousand lines more."""
 STUDENTS = (
     Student("ada", files={"filters.py": FILTER * 40, "imu_data.png": PNG}, prints=tuple(range(60))),
     Student("bob", {ADDRESS: 0.0, TITLES: 0.5}, {ADDRESS: RAISED}, {"filters.py": FILTER}, hand_in=HandIn((Person("Bob Bird"),), late=Lateness("", None))),
     Student("cyd", {ADDRESS: 0.5}, {ADDRESS: MISTAKE}, {"filters.py": FILTER * 40}, prints=tuple(range(60))),
-    Student("evil", {ADDRESS: 0.0}, {ADDRESS: {"got": NASTY, "hint": NASTY}}, HOSTILE_FILES, name=NASTY, notes=(NASTY,)),
+    Student("evil", {ADDRESS: 0.0}, {ADDRESS: {"got": NASTY, "hint": NASTY}}, FILES, name=NASTY, notes=(NASTY,)),
     Student("open", {ADDRESS: None}, status="incomplete"),
     Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
 )  # fmt: skip

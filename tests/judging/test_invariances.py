@@ -51,6 +51,7 @@ def only(found: dict[str, float], checks: Set[str]) -> bool:
 # --- readers ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(which=BOTH, order=ORDERS, signs=SIGNS)
 def test_a_reader_loses_points_once_for_axes_in_another_order_or_of_another_sign(
     which: tuple[int, ...], order: list[int], signs: Array
@@ -61,6 +62,7 @@ def test_a_reader_loses_points_once_for_axes_in_another_order_or_of_another_sign
     assert found == {} if sound else only(found, {"matches_truth"})
 
 
+@pytest.mark.slow
 @given(which=BOTH, factor=OTHER_SCALES, offset=st.floats(-3.0, 3.0))
 def test_a_reader_loses_points_once_for_another_scale_or_zero(
     which: tuple[int, ...], factor: float, offset: float

@@ -13,7 +13,7 @@ from tests.scoreboard import Case
 
 pytestmark = [pytest.mark.recorded]
 FAULTY = ("faulty", "lookalikes", "pairs")
-_FAULTS, _EVERYDAY, _QUICK, _SLOW = 3, 16, 3, 2
+_FAULTS, _EVERYDAY, _QUICK, _SLOW = 3, 16, 3, 4
 """One of so many faults is judged without `-m slow`; of the rows without a fault; of both, with `-m quick`; of those rows, with `-m slow`."""
 
 
