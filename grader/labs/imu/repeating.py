@@ -258,9 +258,10 @@ def _noise_twins(question: Asked) -> Lines:
     for number, (stds, row) in enumerate(zip(question.fields["twins"], question.fields["states"], strict=True)):
         yield from _state(question, row)
         yield _truth(question)
-        accel, gyro = (f"{question.given('biases')}[{number}, {sensor}]" for sensor in (0, 1))
+        names = enumerate(("accel_bias", "gyro_bias") if "biases" in question.arrays else ())
+        biases = "".join(f", {name}={question.given('biases')}[{number}, {sensor}]" for sensor, name in names)
         yield "np.random.seed(1234)"
-        yield f"imu = {_noisy(question, stds, f', accel_bias={accel}, gyro_bias={gyro}')}"
+        yield f"imu = {_noisy(question, stds, biases)}"
         yield f'print("instance {number + 1}:", *np.array([imu.read() for _ in range({question.fields["reads"]})])[0])'
 
 

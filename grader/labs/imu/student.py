@@ -139,15 +139,16 @@ class Student(Plotting):
         )
 
     def noise_twins(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: Sequence[tuple[float, float]],
-                    biases: Array, states: Sequence[int]) -> NoiseRun:  # fmt: skip
+                    biases: Array | None, states: Sequence[int]) -> NoiseRun:  # fmt: skip
         """Return a few reads of several `NoisyIMU`s that start from one seed: (twins, reads, 3).
 
-        The instances differ in their standard deviations `stds`, biases (twins, 2, 3) or row of `states`.
+        The instances differ in their standard deviations `stds`, biases (twins, 2, 3) or row of `states`. Without `biases`
+        they draw their own.
         """
         fields = self._noise_fields(ids, reads, stds[0])
         fields["twins"] = [{"accel_noise_std": accel, "gyro_noise_std": gyro} for accel, gyro in stds]
         fields["states"] = list(states)
-        arrays = {"qpos": qpos, "qvel": qvel, "biases": biases}
+        arrays = {"qpos": qpos, "qvel": qvel} | ({} if biases is None else {"biases": biases})
         return self.answer(Question("noise_twins", "NoisyIMU", _noise_run, fields, arrays))
 
     def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, stds: tuple[float, float],

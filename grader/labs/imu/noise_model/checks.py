@@ -37,11 +37,12 @@ class Spread(Bias):
 
 
 class GivenBias(Bias):
-    """The bias that was given, the one beside it, and the one of an instance without noise."""
+    """The bias that was given, the one beside it, the one of an instance without noise, and the step of rounding."""
 
     wanted: str
     beside: str
     silent: str
+    grain: float
 
 
 class Law(TypedDict):
@@ -91,7 +92,7 @@ def check_given_bias(facts: Facts) -> Deviation[GivenBias] | None:
     expected, came = distinct_texts(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
     numbers: GivenBias = {
         "sensor": SENSOR_NAMES[wrong[0]], "unit": SENSOR_UNITS[wrong[0]], "wanted": expected, "came": came,
-        "silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias),
+        "silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias), "grain": explain.grain(facts),
     }  # fmt: skip
     size = Size("the mean of the reads is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
     affected = len(missing) / 2 if missing else 0.5 if all(s.reads.bias_is_right for s in facts.sensors) else 1.0

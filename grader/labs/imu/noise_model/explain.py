@@ -175,6 +175,12 @@ def _is_added(sensor: Sensor) -> bool:
     return twins.begins_with_bias() if sensor.drifts else twins.adds_bias()
 
 
+def _is_rounded_off(facts: Facts) -> bool:
+    """Return whether rounding alone explains each wrong mean: it is off by at most half a step."""
+    off = [facts.sensors[i].reads for i in _off(facts)]
+    return bool(off) and all(r.step > 0 and np.abs(r.offset - r.bias).max() <= r.step / 2 + r.mean_bound for r in off)
+
+
 def missing_bias(facts: Facts) -> list[int]:
     """Return the sensors to whose readings the given bias was not added."""
     exchanged = offset_fault(facts) == "swapped-sensors"
@@ -326,6 +332,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(GIVEN, 0, "swapped-sensors", lambda f: f.exchanged),
     Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged),
     Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),
+    Reason(GIVEN, 1, "precision-lost", _is_rounded_off),
     Reason(GIVEN, 1, "bias-argument-ignored", lambda f: f.redrawn and bool(missing_bias(f))),
     *(Reason(GIVEN, 1 + each.cost, each.cause, _is(offset_fault, each.cause)) for each in OFFSETS),
     Reason(GIVEN, 12, "another-bias-beside", lambda f: bool(_off(f) and bias_beside(f))),

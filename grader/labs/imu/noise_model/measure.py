@@ -181,14 +181,14 @@ class _Questions:
         """Ask for reads of many instances without a given bias; if `one_draw`, all generators start anew before each read."""
         return self._student.default_bias(**self._place, instances=_INSTANCES, stds=stds, one_draw=one_draw)
 
-    def twins(self) -> NoiseRun:
-        """Ask for five series with the same seed: the same arguments twice, another state, another bias, and larger noise."""
+    def twins(self, *, given: bool = True) -> NoiseRun:
+        """Ask for five series from one seed: the same arguments twice, another state, another bias if `given`, larger noise."""
         biases = self.biases
         return self._student.noise_twins(
             **self._place,
             reads=_TWINS,
             stds=[*[self.stds] * 4, (_LARGER * self.stds[0], _LARGER * self.stds[1])],
-            biases=np.array([biases, biases, biases, self.other_biases, biases]),
+            biases=np.array([biases, biases, biases, self.other_biases, biases]) if given else None,
             states=(0, 0, 1, 0, 0),
         )
 
@@ -277,7 +277,7 @@ def measure(student: Student, truth: Traces) -> Facts:
     if "default_bias" not in stopped and not any(drift) and not _is_redrawn(reads, silent):
         defaults = _shown_defaults(ask, defaults, silent)
     right = all(each.size_is_right and each.bias_is_right for each in reads) and not any(drift)
-    twins = (UNSEEDED, UNSEEDED) if right else _twins(ask)
+    twins = (UNSEEDED, UNSEEDED) if right else _twins(ask, given=refused is None)
     first, second = map(Sensor, reads, silent, defaults, drift, twins)
     return Facts(
         sensors=(first, second),
@@ -352,9 +352,9 @@ def _shown_defaults(ask: _Questions, defaults: Pair, silent: Sequence[Reads]) ->
     return accel, gyro
 
 
-def _twins(ask: _Questions) -> Sequence[Twins]:
+def _twins(ask: _Questions, *, given: bool = True) -> Sequence[Twins]:
     """Return, for each sensor, reads by instances with the same seed and one parameter changed; `UNSEEDED` if the run failed."""
-    if not _is_sound(run := ask.twins()):
+    if not _is_sound(run := ask.twins(given=given)):
         return UNSEEDED, UNSEEDED
     pairs = zip(ask.in_order(run), ask.other_biases - np.array(ask.biases), strict=True)
     return [Twins(base, again, larger, noisier, change, _LARGER) for (base, again, _, larger, noisier), change in pairs]

@@ -74,7 +74,7 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     ----------
     fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``; ``twins``: the two standard deviations of each;
         ``states``: the row of the state of each
-    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv), ``biases`` (twins, 2, 3)
+    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``biases`` (twins, 2, 3), without which each instance draws its own
 
     Returns
     -------
@@ -86,11 +86,13 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with reporting_errors(answer), scene(fields["model"]) as (model, data):
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
         build = _imu_builder(fields, model, data, answer)
-        twins = zip(readings, fields["twins"], fields["states"], arrays["biases"], strict=True)
-        for rows, stds, state, (accel, gyro) in twins:
+        given = [{"accel_bias": accel, "gyro_bias": gyro} for accel, gyro in arrays.get("biases", ())] or [{}] * len(
+            readings
+        )
+        for rows, stds, state, biases in zip(readings, fields["twins"], fields["states"], given, strict=True):
             still = _FrozenSimulation(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             _restart_generators()
-            _, read = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
+            _, read = build(biases, **stds)
             for row in rows:
                 _store(read(), row, answer, packer)
                 still.changes()
