@@ -9,17 +9,12 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import as_points, login
+from grader.commands.common import AuthorOption, CommentOption, OutArgument, StudentArgument, as_points, login
 
 
 def adjust(
-    out: Annotated[
-        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
-    ],
-    id_: Annotated[
-        str | None,
-        typer.Argument(metavar="ID", help="The student: id, name or e-mail.", show_default=False),
-    ] = None,
+    out: OutArgument,
+    id_: StudentArgument = None,
     *,
     criterion: Annotated[
         str,
@@ -29,9 +24,7 @@ def adjust(
         float | None,
         typer.Option("--points", parser=as_points, metavar="P", help="Points that replace the automatic points."),
     ] = None,
-    comment: Annotated[
-        str, typer.Option("--comment", metavar="TEXT", help="The reason. The student can read it.")
-    ] = "",
+    comment: CommentOption = "",
     withdraw: Annotated[bool, typer.Option("--withdraw", help="Remove the override.")] = False,
     undo: Annotated[bool, typer.Option("--undo", help="Undo the last change of this criterion.")] = False,
     having: Annotated[
@@ -50,9 +43,7 @@ def adjust(
         Path | None,
         typer.Option("--csv", metavar="FILE", help="Import a table with the columns id, criterion, points, comment."),
     ] = None,
-    author: Annotated[
-        str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
-    ] = None,
+    author: AuthorOption = None,
 ) -> int:
     """Override points, add a bonus or a comment, or list all of them.
 

@@ -8,13 +8,11 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import RubricOption, shown_path
+from grader.commands.common import OutArgument, RubricOption, shown_path
 
 
 def calibrate(
-    out: Annotated[
-        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
-    ],
+    out: OutArgument,
     *,
     sample: Annotated[
         int | None,

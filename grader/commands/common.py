@@ -33,6 +33,16 @@ SeedOption = Annotated[
         help="Secret for hidden scenarios. Prefer IMUGRADE_SEED: other users can see a command line.",
     ),
 ]
+OutArgument = Annotated[
+    Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
+]
+StudentArgument = Annotated[
+    str | None, typer.Argument(metavar="ID", help="The student: id, name or e-mail.", show_default=False)
+]
+CommentOption = Annotated[str, typer.Option("--comment", metavar="TEXT", help="The reason. The student can read it.")]
+AuthorOption = Annotated[
+    str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
+]
 LevelOption = Annotated[str | None, typer.Option("--isolation", hidden=True)]
 
 

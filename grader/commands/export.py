@@ -10,14 +10,12 @@ import typer
 
 from grader.base.errors import RequestError
 from grader.base.text import enumerated
-from grader.commands.common import one_of, say
+from grader.commands.common import OutArgument, one_of, say
 from grader.platforms import registry
 
 
 def export(
-    out: Annotated[
-        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
-    ],
+    out: OutArgument,
     *,
     format_: Annotated[
         str, typer.Option("--format", "-f", metavar="F", help=f"{enumerated(registry.names('fill', 'write'), 'or')}.")

@@ -8,17 +8,20 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import SeedOption, as_points, login
+from grader.commands.common import (
+    AuthorOption,
+    CommentOption,
+    OutArgument,
+    SeedOption,
+    StudentArgument,
+    as_points,
+    login,
+)
 
 
 def repair(
-    out: Annotated[
-        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
-    ],
-    id_: Annotated[
-        str | None,
-        typer.Argument(metavar="ID", help="The student: id, name or e-mail.", show_default=False),
-    ] = None,
+    out: OutArgument,
+    id_: StudentArgument = None,
     file: Annotated[str | None, typer.Argument(metavar="FILE", help="The submitted file.", show_default=False)] = None,
     *,
     fixed: Annotated[Path | None, typer.Option("--with", metavar="FIXED", help="The whole repaired file.")] = None,
@@ -28,9 +31,7 @@ def repair(
     deduct: Annotated[
         float, typer.Option("--deduct", parser=as_points, metavar="N", help="The deduction, in points.")
     ] = 0.0,
-    comment: Annotated[
-        str, typer.Option("--comment", metavar="TEXT", help="The reason. The student can read it.")
-    ] = "",
+    comment: CommentOption = "",
     undo: Annotated[bool, typer.Option("--undo", help="Undo the last repair of ID, or of FILE.")] = False,
     suggest: Annotated[
         bool, typer.Option("--suggest", help="Propose a small edit that makes the code run. Nothing is recorded.")
@@ -38,9 +39,7 @@ def repair(
     list_: Annotated[bool, typer.Option("--list", help="List all repairs with their diffs.")] = False,
     seed: SeedOption = None,
     trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
-    author: Annotated[
-        str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
-    ] = None,
+    author: AuthorOption = None,
 ) -> int:
     """Repair a submitted file, grade the repaired copy, and deduct points for that.
 

@@ -9,13 +9,11 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import RubricOption, SeedOption, login
+from grader.commands.common import AuthorOption, OutArgument, RubricOption, SeedOption, login
 
 
 def review(
-    out: Annotated[
-        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
-    ],
+    out: OutArgument,
     *,
     port: Annotated[
         int, typer.Option("--port", min=0, max=65535, metavar="N", help="The port. Default: a free one.")
@@ -32,9 +30,7 @@ def review(
     ] = None,
     seed: SeedOption = None,
     trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade repaired files without isolation.")] = False,
-    author: Annotated[
-        str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
-    ] = None,
+    author: AuthorOption = None,
 ) -> int:
     """Review a graded class in a browser: review queue, code beside reports, repairs, overrides, regrade requests.
 
