@@ -16,19 +16,24 @@ import textwrap
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from grader.base import class_versions
 from grader.base.errors import RequestError
-from grader.engine import class_versions, rubric
+from grader.commands.check import _keep_versions
+from grader.engine import rubric
 from grader.engine.faults import catalogue
 from grader.engine.traces import Traces
+from grader.intake import read_submission
 from grader.kit import give, guide, wheel
 from grader.labs.imu.lab import LAB
 from grader.platforms import github
 from reference.worlds import LAB_MODEL
 from tests.conftest import SECRET
 from tests.corpus.pieces import VERBATIM
+from tests.corpus.writing import write
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / "reference"
@@ -79,6 +84,25 @@ def test_check_names_the_versions_that_differ_from_the_class(tmp_path: Path) -> 
     file.write_text(class_versions.constraints(LAB.packages).replace(f"numpy=={here}", "numpy==1.99.0"))
     said = f"Your versions differ from your class: numpy {here} (class: 1.99.0)."
     assert class_versions.line(tmp_path) == f"{said} python -m pip install -r constraints.txt installs the same."
+
+
+def test_the_versions_at_home_are_noted_where_they_differ_from_those_of_the_grading(tmp_path: Path) -> None:
+    kit = SimpleNamespace(folder=tmp_path / "kit", packages=("numpy", "scipy"))
+    lab = write({"imu_reader.py": "x = 1\n"}, tmp_path / "lab")
+    _keep_versions(kit, lab)  # type: ignore[arg-type]
+    assert not (lab / ".imugrade").exists(), "an instructor's check changes no hand-in"
+    write({class_versions.FILE: ""}, kit.folder)
+    _keep_versions(kit, lab)  # type: ignore[arg-type]
+    assert read_submission(lab, LAB.files).notes == ()
+    kept = lab / ".imugrade" / "versions.txt"
+    here = version("numpy")
+    kept.write_text(kept.read_text().replace(f"numpy=={here}", "numpy==1.99.0") + "<b>==<script>\nno-such==9\n")
+    (lab / ".imugrade" / "repro.py").write_text("y = 1\n")
+    zipped = Path(shutil.make_archive(str(tmp_path / "zipped"), "zip", lab))
+    for handed_in in (read_submission(lab, LAB.files), read_submission(zipped, LAB.files)):
+        assert [*handed_in.files] == ["imu_reader.py"]
+        (note,) = handed_in.notes
+        assert f"numpy 1.99.0 there, {here} here, no-such 9 there, none here" in note
 
 
 # --- what is in them, and what is not ---------------------------------------------------------------------------------

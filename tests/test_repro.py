@@ -125,7 +125,7 @@ def test_the_folder_of_a_program_is_ignored_by_git_and_never_handed_in(tmp_path:
     folder = repeating.folder_in(tmp_path)
     (folder / "repro.py").write_text("x = 1\n")
     assert read_submission(tmp_path, LAB.files) == before
-    assert (folder / ".gitignore").read_text() == "*\n"
+    assert (folder / ".gitignore").read_text() == "*\n!versions.txt\n"
 
 
 def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> None:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from grader.commands.prints import Prints
+    from grader.engine.lab import Lab
     from grader.engine.results import Result
 
 
@@ -69,7 +71,7 @@ def check(
     lab = chosen_lab()
     submission = read_apart(path, lab.files)
     with open_sandbox_for(lab, submission.files, isolation_level) as sandbox:
-        from grader.engine import class_versions  # noqa: PLC0415
+        from grader.base import class_versions  # noqa: PLC0415
         from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the sandbox warms up
 
         chosen = rubrics.load(lab, rubric)
@@ -79,6 +81,7 @@ def check(
             print(opening.found(lab, submission), flush=True)
         if differing := class_versions.line(lab.folder):
             print(differing, flush=True)
+        _keep_versions(lab, path)
         from grader.commands import checking  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
         from grader.engine.grader import Stopped  # noqa: PLC0415
@@ -99,6 +102,22 @@ def check(
     _show(result, arguments, printed)
     _write(result, arguments)
     return 3 if result.status == "incomplete" else 0
+
+
+def _keep_versions(lab: Lab, path: Path) -> None:
+    """Write the versions of this machine into a student's folder, so that a report from another machine can name both.
+
+    Only where the class's kit is installed, so that an instructor's check changes no hand-in. It is no trouble if it fails.
+    """
+    from grader.base import class_versions  # noqa: PLC0415
+    from grader.base.errors import RequestError  # noqa: PLC0415
+    from grader.base.files import write_whole  # noqa: PLC0415
+    from grader.commands.repeating import folder_in  # noqa: PLC0415
+    from grader.intake.names import HOME_VERSIONS  # noqa: PLC0415
+
+    if path.is_dir() and (lab.folder / class_versions.FILE).is_file():
+        with suppress(RequestError, OSError):
+            write_whole(folder_in(path) / HOME_VERSIONS[1], class_versions.here(lab.packages))
 
 
 _CHECKING = "checking …"
@@ -157,6 +176,7 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
     from grader.commands import checking  # noqa: PLC0415
     from grader.commands.prints import Prints  # noqa: PLC0415
 
+    _keep_versions(lab, arguments.path)
     bundle = lab.truth(None, chosen.settings)
     written = [each for each in (arguments.html, arguments.json) if each is not None]
     before: dict[str, float] = {}

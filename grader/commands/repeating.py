@@ -18,9 +18,10 @@ from grader.engine.lab import Lab
 from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.rubric import Rubric
 from grader.intake import Submission, read_submission
+from grader.intake.names import HOME_VERSIONS
 
-FOLDER = ".imugrade"
-"""The folder in a submission that `repro` writes to; git and the grader ignore it."""
+FOLDER = HOME_VERSIONS[0]
+"""The folder in a submission that `repro` writes to. git and the grader ignore it, but for the versions that `check` writes."""
 
 
 def folder_in(path: Path) -> Path:
@@ -35,7 +36,7 @@ def folder_in(path: Path) -> Path:
     if place.is_symlink() or (place.exists() and not place.is_dir()) or not path.is_dir():
         raise RequestError(f"{printable(str(place), 500)} is not a folder of imugrade; choose another folder with -o")
     place.mkdir(exist_ok=True)
-    write_whole(place / ".gitignore", "*\n")
+    write_whole(place / ".gitignore", f"*\n!{HOME_VERSIONS[1]}\n")
     return place
 
 

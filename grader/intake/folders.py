@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 
 from grader.intake.file_budget import LINK, LONG, MAX_FILE, SPECIAL, FileBudget
-from grader.intake.names import MAX_PARTS, is_litter
+from grader.intake.names import HOME_VERSIONS, MAX_PARTS, is_litter
 
 MAX_ENTRIES = 50_000
 # A pipe would block the open, a link could have come after the listing; on Windows these flags do not exist.
@@ -72,7 +72,7 @@ def _listed(root: Path, budget: FileBudget) -> Iterator[tuple[tuple[str, ...], s
                 budget.remarks.append(f"The folder holds more than {MAX_ENTRIES:,} names; the rest was not read.")
                 return
             parts = (*above, entry.name)
-            if is_litter(parts[-1:]):
+            if is_litter(parts[-1:]) and entry.name != HOME_VERSIONS[0]:
                 continue
             status = status_of(entry)
             if status is None:

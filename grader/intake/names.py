@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 CODE = (".py", ".ipynb")
 ARCHIVES = (".zip", ".tar.gz", ".tgz", ".tar")
@@ -27,6 +27,9 @@ _LITTER_FOLDERS = frozenset(
 )
 _LITTER_FILES = frozenset({".ds_store", "thumbs.db", "desktop.ini"})
 
+HOME_VERSIONS = (".imugrade", "versions.txt")
+"""Folder and file in which `check` writes the versions on the student's computer."""
+
 _DRIVE = re.compile(r"[A-Za-z]:")
 _DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³])\s*(\.|$)", re.IGNORECASE)
 _NOT_ON_WINDOWS = re.compile(r'[\x00-\x1f\x7f<>:"|?*\\]|[. ]$')
@@ -40,8 +43,10 @@ def is_code(path: str) -> bool:
     return has_suffix(path, CODE)
 
 
-def is_litter(parts: Iterable[str]) -> bool:
+def is_litter(parts: Sequence[str]) -> bool:
     """Return whether a path lies in a folder that tools made, or is a file that an operating system left."""
+    if parts[-2:] == HOME_VERSIONS:
+        return False
     return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)
 
 

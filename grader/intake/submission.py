@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from grader.base import class_versions
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.archives import foreign, gather_archive
@@ -22,6 +23,7 @@ from grader.intake.layout import MAX_LEVELS, lay_out, outwards
 from grader.intake.names import (
     ARCHIVES,
     FOREIGN_ARCHIVES,
+    HOME_VERSIONS,
     has_suffix,
     is_code,
     original,
@@ -106,6 +108,7 @@ def read_submission(
         budget = _gather(path, sources, required)
     except Unreadable as reason:
         return _nothing_to_mark(id, name, "unreadable", (str(reason),), {})
+    at_home = _versions_at_home(budget)
     in_lower_case(budget, required)
     as_programs(budget, required)
     layout = lay_out(budget, required)
@@ -120,7 +123,7 @@ def read_submission(
     digest = _digest(("../" * levels[path] + path, content) for path, content in files.items())
     empty = sorted(path for path in layout.inside if path in required and is_empty_program(files[path]))
     unwritten = [f"{name} is empty: save it, check its size and hand it in again." for name in empty]
-    notes = (*unwritten, *_merge_conflicts(files), *layout.notes, *budget.notes())
+    notes = (*unwritten, *_merge_conflicts(files), *layout.notes, *at_home, *budget.notes())
     return Submission(id, name, files, notes, "ready", digest, layout.folder, layout.above)
 
 
@@ -164,6 +167,18 @@ def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
         except OSError as error:
             raise Unreadable(f"{name} cannot be read ({error.strerror}).") from error
     raise Unreadable(f"{name} is not a folder, a .zip or a .tar.gz; hand in one of these.")
+
+
+def _versions_at_home(budget: FileBudget) -> list[str]:
+    """Take the versions on the student's computer out of the files; return a note if they differ from those here."""
+    found = [budget.files.pop(path) for path in [*budget.files] if path.endswith("/".join(HOME_VERSIONS))]
+    differing = class_versions.differences(found[0][:4000].decode("ascii", "replace")) if found else []
+    if not differing:
+        return []
+    told = ", ".join(f"{package} {there} there, {here or 'none'} here" for package, here, there in differing)
+    return [
+        f"Last checked on another computer with other versions: {told}. What works only there may work by its version."
+    ]
 
 
 def _nothing_found(budget: FileBudget) -> tuple[Literal["empty", "unreadable"], tuple[str, ...]]:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader import __version__
+from grader.base import class_versions
 from grader.base.errors import RequestError
 from grader.base.package_data import beside
 from grader.base.text import printable
-from grader.engine import class_versions
 from grader.engine.lab import Handout, Lab, LabFile
 from grader.engine.rubric import load
 from grader.engine.rubric import shipped as shipped_rubric

@@ -18,9 +18,9 @@ from pathlib import Path, PurePosixPath
 import yaml
 
 from grader import __version__
+from grader.base import class_versions
 from grader.base.errors import RequestError
 from grader.base.package_data import beside
-from grader.engine import class_versions
 from grader.engine.lab import Lab, LabFile
 from grader.engine.rubric import CARRIED, own_checks
 from grader.kit import guide

@@ -13,7 +13,8 @@ from pathlib import Path
 FILE = "constraints.txt"
 """Constraints file of pip, in the kit and in the students' wheel."""
 _BOUND = re.compile(r"([<>=!]=|[<>])\s*([\d.]+)")
-_PINNED = re.compile(r"^([\w-]+)==([\w.]+)", re.MULTILINE)
+_PINNED = re.compile(r"^([\w-]{1,40})==([\w.+]{1,20})", re.MULTILINE | re.ASCII)
+_MOST = 20  # packages; the lab's are fewer
 
 
 def constraints(packages: Sequence[str]) -> str:
@@ -26,10 +27,15 @@ def constraints(packages: Sequence[str]) -> str:
     return "".join(lines)
 
 
-def differences(pinned: str) -> Sequence[str]:
-    """Return what differs on this machine from a constraints file: ``numpy 2.4.1 (class: 2.3.5)``."""
-    found = ((package, _installed(package), wanted) for package, wanted in _PINNED.findall(pinned))
-    return [f"{package} {here or 'is missing'} (class: {wanted})" for package, here, wanted in found if here != wanted]
+def differences(pinned: str) -> list[tuple[str, str, str]]:
+    """Return the packages whose version here is another one than in a constraints file: name, version here or "", version there."""
+    found = ((package, _installed(package), there) for package, there in _PINNED.findall(pinned)[:_MOST])
+    return [each for each in found if each[1] != each[2]]
+
+
+def here(packages: Sequence[str]) -> str:
+    """Return the versions on this machine, a line each: ``numpy==2.3.5``."""
+    return "".join(f"{package}=={_installed(package)}\n" for package in packages if _installed(package))
 
 
 def line(folder: Path) -> str:
@@ -38,10 +44,11 @@ def line(folder: Path) -> str:
     Return "" if they do not differ, or without such a file, as where an instructor installed the package.
     """
     file = folder / FILE
-    differing = differences(file.read_text(encoding="utf-8")) if file.is_file() else []
-    if not differing:
+    found = differences(file.read_text(encoding="utf-8")) if file.is_file() else []
+    if not found:
         return ""
-    return f"Your versions differ from your class: {', '.join(differing)}. python -m pip install -r {FILE} installs the same."
+    differing = ", ".join(f"{package} {here or 'is missing'} (class: {there})" for package, here, there in found)
+    return f"Your versions differ from your class: {differing}. python -m pip install -r {FILE} installs the same."
 
 
 def _installed(package: str) -> str:
