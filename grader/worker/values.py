@@ -66,13 +66,14 @@ def _number(value: Any) -> float:
 
 
 class Packer:
-    """Collector of the arrays of one answer, which names them for the frame."""
+    """Collector of the arrays of one answer, which names them for the frame, with a prefix of their own where two are joined."""
 
-    def __init__(self) -> None:
+    def __init__(self, prefix: str = "a") -> None:
         self.arrays: dict[str, np.ndarray] = {}
+        self._prefix = prefix
 
     def keep(self, array: Any) -> str:
-        key = f"a{len(self.arrays)}"
+        key = f"{self._prefix}{len(self.arrays)}"
         self.arrays[key] = np.array(array, dtype=np.float64, order="C", copy=True)
         return key
 

@@ -454,15 +454,30 @@ class Drawing:
     ----------
     figures : each with the facts that the sandbox reports of its axes and curves
     departs : as of `Readings`
+    given : the series of `KEYS` that the submission's own recorder gave to the plot; None without it, or if they are not six
+        series that can be told apart
     """
 
     figures: tuple[Figure, ...]
     error: StudentError | None = None
     departs: tuple[str, ...] = ()
+    given: Mapping[str, Array] | None = None
 
 
 def drawing_of(frame: Frame) -> Drawing:
     """Return the figures, the exception and the departures that a reply of the worker reports."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
-    return Drawing(figures, StudentError.of(frame.fields.get("error")), tuple(frame.fields.get("departs", ())))
+    fields, given = frame.fields, _series_of(frame.fields.get("given"), frame.arrays)
+    return Drawing(figures, StudentError.of(fields.get("error")), tuple(fields.get("departs", ())), given)
+
+
+def _series_of(node: Node | None, arrays: Arrays) -> Mapping[str, Array] | None:
+    own = as_collection(node, arrays)
+    if own.time is None or own.acceleration is None or own.angular_velocity is None:
+        return None
+    if not len(own.time) == len(own.acceleration) == len(own.angular_velocity) > 1:
+        return None
+    columns = np.column_stack([own.time, own.acceleration, own.angular_velocity])
+    told_apart = np.isfinite(columns).all() and np.ptp(columns, axis=0).all() and len(np.unique(columns, axis=1).T) == 7
+    return dict(zip(KEYS, (own.time, own.acceleration, own.angular_velocity), strict=True)) if told_apart else None

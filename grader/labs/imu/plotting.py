@@ -93,7 +93,11 @@ class Plotting(SubmissionSession):
         if drawing.error is None and not (own_form and curves.lacking(drawing.figures, sheet)):
             return drawing
         own = self._plotted_as_recorded(data, sheet, ids)
-        if own is not None and own.error is None and (drawing.error or not curves.lacking(own.figures, sheet)):
+        if (
+            own is not None
+            and own.error is None
+            and (drawing.error or not curves.lacking(own.figures, own.given or sheet))
+        ):
             return own
         if drawing.error is None:
             return drawing

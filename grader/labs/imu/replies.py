@@ -149,6 +149,12 @@ def _series(answer: Answer, case: TiltCase, rows: int, row: tuple[int, ...]) -> 
 
 class Plot(Drawings, kw_only=True):
     departs: Departures
+    given: Any
+
+
+def _plot(answer: Answer, reply: Plot) -> None:
+    drawings(answer, reply)
+    answer.node(reply.given)
 
 
 # --- questions about the extensions --------------------------------------------------------------------------------------
@@ -192,6 +198,6 @@ def _live(answer: Answer, reply: Live) -> None:
 RULES: Mapping[str, Rule] = {
     "read": Rule(Read, _read), "simulate": Rule(Simulate, _simulate), "read_along": Rule(Called, _read_along),
     "noise": Rule(Draws, _noise), "noise_twins": Rule(Draws, _noise_twins), "default_bias": Rule(Draws, _default_bias),
-    "filter": Rule(Filter, _filter), "plot": Rule(Plot, drawings),
+    "filter": Rule(Filter, _filter), "plot": Rule(Plot, _plot),
     "tilt": Rule(Tilt, _tilt), "allan": Rule(Allan, _allan), "imus": Rule(Imus, _imus), "live": Rule(Live, _live),
 }  # fmt: skip

@@ -243,11 +243,14 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
-    """Return the figures that may be the plot: each one, and figures for one sensor each that together make the plot."""
+    """Return the figures that may be the plot: each one, and figures for one sensor each that together make the plot.
+
+    They are compared with the series that the plot was given: those of a faulty recorder where the plot fits no other.
+    """
     saved = [figure for figure in drawing.figures if figure.is_saved]
     ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]
     joined = [curves.joined(figures) for figures in (saved, ever_saved) if len(figures) > 1]
-    series = series_of(truth)
+    series = drawing.given or series_of(truth)
     return student.once("plots", lambda: [Plot(f, curves.panels(f, series)) for f in (*drawing.figures, *joined)])
 
 
@@ -323,9 +326,9 @@ def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, float
     """
     if not plot.is_cropped:
         return {}
-    series = series_of(truth, "push")
-    figures = drawing_of_data(student, truth, "push").figures
-    of_lab = best_of([Plot(figure, curves.panels(figure, series)) for figure in figures]) or plot
+    drawing = drawing_of_data(student, truth, "push")
+    series = drawing.given or series_of(truth, "push")
+    of_lab = best_of([Plot(figure, curves.panels(figure, series)) for figure in drawing.figures]) or plot
     return {channel: share for channel, share in of_lab.cut_off().items() if channel in plot.drawn}
 
 

@@ -271,23 +271,31 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         call the submission's `simulate_and_collect`. It then records the series named in ``shows``, and the plot gets its result,
         in which the series in ``keys`` replace its own
     arrays : the plotted data; a number is an array without dimensions
+
+    Returns
+    -------
+    ``given`` : with a recorder, a node of what it returned
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)
     for name in saved.written_pictures(submission.STATE.folder):
         Path(submission.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
-    answer: dict[str, Any] = {"departs": []}
+    answer: dict[str, Any] = {"departs": [], "given": None}
+    packer = Packer("given")
     given: Any = {
         name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
     }
     with reporting_errors(answer):
         way = plan_call(function, calls.PLOTTER)
-        recorded = _recorded(fields["recorder"], arrays, given) if fields["recorder"] else given
+        recorded = given
+        if fields["recorder"]:
+            recorded = _recorded(fields["recorder"], arrays, given)
+            answer["given"] = packer.node(recorded)
         with own_globals.set_recording(recorded, function, calls.PLOTTER[:4]) as read_instead:
             answer["departs"] = [*way.departs, *read_instead]
             way(function, calls.PLOT_TEXTS | given | {"imu_data": recorded})
     seen, facts = recorder.RECORDER.take(submission.STATE.folder)
-    return answer | seen, facts
+    return answer | seen, facts | packer.arrays
 
 
 def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str, Any]) -> Any:
