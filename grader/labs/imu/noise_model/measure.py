@@ -255,7 +255,7 @@ def measure(student: Student, truth: Traces) -> Facts:
         run, refused = _with_biases(ask.noisy)
         _usable(run)
         failing, disturbance = ALL, run.disturbance.max(axis=0, initial=0.0)
-        ask.exchanged = refused is None and _are_exchanged(ask, run)
+        ask.exchanged = _are_exchanged(ask, run)
         clean = _clean_readings(ask, run)
         quiet, refused_quiet = _with_biases(ask.silent)
         _usable(quiet)
@@ -293,10 +293,13 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def _are_exchanged(ask: _Questions, run: NoiseRun) -> bool:
-    """Return whether the two sensors are in each other's place, each with its own bias; given_bias charges that."""
+    """Return whether the two sensors are in each other's place, each with its own bias or one that is wrong too."""
     straight = ask.reads(run, ask.truth, ask.biases)
     exchanged = ask.reads(replace(run, accel=run.gyro, gyro=run.accel), ask.truth, ask.biases)
-    return all(each.bias_is_right for each in exchanged) and not any(each.bias_is_right for each in straight)
+    if all(each.bias_is_right for each in exchanged):
+        return not any(each.bias_is_right for each in straight)
+    follow = all(each.keeps_its_offset and each.size_is_right for each in exchanged)
+    return follow and not any(each.keeps_its_offset for each in straight)
 
 
 def _is_one_twice(run: NoiseRun) -> bool:
