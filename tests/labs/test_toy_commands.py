@@ -1,12 +1,15 @@
-"""A lab of another package is checked, explained, graded and exported by the commands, once it is installed beside them."""
+"""A lab of another package is checked, explained, graded, reviewed and exported by the commands, once it is installed beside them."""
 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import urljoin
+from urllib.request import HTTPCookieProcessor, build_opener
 
 import pytest
 
@@ -35,15 +38,21 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def run(here: Path, *arguments: str, lab: str = "") -> tuple[int, str]:
-    """Run a command with `IMUGRADE_LAB` set to `lab`; return its exit code and what it prints."""
+def start(here: Path, *arguments: str, lab: str = "") -> subprocess.Popen[str]:
+    """Start a command with `IMUGRADE_LAB` set to `lab`."""
     known = {name: value for name, value in os.environ.items() if not name.startswith("IMUGRADE_")}
-    ended = subprocess.run(
+    return subprocess.Popen(
         [sys.executable, "-m", "grader", *arguments],
         cwd=here, env={**known, "PYTHONPATH": os.pathsep.join((str(here / "site"), os.getcwd())), "IMUGRADE_LAB": lab},
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )  # fmt: skip
-    return ended.returncode, ended.stdout
+
+
+def run(here: Path, *arguments: str, lab: str = "") -> tuple[int, str]:
+    """Run a command; return its exit code and what it prints."""
+    with start(here, *arguments, lab=lab) as running:
+        said, _ = running.communicate()
+    return running.returncode, said
 
 
 def test_a_submission_is_checked(here: Path) -> None:
@@ -62,6 +71,16 @@ def test_a_graded_class_remembers_its_lab(here: Path) -> None:
     assert run(here, "export", "out", "--format", "csv", "-o", "marks.csv")[0] == 0
     rows = (here / "marks.csv").read_text("utf-8").splitlines()
     assert rows[1:] == ["ann,ann,ann,6,4,10,10,graded", "bea,bea,bea,0,4,4,4,graded"]
+    assert run(here, "adjust", "out", "bea", "--criterion", "bonus", "--points", "1", "--comment", "neat")[0] == 0
+    with start(here, "review", "out") as desk:
+        try:
+            address = re.findall(r"http:\S+", desk.stdout.readline())[0]  # type: ignore[union-attr]
+            browser = build_opener(HTTPCookieProcessor())
+            browser.open(address)
+            page = browser.open(urljoin(address, "/submission/bea")).read().decode()
+        finally:
+            desk.terminate()
+    assert ("Lab 0 · review desk" in page, "final 5 = score 4 + bonus 1" in page) == (True, True)
     again = run(here, "grade", "class", "-o", "out", "--dry-run")
     assert (again[0], "0 would be graded" in again[1]) == (0, True), again
     code, said = run(here, "grade", "class", "-o", "out", "--dry-run", lab="imu")
