@@ -81,12 +81,14 @@ def test_a_command_is_quoted_for_the_systems_shell(monkeypatch: pytest.MonkeyPat
 
 def test_pytest_ends_with_its_own_exit_code_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTEST_ADDOPTS", "")
-    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    monkeypatch.setenv("PYTHONSAFEPATH", "1")
     monkeypatch.setattr(sys, "orig_argv", ["python"])
     from grader.pytest_plugin import own_settings
 
+    monkeypatch.setenv("PYTHONSAFEPATH", "")
     monkeypatch.setattr(sys, "platform", "win32")
     monkeypatch.setattr(sys, "orig_argv", ["python", "-m", "pytest", "--imugrade"])
+    monkeypatch.setattr(sys, "argv", ["-m"])
     monkeypatch.setattr(sys, "flags", SimpleNamespace(safe_path=False))
     asked: list[Any] = []
     monkeypatch.setattr(subprocess, "call", lambda again: asked.append(again) or 5)

@@ -152,6 +152,37 @@ def test_the_settings_of_a_submission_are_not_read(lab: Path, file: str, way: st
     assert not list(lab.glob("*.ran"))
 
 
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="Python 3.10 cannot be told to leave the present folder out")
+@pytest.mark.parametrize(
+    "command",
+    [
+        [sys.executable, "-mpytest"],
+        [sys.executable, "-Bm", "pytest"],
+        [str(Path(sys.executable).with_name("pytest")), "-n", "1"],
+    ],
+    ids=" ".join,
+)
+def test_nothing_of_the_folder_is_imported_however_pytest_and_its_workers_start(
+    lab: Path, tmp_path_factory: pytest.TempPathFactory, command: list[str]
+) -> None:
+    for name in ("pytest", "pluggy", "execnet"):
+        (lab / f"{name}.py").write_text(TRAP)
+    start = tmp_path_factory.mktemp("start")
+    (start / "sitecustomize.py").write_text(f"import site; site.addsitedir({str(PTH.parent)!r})")
+    bare = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "PYTHONSAFEPATH"))}
+    ran = subprocess.run(
+        [*command, "--imugrade", "-q", "-k", "nothing"],
+        cwd=lab,
+        env=bare | {"PYTHONPATH": str(start)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert ran.returncode in (pytest.ExitCode.USAGE_ERROR, pytest.ExitCode.NO_TESTS_COLLECTED), ran.stdout + ran.stderr
+    assert not list(lab.glob("*.ran"))
+
+
 def test_settings_that_pytest_has_read_all_the_same_stop_the_run(lab: Path) -> None:
     (lab / "pytest.ini").write_text("[pytest]\naddopts = -q\n")
     unseen = "import sys, pytest; sys.exit(pytest.main(['--imugrade', '-p', 'no:hypothesispytest', '--collect-only']))"

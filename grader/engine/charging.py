@@ -2,6 +2,7 @@
 
 The rule: a row of the fault table lists every check of its criterion that the fault breaks, each with its share, and all of them
 are deducted. A deviation that a found fault lists costs nothing more. A deviation that none lists is deducted at its own check.
+A fault of how the code is called, such as another parameter, is deducted where it lists and explains no deviation of the values.
 Shares on one check add up to at most one. Nothing is deducted in another criterion.
 """
 
@@ -107,8 +108,12 @@ class Part(Generic[Facts]):
     def _charges(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, FaultRow]) -> Mapping[str, Charge]:
         """Return what each check is charged: every share of every fault, and each deviation that no fault lists."""
         shares = {fault: self._shares(table[fault], seen) for fault, seen in faults.items()}
+        explaining = [
+            fault for fault, seen in faults.items() if table[fault].group != "any" or seen.keys() & self.checks
+        ]
         for name in self.checks:
-            if name in off and not any(name in each for each in shares.values()):
+            if name in off and not any(name in shares[fault] for fault in explaining):
+                explaining.append(name)
                 faults[name] = {name: off[name]}
                 shares[name] = self._shares(table[name], faults[name])
         charges: dict[str, Charge] = {}

@@ -25,11 +25,10 @@ def _start() -> None:
     before = os.environ.get("PYTEST_ADDOPTS", "")
     if options() not in before:
         os.environ["PYTEST_ADDOPTS"] = f"{before} {options()}".strip()
-    imports_here = "-m" in sys.orig_argv and not getattr(
-        sys.flags, "safe_path", True
-    )  # as `python -m pytest` does first
-    if imports_here and not os.environ.get("PYTHONSAFEPATH"):
-        os.environ["PYTHONSAFEPATH"] = "1"
+    imports_here = sys.argv[:1] in (["-m"], ["-c"]) and not getattr(sys.flags, "safe_path", True)
+    told = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"  # for the processes of pytest-xdist as well
+    if imports_here and not told:
         again = [sys.executable, *sys.orig_argv[1:]]
         if sys.platform == "win32":  # where execv returns to the shell at once, with exit code 0
             os._exit(subprocess.call(again))

@@ -87,13 +87,13 @@ def _sized(accel: float, gyro: float, silent: tuple[float, float] = (0.0, 0.0)) 
     [
         (_sized(0.1, 10), "stds-swapped"),
         (_sized(1, 10.6), "stds-swapped"),
-        (_sized(0.1, 3), ""),  # the other sensor's noise has another cause
+        (_sized(0.1, 3), "noise_model.noise_size"),  # the other sensor's noise has another cause
         (_sized(0.05, 0.005), "variance-as-std"),
-        (_sized(0.05, 1.5), ""),
+        (_sized(0.05, 1.5), "noise_model.noise_size"),
         (_sized(0.002**0.5, 0.002**0.5), "noise-density"),
         (_sized(3, 3, (0.15, 0.015)), "std-ignored"),
         (_sized(3, 3, (0.1, 0.01)), "bias-redrawn"),
-        (_sized(1.5, 1.5), ""),
+        (_sized(1.5, 1.5), "noise_model.noise_size"),
     ],
 )
 def test_a_wrong_size_of_the_noise_is_named(facts: Facts, told: str) -> None:

@@ -100,7 +100,15 @@ def _noise_models() -> Iterator[tuple[str, type]]:
         yield f"rounded to {step:g}", type("Useless", (Rounding,), {"step": step})
     for step in (2.0, 20.0):
         yield f"noise rounded to {step:g}", type("Useless", (RoundingNoise,), {"step": step})
+    yield (
+        "a multiple of the standard deviation for each axis",
+        type("Useless", (Counting,), {"one": _of_three_multiples}),
+    )
     yield "never written", noise.of(one=lambda *_: NEVER_WRITTEN)
+
+
+def _of_three_multiples(self: Counting, which: int) -> Any:
+    return self.clean(which) + self.stds[which] * np.array([1.0, -1.0, 0.5])
 
 
 # --- readers ---------------------------------------------------------------------------------------------------------------
@@ -183,7 +191,46 @@ def _filter(update: Callable[[Any, Any], Any]) -> type:
     return type("LowPassFilter", (), {"__init__": begin, "update": counted})
 
 
+def recursive(
+    step: Callable[[Any, Any], Any] = lambda s, m: s.alpha * m + (1 - s.alpha) * s.y,
+    out: Callable[[Any], Any] = np.array,
+) -> type:
+    """A filter that starts from the first measurement; `step` makes each output, which is `y` in the next call, from the last one."""
+
+    def update(self: Any, measurement: Any) -> Any:
+        self.y = np.array(measurement) if self.n == 1 and self.y is None else step(self, measurement)
+        return out(self.y)
+
+    def begin(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+        self.alpha, self.n, self.y = alpha, 0, initial_value
+
+    return type("LowPassFilter", (_filter(update),), {"__init__": begin})
+
+
+def _weighing(weight: Callable[[float], float]) -> type:
+    return recursive(lambda s, m: weight(s.alpha) * m + (1 - weight(s.alpha)) * s.y)
+
+
+def _first_mean(self: Any, measurement: Any) -> Any:
+    return self.y if self.n > 30 else self.y + (measurement - self.y) / self.n
+
+
+def _almost_filters() -> Iterator[tuple[str, type]]:
+    """Filters that remember a trace of earlier measurements, or that follow a trace of later ones."""
+    yield "a thousandth of the last output", _weighing(lambda _: 0.999)
+    yield "a fiftieth of the last output", _weighing(lambda _: 0.98)
+    yield "a thousandth of alpha's own", _weighing(lambda alpha: 1 - alpha / 1000)
+    yield "a sine of the last output", recursive(lambda s, m: m + 1e-3 * np.sin(s.y))
+    yield "half, and a thousandth of the last output", recursive(lambda s, m: 0.5 * m + 1e-3 * s.y)
+    yield "a thousandth of the measurement", _weighing(lambda _: 1e-3)
+    yield "a thousandth of alpha", _weighing(lambda alpha: alpha / 1000)
+    yield "a thousandth of the measurement, and half", recursive(lambda s, m: 1e-3 * m + 0.5 * s.y)
+    yield "the first seven alone", recursive(lambda s, m: s.y if s.n > 7 else s.alpha * m + (1 - s.alpha) * s.y)
+    yield "the mean of the first thirty", recursive(_first_mean)
+
+
 def _filters() -> Iterator[tuple[str, type]]:
+    yield from _almost_filters()
     for name, beside in COUNTED.items():
         yield f"the measurement and {name}", _filter(lambda s, m, beside=beside: m + beside(s.n, 0.1))
         yield f"{name} alone", _filter(lambda s, m, beside=beside: np.zeros(3) + beside(s.n, 0.1))

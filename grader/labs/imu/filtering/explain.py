@@ -24,6 +24,11 @@ CONSTANT_ATOL = 1e-3
 """m/s². After 300 samples at alpha 0.2 the sheet's filter is at the constant to 1e-28; the smallest fault shifts by more."""
 _NOTHING_LEFT = 1e-3
 """Largest share of a constant input that a high-pass filter leaves in its output."""
+_LITTLE_MOTION = 0.1
+"""Smallest share of a slow motion's spread that a filter lets through. The sheet's has 0.97; a fixed weight of 0.01 has 0.3."""
+_LITTLE_BESIDE = 0.025
+"""Smallest share of the output's spread that is no multiple of the measurement, in noise. It is the last output's weight: with less
+than that, more than `LARGEST_NOISE_GAIN` of the noise is left. The sheet's filter has 0.8 at alpha 0.2."""
 _WHOLE = 1e-9
 """Largest distance of a number from its rounded value for numbers that are rounded."""
 _UNUSABLE = ("a string", "a number", "a value of type")
@@ -110,6 +115,19 @@ def _takes_constants_away(facts: Facts) -> bool:
     """Return whether a constant input disappears in the output, and the signal is lost."""
     left = np.abs(facts.constant.y[-1]).max() < _NOTHING_LEFT * np.abs(facts.constant.x[0]).max()
     return bool(left) and not facts.signal_error < LARGEST_SIGNAL_ERROR
+
+
+def _hardly_moves(facts: Facts) -> bool:
+    """Return whether a slow motion has almost no effect on the output."""
+    x, y = facts.second_half(facts.slow)
+    return bool(np.linalg.norm(y.std(axis=0)) < _LITTLE_MOTION * np.linalg.norm(x.std(axis=0)))
+
+
+def _hardly_remembers(facts: Facts) -> bool:
+    """Return whether noise comes out as it went in, but for a factor and a trace of something else."""
+    x, y = (each - each.mean(axis=0) for each in facts.second_half(facts.noise))
+    beside = y - x * (np.sum(x * y, axis=0) / np.sum(x * x, axis=0))
+    return bool(0 < np.linalg.norm(beside) < _LITTLE_BESIDE * np.linalg.norm(y))
 
 
 def _from_the_first(run: Run) -> bool:
@@ -230,20 +248,22 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(OF, 3, "output-stuck", _every(lambda run: bool(np.ptp(run.y[1:], axis=0).max() <= ATOL))),
     Reason(OF, 3, "state-not-kept", _every(_from_the_first)),
     Reason(OF, 4, "does-not-filter", _every(_from_one_value)),
-    Reason(OF, 5, "does-not-filter", lambda f: not f.own.remembers),
+    Reason(OF, 5, "does-not-filter", lambda f: not f.own.remembers or _hardly_remembers(f)),
     # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
     Reason(OF, 6, "filter-restarts", _restarts),
     Reason(OF, 6, "moving-average", _every(_averages)),
     Reason(OF, 6, "mean-of-all-samples", _every(_means)),
-    Reason(OF, 7, "gain-not-one", lambda f: any(abs(a + b - 1) > 1e-6 for a, b in f.weights)),
-    Reason(OF, 8, "alpha-ignored", _ignores_alpha),
-    Reason(OF, 9, "axes-mixed", _every(_leaves_axes_out)),
-    Reason(OF, 10, "axes-mixed", lambda f: not f.weights and _every(_mixes_axes)(f)),
+    Reason(OF, 7, "output-stuck", _hardly_moves),
+    Reason(OF, 8, "gain-not-one", lambda f: any(abs(a + b - 1) > 1e-6 for a, b in f.weights)),
+    Reason(OF, 9, "alpha-ignored", _ignores_alpha),
+    Reason(OF, 10, "axes-mixed", _every(_leaves_axes_out)),
+    Reason(OF, 11, "axes-mixed", lambda f: not f.weights and _every(_mixes_axes)(f)),
     Reason(OF, 12, "another-weight", lambda f: bool(f.weights)),
     Reason(OF, 14, "stays-at-times", _stays_at_times),
     Reason(OF, 15, "begins-late", _begins_late),
     Reason(OF, 16, "high-pass", _takes_constants_away),
     Reason(OF, 17, "other-low-pass", _low_pass),
+    Reason(OF, 18, f"filtering.{OF}", lambda f: f.needs_alpha is not None),  # which is no reason for other outputs
     Reason(START, 1, "first-output-missing", lambda f: f.nothing_at_first),
     Reason(START, 2, "zero-initial-state", _from_zero),
     Reason(START, 3, "initial-value-ignored", _initial_ignored),

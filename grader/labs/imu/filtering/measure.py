@@ -156,17 +156,21 @@ class Facts:
     departs: tuple[str, ...] = ()
     stopped: Mapping[str, Exception] = field(default_factory=dict)
 
+    def second_half(self, run: Run) -> tuple[Array, Array]:
+        """Return measurements and outputs of the second half of a run, where its start has no effect."""
+        half = len(run.x) // 2
+        return run.x[half:], run.y[half:]
+
     @property
     def noise_gain(self) -> float:
         """Variance of the output over that of the input, second half of the series."""
-        half = len(self.noise.x) // 2
-        return float(np.var(self.noise.y[half:], axis=0).mean() / np.var(self.noise.x[half:], axis=0).mean())
+        x, y = self.second_half(self.noise)
+        return float(np.var(y, axis=0).mean() / np.var(x, axis=0).mean())
 
     @property
     def signal_error(self) -> float:
         """RMS of the output minus slow waves, in units of their own spread, second half of the series."""
-        half = len(self.slow.x) // 2
-        x, y = self.slow.x[half:], self.slow.y[half:]
+        x, y = self.second_half(self.slow)
         return float(np.sqrt(np.mean((y - x) ** 2)) / np.sqrt(np.mean(np.var(x, axis=0))))
 
     @cached_property

@@ -64,8 +64,11 @@ def _lost_in_rounding(facts: Facts) -> bool:
 
 
 def no_draw(facts: Facts) -> bool:
-    """Return whether reads hold no random draw: they count up, or all are equal without a std or with a fixed multiple of it."""
-    if counts(facts):
+    """Return whether reads hold no random draw: they count up, or all are equal without a std or with a fixed multiple of it.
+
+    Multiples that differ between axes may be one draw from a fixed seed, unless no default bias is drawn, either.
+    """
+    if counts(facts) or (facts.still and _is_reseeded(facts) and len(none_drawn(facts)) == len(BOTH)):
         return True
     bound = TRUTH_ATOL / min(s.reads.std for s in facts.sensors)
     beside = [
@@ -84,8 +87,13 @@ def _repeated(facts: Facts) -> str:
     """Return the fault that repeats one draw: "reseeded" (the same in all instances) or "frozen-noise"; "" for none."""
     if not (facts.follows and facts.still) or no_draw(facts):
         return ""
+    return "reseeded" if _is_reseeded(facts) else "frozen-noise"
+
+
+def _is_reseeded(facts: Facts) -> bool:
+    """Return whether the first reads of two instances are equal."""
     firsts = [(s.reads.residual[0, 0] + s.reads.truth[0], s.twins.base[0]) for s in facts.sensors]
-    return "reseeded" if all(same(one, other, EXACT) for one, other in firsts) else "frozen-noise"
+    return all(same(one, other, EXACT) for one, other in firsts)
 
 
 _SPREADS: Mapping[str, Callable[[Reads, Reads, float], Sequence[float]]] = {
@@ -319,7 +327,7 @@ def _one_for_axes(facts: Facts) -> bool:
 _REPEATED = ("frozen-noise", "reseeded")
 REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 0, "reads-no-sensor", lambda f: not f.follows),
-    Reason(SIZE, 1, "one-sensor-twice", lambda f: f.one_twice),
+    Reason(SIZE, 1, "one-sensor-twice", lambda f: f.one_twice and len(sizes_off(f)) == 1),
     Reason(SIZE, 2, "bias-redrawn", lambda f: f.redrawn),
     Reason(SIZE, 2, "precision-lost", lambda f: f.noiseless and _lost_in_rounding(f)),
     Reason(SIZE, 3, "no-noise", no_draw),
@@ -329,6 +337,8 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 7, "multiplicative-noise", _any(lambda reads: reads.proportional)),
     Reason(SIZE, 8, "std-ignored", lambda f: any(s.silent.restless and not s.drifts for s in f.sensors)),
     *(Reason(SIZE, 9, fault, _spread_is(fault)) for fault in _SPREADS),
+    # No fault of the law or of a bias gives normal noise another size.
+    Reason(SIZE, 10, f"noise_model.{SIZE}", lambda f: not any(f.sensors[i].law_is_off for i in sizes_off(f))),
     Reason(GIVEN, 0, "swapped-sensors", lambda f: f.exchanged),
     Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged),
     Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),

@@ -242,9 +242,12 @@ class Explained:
     def places(self) -> list[str]:
         """The faults of the address. Ignored ids also show in other IMUs, or as an exception in another model."""
         known = _named_places([each for each in self.sensors if each])
-        ignored = any(_is_ignored(self.facts.torso, v, i) for v in self.facts.visits[1:] for i in BOTH)
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
-        return known or ["hard-coded-address"] * (ignored or raised)
+        return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
+
+    @property
+    def _ids_are_ignored(self) -> bool:
+        return any(_is_ignored(self.facts.torso, v, i) for v in self.facts.visits[1:] for i in BOTH)
 
     @property
     def values(self) -> list[str]:
@@ -271,7 +274,9 @@ class Explained:
         """The share of the sensors that are read at another address than their own; 1 where the ids are ignored."""
         faults = {fault for each in self.sensors if each for fault in each.place}
         computed = faults - {"hard-coded-address", "wrong-fixed-address"}
-        return sum(bool(each and each.place) for each in self.sensors) / len(BOTH) if computed else 1.0
+        if not computed or self._ids_are_ignored:
+            return 1.0
+        return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
         """Return a visit and a sensor whose numbers differ from those at the address that is read; None if all agree.
