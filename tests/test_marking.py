@@ -28,12 +28,20 @@ class UnsayableError(Exception):
     def __str__(self) -> str:
         raise IndexError
 
+    __repr__ = __str__
+
+
+class ExitingError(Exception):
+    def __str__(self) -> str:
+        raise SystemExit
+
 
 @pytest.mark.parametrize(
     ("problem", "says"),
     [
         (ZeroDivisionError("a fault of ours"), "ZeroDivisionError: a fault of ours"),
         (UnsayableError(), "UnsayableError: its message raises IndexError"),
+        (ExitingError(), "ExitingError: its message raises SystemExit"),
     ],
 )
 def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(

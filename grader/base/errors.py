@@ -55,7 +55,7 @@ def message_of(problem: BaseException) -> str:
     """Return what an exception says; an instructor's own check may raise one that cannot say it."""
     try:
         return str(problem)
-    except Exception as unsayable:
+    except (Exception, SystemExit) as unsayable:
         return f"its message raises {type(unsayable).__name__}"
 
 
