@@ -9,8 +9,10 @@ import select
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from multiprocessing import connection
 from pathlib import Path
 
 import pytest
@@ -20,6 +22,7 @@ from grader.course.run import unmarked
 from grader.course.run.grade_request import GradeRequest
 from grader.course.run.warnings import remarks
 from grader.engine import rubric
+from grader.engine.processes import starting_processes
 from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
@@ -118,6 +121,28 @@ def test_workers_leave_when_the_run_is_killed(tmp_path: Path, run: str) -> None:
     with suppress(ProcessLookupError):  # it has ended already
         worker = os.pidfd_open(int((tmp_path / "marked").read_text().split()[1]))
         assert select.select([worker], [], [], 10)[0], "the worker is still there after 10 s"
+
+
+def test_ctrl_c_while_processes_start_stops_the_run_and_not_the_processes() -> None:
+    ours, theirs = multiprocessing.Pipe()
+    with pytest.raises(KeyboardInterrupt):
+        _press_ctrl_c_while_starting(theirs)
+    assert ours.poll(60)
+    assert ours.recv() == "still here"
+
+
+def _press_ctrl_c_while_starting(line: connection.Connection[str, None]) -> None:
+    with starting_processes() as begin:
+        process = multiprocessing.get_context("spawn").Process(target=_answer_interrupted, args=(line, begin))
+        process.start()
+        os.kill(process.pid or 0, signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+
+
+def _answer_interrupted(line: connection.Connection[str, None], begin: Callable[[], None]) -> None:
+    begin()
+    signal.raise_signal(signal.SIGINT)
+    line.send("still here")
 
 
 def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_list(tmp_path: Path) -> None:

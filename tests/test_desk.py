@@ -225,6 +225,7 @@ def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: D
     late = give(desk, "bob", ADDRESS, "5", seen=0, who="Ann")
     assert late.status == 409
     assert "Eve changed something" in words(late.text)
+    assert '<a href="/submission/bob">Open the page again</a>' in late.text
     assert row(out, "bob")["final"] == "97"
     assert give(desk, "ada", BONUS, "1", seen=0, who="Ann").status == 303  # somebody else's marks are no matter
 
@@ -438,6 +439,7 @@ def test_a_request_without_a_student_keeps_the_others_and_gets_its_student_on_th
     (folder / "mail 17.txt").write_text("Whose is this?")
     (folder / "li wei.txt").write_text("From one of two")
     (folder / "x.csv").write_bytes(b"\xff\xfe")
+    (folder / "y.json").write_text('{"student": "Li Wei", "check": "filtering", "text": "My filter"}')
     with desk_over(make_class(tmp_path / "out", [*STUDENTS, *twins])) as desk:
         lines = read_in(desk.book, folder)
         assert lines[0] == "1 regrade request added"
@@ -451,6 +453,9 @@ def test_a_request_without_a_student_keeps_the_others_and_gets_its_student_on_th
         assert "no student mail 17" not in desk.get("/regrade-requests").text
         found = desk.book.on_thread(desk.book.store.regrade_requests)
         assert [(each.id, each.text) for each in found] == [("bob", "From bob"), ("ada", "Whose is this?")]
+        assert '<input type="hidden" name="about" value="filtering">' in desk.get("/regrade-requests").text
+        again = read_in(desk.book, folder)  # as the next start of the desk does
+        assert any("no student mail 17 (ada has a request with this text on record)" in line for line in again)
         ambiguous = desk.post("/regrade-requests", {"text": "Hello", "who": "Li Wei"})
         assert "is ambiguous: it may mean" in words(ambiguous.text)
 
@@ -496,6 +501,16 @@ def test_a_rubric_is_previewed_saved_and_marks_the_class_only_when_it_is_asked_t
     desk.book.settled()
     for id_, total in (("ada", 100), ("bob", 99), ("cyd", 98)):
         assert f"{total} / 100" in words((out / "submissions" / id_ / "report.html").read_text())
+
+
+def test_of_two_who_regrade_the_class_at_once_the_later_one_is_told_and_the_first_rubric_stays(desk: Desk) -> None:
+    previews = [desk.get(f"/what-if?weight:{ADDRESS}={weight}").text for weight in (14, 28)]
+    forms = [dict(re.findall(r'<input type="hidden" name="([^"]+)" value="([^"]*)"', page)) for page in previews]
+    answers = [desk.post("/what-if", {**form, "do": "mark"}) for form in forms]
+    assert [each.status for each in answers] == [303, 409]
+    assert "Somebody has regraded the class by another rubric" in words(answers[1].text)
+    assert '<a href="/what-if">Open the page again</a>' in answers[1].text
+    assert re.search(f'name="weight:{ADDRESS}"[^>]* value="14"', desk.get("/what-if").text)
 
 
 # ---- files as they were handed in ----

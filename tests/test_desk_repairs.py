@@ -138,9 +138,21 @@ def test_a_preview_records_nothing_and_a_saved_repair_is_the_commands_and_is_und
     assert "/submission/ada?edit" not in desk.get("/").text
     assert "<code># 1</code>" in re.sub(r"<(?!/?code)[^>]*>", "", page)
     assert 'value="undo"' in page
-    assert "ada: repair of filters.py taken back, 94 points now" in words(sent(desk, "ada", file="", do="undo"))
+    assert "ada: repair of filters.py taken back, 94 points now" in words(
+        sent(desk, "ada", file="", do="undo", repairs=1)
+    )
     assert column(out / "gradebook.csv", "total")["ada"] == "94"
     assert SENTENCE in desk.get("/").text
+
+
+def test_of_two_at_once_nobody_takes_back_a_repair_that_only_the_other_has_seen(desk: Desk, out: Path) -> None:
+    once = dict(
+        re.findall(r'name="(file|repairs)" value="([^"]*)">', saved(desk, previewed(desk)).partition("Undoing it")[2])
+    )
+    saved(desk, previewed(desk, text=f"{FIXED}\n\n"), deduct="2")
+    late = sent(desk, "ada", **once, do="undo")
+    assert "Somebody has saved or undone a repair since you opened the page" in words(late)
+    assert len(json.loads((out / "submissions/ada/result.json").read_text())["repairs"]) == 2
 
 
 def test_the_same_repair_is_offered_to_the_same_file_with_the_same_error(desk: Desk, out: Path) -> None:

@@ -82,9 +82,8 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
             except web_requests.TooLargeError:
                 return _refused("The form is too large: at most 2 MB.", 413)
             except OvertakenError as problem:
-                return _refused(
-                    f"{problem}. Your change was not saved: go back, reload the page and decide again.", 409
-                )
+                back = "/what-if" if web_request.address == "/what-if" else web_request.address.rpartition("/")[0]
+                return _refused(f"{problem}. Your change was not saved.", 409, back)
             except RequestError as problem:
                 return _refused(str(problem), 400)
             except Exception as problem:  # one failed page must not stop the desk
@@ -131,8 +130,9 @@ async def _awaited(book: Classbook, web_request: WebRequest, request: Request) -
         await loop.run_in_executor(None, book.settled)
 
 
-def _refused(message: str, status: int) -> Response:
-    return page("refused.html.j2", status, message=message)
+def _refused(message: str, status: int, overtaken: str = "") -> Response:
+    """Return the page of an error; `overtaken` is the page that somebody else has changed."""
+    return page("refused.html.j2", status, message=message, overtaken=overtaken)
 
 
 def _static(name: str) -> Callable[[Request], Awaitable[Response]]:

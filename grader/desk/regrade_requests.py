@@ -63,7 +63,6 @@ def _page(book: Classbook, web_request: WebRequest, problem: str = "", code: int
     """Show the requests and the form; `problem` says what is wrong with the typed text, which is kept."""
     requests = book.store.regrade_requests()
     final_grades = book.final_grades()
-    about = dict.fromkeys(target for final_grade in final_grades.values() for target in targets(final_grade))
     return framed(
         book,
         web_request,
@@ -71,12 +70,17 @@ def _page(book: Classbook, web_request: WebRequest, problem: str = "", code: int
         code,
         open=[each for each in requests if not each.answered and each.id in final_grades],
         answered=[each for each in reversed(requests) if each.answered and each.id in final_grades],
-        about=about,
+        about=_targets(book),
         unplaced=book.unplaced_requests,
         message=web_request.text("message"),
         typed={name: (web_request.form.get(name) or [""])[0] for name in ("text", "who", "about")},
         errors={_field(problem): problem.replace(_NOBODY, "Choose a student.")} if problem else {},
     )
+
+
+def _targets(book: Classbook) -> dict[str, None]:
+    """Return the checks and criteria of the class that a request may be about, in order."""
+    return dict.fromkeys(target for final_grade in book.final_grades().values() for target in targets(final_grade))
 
 
 _NOBODY = "the request: no student is named"
@@ -95,8 +99,10 @@ def add(book: Classbook, web_request: WebRequest) -> Response:
         if unplaced:
             raise RequestError("\n".join(why for _, why in unplaced[:20]))
         new = book.store.keep_regrade_requests(requests)
-        texts = {each.text for each in received}
-        book.unplaced_requests = [(text, why) for text, why in book.unplaced_requests if text not in texts]
+        for each in received:  # the same text may wait for a second student
+            waiting = next((other for other in book.unplaced_requests if other[0] == each.text), None)
+            if waiting:
+                book.unplaced_requests.remove(waiting)
     except RequestError as problem:
         return _page(book, web_request, str(problem), 400)
     return RedirectResponse(f"/regrade-requests?message={quote(added(new, len(received)))}", 303)
@@ -125,7 +131,15 @@ def read_in(book: Classbook, path: Path) -> list[str]:
             problems.append(str(problem))
     requests, unplaced = book.on_thread(lambda: placed(received, book.final_grades()))
     new = book.on_thread(lambda: book.store.keep_regrade_requests(requests))
-    book.unplaced_requests += [(each.text, why) for each, why in unplaced]
+    known = {
+        each.text: each.id for each in book.on_thread(book.store.regrade_requests)
+    }  # also assigned by hand, in an earlier run
+    unplaced = [
+        (each, f"{why} ({known[each.text]} has a request with this text on record)" if each.text in known else why)
+        for each, why in unplaced
+    ]
+    checks = book.on_thread(lambda: _targets(book))
+    book.unplaced_requests += [(each.text, each.about if each.about in checks else "", why) for each, why in unplaced]
     by_hand = [f"{why} (choose the student at the desk, under Regrade requests)" for _, why in unplaced]
     return [added(new, len(requests)), *problems, *by_hand]
 

@@ -185,6 +185,8 @@ def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) ->
     """Start the job of a form: preview, suggest, save or undo. Return the job, or the errors by field."""
     do, file, id_ = web_request.text("do"), web_request.text("file"), final_grade.id
     if do == "undo":
+        if web_request.number("repairs") != len(final_grade.result.repairs):
+            raise OvertakenError("Somebody has saved or undone a repair since you opened the page")
         return book.jobs.start(UndoJob(id=id_, file=file, book=book, author=web_request.author))
     content = repaired_files(book, final_grade).get(file)
     if content is None:

@@ -20,6 +20,8 @@ from grader.base.files import write_whole
 from grader.base.stamps import now
 from grader.base.text import decimal
 from grader.course.publishing.contradictions import contradictions
+from grader.course.record.decisions import OvertakenError
+from grader.course.record.repair_log import sha256_of
 from grader.course.regrading import regrade
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
@@ -31,6 +33,8 @@ from grader.people.final_grade import FinalGrade, GradeChange, grade_changes, gr
 from grader.report import overview, words
 
 _SHOWN = 50
+_NOT_VALUES = ("do", "message", "graded_by")
+"""Fields of the form that are no values of a rubric."""
 _HEAD = "# Made at the review desk on {when} from {source}, which holds the reasons.\n"
 
 
@@ -51,7 +55,15 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Write the changed rubric into OUT; with `do=mark`, regrade the class by it. Else the entered values stay on the page."""
+    """Write the changed rubric into OUT; with `do=mark`, regrade the class by it. Else the entered values stay on the page.
+
+    Raises
+    ------
+    OvertakenError
+        If the class has got another rubric since the preview: the form holds all values, so it would undo that change.
+    """
+    if web_request.text("do") == "mark" and web_request.text("graded_by") not in ("", _graded_by(book)):
+        raise OvertakenError("Somebody has regraded the class by another rubric since you previewed yours")
     try:
         changed, text = _changed(book, web_request)
     except RequestError:
@@ -62,7 +74,7 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
     if web_request.text("do") == "mark":
         book.mark_by(replace(changed, source=str(target)))
         return RedirectResponse(f"/what-if?message={quote(f'{message}, and the class is regraded by it')}", 303)
-    entered = [(name, values[0]) for name, values in web_request.form.items() if name not in ("do", "message")]
+    entered = [(name, values[0]) for name, values in web_request.form.items() if name not in _NOT_VALUES]
     return RedirectResponse(f"/what-if?{urlencode([*entered, ('message', f'{message}. No grade has changed.')])}", 303)
 
 
@@ -73,7 +85,7 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
     problem, preview, changed = "", None, base
     errors, typed = (
         _errors(web_request),
-        {**web_request.query, **{name: values for name, values in web_request.form.items() if name != "do"}},
+        {**web_request.query, **{name: values for name, values in web_request.form.items() if name not in _NOT_VALUES}},
     )
     try:
         changed, _ = _changed(book, web_request)
@@ -82,7 +94,9 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
     except RequestError as error:
         problem = "" if errors else _without_places(str(error))
     made = Counter(id_ for each in final_grades.values() for id_ in each.result.misconceptions)
-    digests = {str(each.result.provenance.get("rubric_sha256")) for each in final_grades.values()}
+    digests = {
+        str(each.result.provenance.get("rubric_sha256")) for each in final_grades.values() if not each.has_no_submission
+    }
     return framed(
         book,
         web_request,
@@ -101,7 +115,14 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
         other=digests != {base.sha256},
         message=message,
         query=typed,
+        graded_by=_graded_by(book),
     )
+
+
+def _graded_by(book: Classbook) -> str:
+    """Return the digest of the rubric on record, also if another process has changed it."""
+    settings = book.store.settings()
+    return sha256_of((settings.rubric if settings else book.rubric.text).encode("utf-8", "surrogateescape"))
 
 
 def _changed(book: Classbook, web_request: WebRequest) -> tuple[Rubric, str]:

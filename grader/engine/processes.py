@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from multiprocessing import resource_tracker
 from typing import Any
 
 
@@ -23,7 +24,7 @@ def starting_processes() -> Iterator[Callable[[], None]]:
     """
     in_main = threading.current_thread() is threading.main_thread()
     begin = partial(_begin_process, os.getcwd(), in_main)
-    with _interrupts_ignored(), _in_library_folder(), _daemon_allowed(), warnings.catch_warnings():
+    with _interrupts_held(), _in_library_folder(), _daemon_allowed(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # about NumPy's idle threads; nothing waits for them
         yield begin
 
@@ -35,16 +36,28 @@ def context() -> Any:
 
 
 @contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Make processes started here ignore Ctrl-C: the terminal sends it to all of them, and only one should react."""
+def _interrupts_held() -> Iterator[None]:
+    """Hold a Ctrl-C back until the processes are started, which takes seconds on a busy machine; it then acts as usual.
+
+    The terminal sends it to all processes, and only this one should react. So the new ones inherit that it is blocked, until
+    `_begin_process` makes them ignore it. A thread of this process may still receive it, so it is remembered, too.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    received: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: received.append(number))
     try:
+        if sys.platform != "win32":
+            resource_tracker.ensure_running()  # its start, which "spawn" needs, would unblock the signal again
+            signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
         yield
     finally:
+        if sys.platform != "win32":
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
         signal.signal(signal.SIGINT, before)
+        if received:
+            signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager
@@ -73,8 +86,11 @@ def _daemon_allowed() -> Iterator[None]:
 
 
 def _begin_process(folder: str, in_main: bool) -> None:
-    """Enter the working folder and arrange that this process ends with its parent."""
+    """Enter the working folder, ignore Ctrl-C, and arrange that this process ends with its parent."""
     os.chdir(folder)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     leave_with_parent(in_main)
 
 

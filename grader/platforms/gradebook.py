@@ -88,13 +88,17 @@ def _columns(final_grades: list[FinalGrade], sections: bool = False) -> dict[str
     if sections or any(s.section for s in final_grades):
         columns["section"] = lambda s: _text(s.section)
     for criterion in dict.fromkeys(c.id for s in final_grades for c in s.result.criteria):
-        columns[criterion] = lambda s, id_=criterion: "" if s.unseen else _criterion(s, id_)  # type: ignore[misc] # a default binds the id
+        columns[criterion] = lambda s, id_=criterion: "" if s.unseen or s.has_no_submission else _criterion(s, id_)  # type: ignore[misc] # a default binds the id
     if any(s.result.extra_credit_cap is not None for s in final_grades):
         columns["extra_credit"] = lambda s: words.number(s.result.extra_credit)
     if any(s.result.repairs for s in final_grades):
         columns["repair_deduction"] = lambda s: words.number(s.result.repair_deduction)
-    columns["total"] = lambda s: "" if s.unseen or s.result.status == "incomplete" else words.number(s.result.total)
-    return columns | _middle_columns(final_grades) | {"status": lambda s: s.result.status}
+    columns["total"] = lambda s: "" if _has_no_total(s) else words.number(s.result.total)
+    return columns | _middle_columns(final_grades) | {"status": words.status}
+
+
+def _has_no_total(final_grade: FinalGrade) -> bool:
+    return final_grade.unseen or final_grade.has_no_submission or final_grade.result.status == "incomplete"
 
 
 def _middle_columns(final_grades: list[FinalGrade]) -> dict[str, Cell]:

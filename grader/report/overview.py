@@ -185,7 +185,7 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
         explained=explained(final_grade) if is_composed(final_grade) else "",
         status=", ".join(
             [
-                _status(final_grade),
+                words.status(final_grade),
                 *(["repaired"] if result.repairs else []),
                 *(["adjusted"] if final_grade.adjustments else []),
             ]
@@ -194,17 +194,13 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
     )
 
 
-def _status(final_grade: FinalGrade) -> str:
-    return words.NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
-
-
 def _cell(points: float | None) -> Cell:
     return Cell("–", -1.0) if points is None else Cell(words.number(points), points)
 
 
 def _tags(final_grade: FinalGrade) -> Iterable[str]:
     """Return the filter tags of a submission. They contain no text from outside the grader."""
-    yield f"status:{_status(final_grade)}"
+    yield f"status:{words.status(final_grade)}"
     if final_grade.late is not None:
         yield "status:late"
     if final_grade.result.repairs:

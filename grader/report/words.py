@@ -166,6 +166,11 @@ NO_SUBMISSION = "no submission"
 """Status of a person of the roster who has not submitted."""
 
 
+def status(final_grade: FinalGrade) -> str:
+    """Return the status of a submission, or that the person who has points handed in nothing."""
+    return NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
+
+
 def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]:
     """Return the names of people without a submission, each with an identifier if another person of the class has the name."""
     listed = [person.name for person in absent]

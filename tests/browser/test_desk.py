@@ -56,6 +56,28 @@ def visit(browser: Browser, desk: Desk) -> Iterator[Watched]:
     assert troubles == []
 
 
+def test_a_draft_that_comes_back_says_that_somebody_else_has_changed_the_points(visit: Watched, desk: Desk) -> None:
+    page = visit.open("/submission/cyd")
+    page.locator("#override-filtering summary").click()
+    with page.expect_response("**/draft"):
+        page.locator("#override-filtering input[name=points]").fill("7")
+    page.reload()
+    note = page.locator("#override-filtering .unsaved")
+    expect(note).to_have_text("Not saved yet. Discard")
+    fields = {
+        "target": "filtering",
+        "points": "12",
+        "comment": "seen",
+        "seen": desk.book.on_thread(desk.book.store.last_adjustment),
+    }
+    assert desk.post("/submission/cyd/override", fields, "Eve").status == 303
+    page.reload()
+    expect(note).to_contain_text("Points of this submission were changed after you typed this")
+    expect(page.locator("#override-filtering input[name=points]")).to_have_value("7")
+    note.get_by_role("button", name="Discard").click()
+    desk.post("/submission/cyd/override", {"target": "filtering", "do": "withdraw", "seen": 999})
+
+
 def test_axe_finds_nothing_to_complain_of_and_a_phone_needs_no_sideways_scrolling(visit: Watched, desk: Desk) -> None:
     page = visit.open("/", bypass_csp=True)
     found = {}

@@ -203,7 +203,7 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
     """Yield those of the class who have no grade, with the reason."""
     for final_grade in final_grades.values():
         if final_grade.final is None:
-            empty = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
+            empty = "empty or unreadable; give points in the review desk, or --unreadable 0"
             why = empty if final_grade.unseen else "not judged, because the grader failed"
             yield f"{words.distinct(final_grade)}: {why}"
     for name in words.absentees(absent, (each.hand_in for each in final_grades.values())):

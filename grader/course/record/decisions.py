@@ -99,11 +99,11 @@ class Decisions(Database):
         return int(made.lastrowid or 0)
 
     def _refuse_overtaken(self, ids: Set[str], seen: int) -> None:
-        query = "SELECT id, author, at FROM adjustments WHERE seq > ? ORDER BY seq DESC"
-        for id_, author, at in self._db.execute(query, (seen,)):
+        query = "SELECT id, author FROM adjustments WHERE seq > ? ORDER BY seq DESC"
+        for id_, author in self._db.execute(query, (seen,)):
             if id_ in ids:
                 raise OvertakenError(
-                    f"{printable(id_, 80)}: {printable(author, 80)} changed something at {at}, after you opened the page"
+                    f"{printable(id_, 80)}: {printable(author, 80)} changed something after you opened the page"
                 )
 
     def history(self) -> list[tuple[str, Adjustment]]:

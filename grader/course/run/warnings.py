@@ -21,7 +21,9 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
     """Yield lines about equal and empty submissions, missing packages, and the roster."""
     for ids in equal(final_grades.values()):
         yield from named_lines("the same files were handed in by", ids)
-    nothing = [s.id for s in final_grades.values() if s.result.status in ("empty", "unreadable")]
+    nothing = [
+        s.id for s in final_grades.values() if s.result.status in ("empty", "unreadable") and not s.has_no_submission
+    ]
     yield from named_lines("no gradable files (review what was handed in)", nothing)
     odd = [s.id for s in final_grades.values() if not_understood(s.result)]
     yield from named_lines("an answer that the grader could not read (review what the code returns)", odd)
@@ -54,7 +56,7 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
 
     A smaller download holds resubmissions only, so nobody is missing from it.
     """
-    left = [id_ for id_ in final_grades if id_ not in found]
+    left = [id_ for id_, each in final_grades.items() if id_ not in found and not each.has_no_submission]
     if left and 2 * len(left) <= len(final_grades):
         yield f"on record and in the gradebook, but not in this download: {some(left, _A_FEW, '; ')}"
 

@@ -124,11 +124,13 @@ async function keep(form, fields) {
   else if (!fields.length || text === JSON.stringify(typed(form))) unkept.delete(form);
 }
 function restore(form, fields) {
+  let overtaken = false; // by a change of these points after the draft was typed; the form must still be sent with what this page shows
   for (const each of form.elements) if (each.type === "checkbox") each.checked = false;
   for (const [name, value] of fields) {
     const several = form.querySelectorAll(`[name="${CSS.escape(name)}"]`);
     for (const each of several) {
-      if (each.type !== "checkbox") each.value = value;
+      if (name === "seen") overtaken = each.value !== value;
+      else if (each.type !== "checkbox") each.value = value;
       else if (each.value === value) each.checked = true;
     }
   }
@@ -141,7 +143,7 @@ function restore(form, fields) {
   const discard = document.createElement("button");
   Object.assign(discard, { type: "button", className: "small", textContent: "Discard" });
   discard.addEventListener("click", () => keep(form, []).then(() => location.reload()));
-  note.append("Not saved yet. ", discard);
+  note.append("Not saved yet. ", overtaken ? "Points of this submission were changed after you typed this: look at them before you save. " : "", discard);
   form.prepend(note);
 }
 document.addEventListener("DOMContentLoaded", () => {
