@@ -22,9 +22,9 @@ Fault = tuple[str, str, str]
 """The name of a row of the corpus, the file that it patches, and the patch."""
 _EVERY = 600
 ONLY_FOR_THE_OWN = ("record-and-plot", "filter-kept-beside-the-measurement")
-"""Plots and scripts that fit one form only, in which the submission's own recorder or filter returns its numbers. Beside a second
-fault of that recorder or filter they may lose points of *Visualization*: no sound part returns that form, so that nothing is left to
-try them with but the faulty one. A person gives the points."""
+"""Plots and scripts that fit one form only, in which the submission's own recorder or filter returns its numbers. They may lose points
+of *Visualization* beside a recorder that raises, ends early or returns numbers that cannot be told apart, or beside a faulty filter: no
+sound part returns that form, so that nothing is left to try them with. A note asks a person to give the points."""
 OTHER_NAMES = {
     "index-out-of-bounds", "raises", "nothing-simulated", "not-gaussian", "bias-not-random", "first-output-missing",
 }  # fmt: skip

@@ -45,8 +45,8 @@ _INK = (0.005, 0.6)
 The sheet's figure has 0.05 to 0.13 in any style and frame, noise 0.66 and more.
 """
 _SMALLEST_PX = 150
-_NOT_THERE = ("KeyError", "AttributeError")
-"""Exceptions of a plot that asks a recording for a key or an attribute that the sheet's recording does not have."""
+_NOT_THERE = ("KeyError", "AttributeError", "TypeError", "IndexError", "ValueError")
+"""Exceptions of a plot that looks in a recording for what the sheet's recording does not have, or not in that form."""
 _NEARER = 0.75
 """A curve of the data is so much nearer to a drawing of nearly the same numbers than to one of other numbers, in root mean square.
 
