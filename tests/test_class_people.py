@@ -247,6 +247,7 @@ def test_the_desk_gives_points_to_a_person_without_a_submission_and_withdraws_th
         desk.book.settled()
         assert cells("out/gradebook.csv", "id", "final") == [("ann", "100"), ("s5", "61")]
         assert "No submission Bob Roe" not in words(desk.get("/").text)
+        assert "another rubric" not in words(desk.get("/what-if").text)
         assert "Bob Roe s5 – 61 no submission, adjusted" in words(desk.get("/class").text)
         assert desk.post("/submission/s5/override", {"target": "total", "do": "withdraw", "seen": 1}).status == 303
         desk.book.settled()

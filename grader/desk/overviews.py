@@ -31,7 +31,7 @@ def queue(book: Classbook) -> list[Item]:
         contradictions(book.final_grades(), book.store.settings()),
         making.lapsed(book.store, book.final_grades()),
     )
-    return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
+    return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab, book.rubric.late))
 
 
 def review_queue(book: Classbook, web_request: WebRequest) -> Response:

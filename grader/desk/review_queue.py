@@ -18,7 +18,9 @@ from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import NEEDS_REVIEW
 from grader.engine.lab import Lab
 from grader.engine.results import AUTOMATIC, Result
+from grader.engine.rubric_records import LatePolicy
 from grader.people.final_grade import FinalGrade
+from grader.people.late_policy import in_zone
 from grader.report import words
 from grader.report.causes import stops
 
@@ -117,11 +119,12 @@ def items(
     contradictions: Iterable[Contradiction],
     lapsed: Iterable[LoggedRepair],
     lab: Lab,
+    policy: LatePolicy | None,
 ) -> list[Item]:
-    """Return the queue: in the order of `KINDS`, then in the order of the class."""
+    """Return the queue: in the order of `KINDS`, then in the order of the class. Times are those of the late policy's zone."""
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]
-    found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each, lab)]
+    found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each, lab, policy)]
     found += _of_several(final_grades, groups)
     found += [((each.id,), Reason(_OF[each.kind], each.text)) for each in contradictions if each.kind in _OF]
     if not any(each.hand_in.marked_late for each in final_grades.values()):  # else each of them has a reason of its own
@@ -145,7 +148,7 @@ def items(
     ]
 
 
-def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
+def _own(final_grade: FinalGrade, lab: Lab, policy: LatePolicy | None) -> Iterator[Reason]:
     """Yield the reasons to review one submission by itself."""
     result = final_grade.result
     yield from (Reason("does-not-run", each.sentence, file=each.file) for each in stops(result, lab))
@@ -178,10 +181,10 @@ def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
         )
     above = final_grade.above_maximum()
     for each in (each for each in final_grade.outdated() if each not in above):
-        points = words.number(each.points or 0.0)
+        points, at = words.number(each.points or 0.0), words.instant(in_zone(each.at, policy))
         yield Reason(
             "outdated",
-            f"{each.criterion} was set to {points} on {each.at}; the automatic points or their maximum have changed since.",
+            f"{each.criterion} was set to {points} on {at}; the automatic points or their maximum have changed since.",
         )
     yield from (Reason("picture", note) for note in words.notes(result) if NEEDS_REVIEW in note)
     yield from _near_a_boundary(final_grade, result)
