@@ -21,8 +21,10 @@ IN_ONE_ROW = {"read": lambda s: np.concatenate([s.one(0), s.one(1)])[None]}
 WITH_ONE_MORE = {"read": lambda s, data: (s.one(0), s.one(1))}
 ONE_TWICE = {"read": lambda s: (s.one(0),) * 2}
 BESIDE = {"one": lambda s, which: Sound.one(s, which) + (0.5, 0.05)[which]}
+REDRAWN = {"one": lambda s, which: Sound.one(s, which) + s.rng.normal(0, (0.1, 0.01)[which], 3)}
 NOISE: Mapping[str, Sequence[type]] = {
     "loud, and one sensor twice": (noise.of(**LOUD), noise.of(**ONE_TWICE), noise.of(**LOUD, **ONE_TWICE)),
+    "loud, and redrawn": (noise.of(**LOUD), noise.of(**REDRAWN), noise.of(**LOUD, **REDRAWN)),
     "loud, and off centre": (noise.of(**LOUD), noise.of(**BESIDE), noise.of(**LOUD, **BESIDE)),
     "loud, and another form": (noise.of(**LOUD), noise.of(**IN_ONE_ROW), noise.of(**LOUD, **IN_ONE_ROW)),
     "loud, and another parameter": (noise.of(**LOUD), noise.of(**WITH_ONE_MORE), noise.of(**LOUD, **WITH_ONE_MORE)),

@@ -19,7 +19,7 @@ from grader.engine.hypothesis import Reason
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import BOTH, Array, changed, same
 from grader.labs.imu.lab import LAB
-from grader.labs.imu.noise_model.measure import ALL, FORM, Facts, Sensor, measure
+from grader.labs.imu.noise_model.measure import ALL, FORM, ROUGHLY, Facts, Sensor, measure
 from grader.labs.imu.noise_model.reads import EXACT, TRUTH_ATOL, Reads
 from grader.labs.imu.parameters import CALL_REASONS, departures
 
@@ -324,11 +324,18 @@ def _one_for_axes(facts: Facts) -> bool:
 # ---- the reasons
 
 
+def _is_loud_beside(facts: Facts) -> bool:
+    """Return whether the noise itself, without a bias that is redrawn, has a wrong size: it is what a larger deviation adds."""
+    twins = [(s.twins.noise_size(), s.reads.std) for s in facts.sensors if s.twins.seeded]
+    return any(abs(size / std - 1) > ROUGHLY for size, std in twins)
+
+
 _REPEATED = ("frozen-noise", "reseeded")
 REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 0, "reads-no-sensor", lambda f: not f.follows),
     Reason(SIZE, 1, "one-sensor-twice", lambda f: f.one_twice and len(sizes_off(f)) == 1),
-    Reason(SIZE, 2, "bias-redrawn", lambda f: f.redrawn),
+    Reason(SIZE, 2, "bias-redrawn", lambda f: f.redrawn and not _is_loud_beside(f)),
+    Reason(SIZE, 2, f"noise_model.{SIZE}", lambda f: f.redrawn and _is_loud_beside(f)),
     Reason(SIZE, 2, "precision-lost", lambda f: f.noiseless and _lost_in_rounding(f)),
     Reason(SIZE, 3, "no-noise", no_draw),
     *(Reason(SIZE, 4, fault, _is(_repeated, fault)) for fault in _REPEATED),

@@ -24,8 +24,8 @@ ALL = ("noise_size", "given_bias", "default_bias", "white_and_gaussian", "axes_a
 _INSTANCES = 24
 _MANY = 100
 """Reads of one instance in one state: their mean is off by a tenth of the noise."""
-_ROUGHLY = 0.3
-"""Largest relative error of the noise beside a drifting bias. It is estimated from 117 differences, to a tenth."""
+ROUGHLY = 0.3
+"""Largest relative error of the noise beside a bias that drifts or is redrawn. It is estimated from 117 differences, to a tenth."""
 _SILENT, _ALMOST_SILENT = (0.0, 0.0), (1e-12, 1e-12)
 """Standard deviations. Code may refuse a zero, or divide by it, and a picometre a second squared is as good as none."""
 _TWINS, _LARGER = 40, 1.5
@@ -84,7 +84,7 @@ class Sensor:
         if noise.size_is_right or not noise.is_noise:
             return noise.size_is_right
         if self.drifts:
-            return abs(twins.noise_size() / noise.std - 1) < _ROUGHLY
+            return abs(twins.noise_size() / noise.std - 1) < ROUGHLY
         enough = bool(noise.memory) or noise.pooled_spread >= _LEAST * noise.std
         return self.law_is_off and twins.scales() and enough and noise.unpredicted <= _MOST * noise.std
 
