@@ -261,8 +261,9 @@ With hidden traces students see which checks they lost and what to try, not the 
 Code can carry some hidden data out in its score, so limit how often they hand in. If a part could not be judged there is no
 `results.json`, and Gradescope says that the autograder failed; run it again from its page.
 
-Try the archive on your own machine: unpack it into `/tmp/ag/source`, put the files of a student into `/tmp/ag/submission`, make the
-folder `/tmp/ag/results`, and run both scripts in `source` by `AUTOGRADER_ROOT=/tmp/ag bash`, first `setup.sh`. They have not run on Gradescope's own machines.""",
+To try the archive on your own machine, unpack it into `/tmp/ag/source`, put the files of a student into `/tmp/ag/submission`, make
+the folder `/tmp/ag/results`, and run `setup.sh` and then `run_autograder` in `source`, each with `AUTOGRADER_ROOT=/tmp/ag bash`.
+They have not run on Gradescope's own machines.""",
         read=("*Export Submissions*", "`submission_metadata.yml`", "the submitters; a group is one submission"),
         grades="the columns in which it exports grades, a row a person.",
     ),
