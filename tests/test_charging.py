@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from grader.base.errors import GraderError
 from grader.engine import feedback, hidden_feedback
 from grader.engine.charging import Part
 from grader.engine.faults import FaultRow
@@ -149,6 +150,12 @@ def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
     found = part.judge(Facts("a b", "cheap"), ROWS)
     assert isinstance(found["part.b"], ZeroDivisionError)
     assert _short(found["part.a"]) == (0.0, "cheap")
+
+
+def test_a_check_without_a_row_in_the_fault_table_is_a_fault_of_the_grader() -> None:
+    """An instructor who forgets the row is told; no student loses points for it."""
+    with pytest.raises(GraderError, match=r"the fault table has no row for part\.b$"):
+        PART.judge(Facts(""), {id_: each for id_, each in ROWS.items() if id_ != "part.b"})
 
 
 def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_name_alone() -> None:

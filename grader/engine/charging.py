@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol, TypeVar
 
+from grader.base.errors import GraderError
 from grader.engine.check_catalog import Check, title_of
 from grader.engine.faults import FaultRow, rows
 from grader.engine.findings import Charge, Charged, Cost, Deviation
@@ -79,7 +80,15 @@ class Part(Generic[Facts]):
         return self.judge(self.measure(student, truth), rows(self.lab))
 
     def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
-        """Return the charge of each check that is not passed, or the exception that kept it from being judged."""
+        """Return the charge of each check that is not passed, or the exception that kept it from being judged.
+
+        Raises
+        ------
+        GraderError
+            If a check or a reason has no row in the fault table.
+        """
+        if lacking := {*self.checks, *(reason.cause for reason in self.reasons)} - table.keys():
+            raise GraderError(f"the fault table has no row for {', '.join(sorted(lacking))}")
         stopped = {self._full(name): finding for name, finding in facts.stopped.items()}
         off: dict[str, Deviation[Any]] = {}
         for name, measure in {**{name: measure for name, (_, measure) in self.checks.items()}, **self.others}.items():
