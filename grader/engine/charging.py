@@ -2,7 +2,7 @@
 
 The rule: a row of the fault table lists every check of its criterion that the fault breaks, each with its share, and all of them
 are deducted. A deviation that a found fault lists costs nothing more. A deviation that none lists is deducted at its own check.
-A fault of how the code is called, such as another parameter, is deducted where it lists and explains no deviation of the values.
+A fault of the call, such as another parameter, is deducted at the checks that its row lists; it explains no wrong value there.
 Shares on one check add up to at most one. Nothing is deducted in another criterion.
 """
 
