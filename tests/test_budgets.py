@@ -108,7 +108,7 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
         for each in axes["curves"]:
             each["x"] = each["y"] = "a0"
     arrays = {"a0": np.zeros(40_000), "seen": frame.arrays["seen"]}
-    frame.fields.setdefault("departs", [])
+    frame.fields.update(departs=[], given=None)
     with pytest.raises(Malformed, match="array 'a0' in two places"):
         LAB.checked("plot", Frame({**frame.fields, "error": None}, arrays), {}, {})
 

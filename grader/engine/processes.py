@@ -24,7 +24,7 @@ def starting_processes() -> Iterator[Callable[[], None]]:
     """
     in_main = threading.current_thread() is threading.main_thread()
     begin = partial(_begin_process, os.getcwd(), in_main)
-    with _interrupts_held(), _in_library_folder(), _daemon_allowed(), warnings.catch_warnings():
+    with _in_library_folder(), _interrupts_held(), _daemon_allowed(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # about NumPy's idle threads; nothing waits for them
         yield begin
 
