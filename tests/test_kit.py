@@ -96,13 +96,13 @@ def test_the_versions_at_home_are_noted_where_they_differ_from_those_of_the_grad
     assert read_submission(lab, LAB.files).notes == ()
     kept = lab / ".imugrade" / "versions.txt"
     here = version("numpy")
-    kept.write_text(kept.read_text().replace(f"numpy=={here}", "numpy==1.99.0") + "<b>==<script>\nno-such==9\n")
+    kept.write_text(kept.read_text().replace(f"numpy=={here}", "numpy==1.99.0") + "<b>==<script>\nno-such==9\npip==9\n")
     (lab / ".imugrade" / "repro.py").write_text("y = 1\n")
     zipped = Path(shutil.make_archive(str(tmp_path / "zipped"), "zip", lab))
     for handed_in in (read_submission(lab, LAB.files), read_submission(zipped, LAB.files)):
         assert [*handed_in.files] == ["imu_reader.py"]
         (note,) = handed_in.notes
-        assert f"numpy 1.99.0 there, {here} here, no-such 9 there, none here" in note
+        assert f"with other versions: numpy 1.99.0 there, {here} here. If" in note
 
 
 # --- what is in them, and what is not ---------------------------------------------------------------------------------

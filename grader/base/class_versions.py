@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, metadata, version
+from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
+
+from packaging.requirements import Requirement
 
 FILE = "constraints.txt"
 """Constraints file of pip, in the kit and in the students' wheel."""
 _BOUND = re.compile(r"([<>=!]=|[<>])\s*([\d.]+)")
 _PINNED = re.compile(r"^([\w-]{1,40})==([\w.+]{1,20})", re.MULTILINE | re.ASCII)
-_MOST = 20  # packages; the lab's are fewer
 
 
 def constraints(packages: Sequence[str]) -> str:
@@ -29,8 +30,16 @@ def constraints(packages: Sequence[str]) -> str:
 
 def differences(pinned: str) -> list[tuple[str, str, str]]:
     """Return the packages whose version here is another one than in a constraints file: name, version here or "", version there."""
-    found = ((package, _installed(package), there) for package, there in _PINNED.findall(pinned)[:_MOST])
+    found = ((package, _installed(package), there) for package, there in _PINNED.findall(pinned))
     return [each for each in found if each[1] != each[2]]
+
+
+def of_ours(pinned: str) -> str:
+    """Return the lines about packages that the grader needs, of a student's file: other names would ask what is installed here."""
+    needed = {Requirement(each).name for each in requires("imugrade") or () if "extra ==" not in each}
+    return "".join(
+        f"{package}=={there}\n" for package, there in dict(_PINNED.findall(pinned)).items() if package in needed
+    )
 
 
 def here(packages: Sequence[str]) -> str:

@@ -60,9 +60,8 @@ class Classbook:
         self, lab: Lab, out: Path, rubric: Path | None = None, secret: str | None = None, *, trusted: bool = False
     ) -> None:
         self.lab, self.out, self._secret = lab, out, secret
-        self.unplaced_requests: list[
-            tuple[str, str, str]
-        ] = []  # text and check of each, and why it has no student or check
+        self.unplaced_requests: list[tuple[str, str, str]] = []
+        """Text and check of each regrade request, and why it has no student or check."""
         self.jobs = RepairJobs(partial(class_grading.settings_on_record, lab, out, secret, trusted=trusted))
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store = self.on_thread(lambda: Store.existing(out))

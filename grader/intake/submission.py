@@ -171,13 +171,14 @@ def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
 
 def _versions_at_home(budget: FileBudget) -> list[str]:
     """Take the versions on the student's computer out of the files; return a note if they differ from those here."""
-    found = [budget.files.pop(path) for path in [*budget.files] if path.endswith("/".join(HOME_VERSIONS))]
-    differing = class_versions.differences(found[0][:4000].decode("ascii", "replace")) if found else []
+    kept = [path for path in budget.files if tuple(path.split("/")[-2:]) == HOME_VERSIONS]
+    found = [budget.files.pop(path)[:4000].decode("ascii", "replace") for path in kept]
+    differing = class_versions.differences(class_versions.of_ours(found[0])) if found else []
     if not differing:
         return []
     told = ", ".join(f"{package} {there} there, {here or 'none'} here" for package, here, there in differing)
     return [
-        f"Last checked on another computer with other versions: {told}. What works only there may work by its version."
+        f"`imugrade check` last ran with other versions: {told}. If code works there and not here, this may be why."
     ]
 
 

@@ -263,7 +263,9 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(OF, 15, "begins-late", _begins_late),
     Reason(OF, 16, "high-pass", _takes_constants_away),
     Reason(OF, 17, "other-low-pass", _low_pass),
-    Reason(OF, 18, f"filtering.{OF}", lambda f: f.needs_alpha is not None),  # which is no reason for other outputs
+    Reason(
+        OF, 18, f"filtering.{OF}", lambda f: f.needs_alpha is not None
+    ),  # a missing default explains no wrong output
     Reason(START, 1, "first-output-missing", lambda f: f.nothing_at_first),
     Reason(START, 2, "zero-initial-state", _from_zero),
     Reason(START, 3, "initial-value-ignored", _initial_ignored),
