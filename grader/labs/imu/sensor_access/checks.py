@@ -42,7 +42,7 @@ def check_matches_truth(found: Explained) -> Deviation[Values] | None:
     if (wrong := found.altered()) is None:
         return None
     visit, sensor = wrong
-    reading, size = _off(visit, sensor, found.meant(visit, sensor))
+    reading, size = _off(visit, sensor, found.meant(visit, sensor), whole=found.facts.whole)
     steps = np.diff(np.unique(visit.got[sensor][np.isfinite(visit.got[sensor])]))
     numbers: Values = {**reading, "form": FORM, "came": found.facts.odd, "grain": float(steps.min(initial=np.inf))}
     affected = found.share_altered * (0.5 if found.near(visit) else 1.0)
@@ -54,7 +54,7 @@ def check_follows_address(found: Explained) -> Deviation[Reading] | None:
     """Reads the sensors that the ids name, at any address and in any model"""
     if (wrong := found.misplaced()) is not None:
         visit, sensor = wrong
-        reading, size = _off(visit, sensor, visit.scene.true(sensor))
+        reading, size = _off(visit, sensor, visit.scene.true(sensor), whole=found.facts.whole)
         return Deviation(reading, size=size, affected=found.share_misplaced)
     if (error := next((visit.error for visit in found.facts.others if visit.error), None)) is None:
         return None
@@ -82,10 +82,13 @@ def check_leaves_simulation_alone(found: Explained) -> Deviation[Came] | None:
     return Deviation({"came": told}) if told else None
 
 
-def _off(visit: Visit, sensor: int, true: Array) -> tuple[Reading, Size]:
+def _off(visit: Visit, sensor: int, true: Array, *, whole: bool) -> tuple[Reading, Size]:
     """Describe the row in which a sensor is furthest from what stands where it should be read."""
     got, name, unit = visit.got[sensor], SENSOR_NAMES[sensor], SENSOR_UNITS[sensor]
     gap = deviation(got, true)
     wanted, came = distinct_texts(true[gap.row], got[gap.row])
+    there = np.isfinite(got[gap.row])
+    if not whole and there.any():  # NaN stands for a number that did not come
+        came = vector(got[gap.row][there])
     size = Size(f"the {SENSORS[sensor].replace('_', ' ')} is off", gap.worst, unit)
     return {"wanted": f"{name} ≈ {wanted} {unit}", "got": f"{name} = {came}"}, size
