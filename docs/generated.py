@@ -23,7 +23,8 @@ from grader.engine.findings import CheckFailed, Size, StudentError, raised
 from grader.engine.lab import Part
 from grader.engine.rubric import load, shipped
 from grader.labs.imu import bundles
-from grader.labs.imu.answers import Collection, FilterRun, NoiseRun, Readings
+from grader.labs.imu.answers import FilterRun, NoiseRun, Readings
+from grader.labs.imu.collection import Collection
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import FilterCase, Student
 from grader.platforms import registry

@@ -17,8 +17,9 @@ from grader.engine.results import to_json
 from grader.engine.submission_session import SubmissionSession
 from grader.intake import read_submission
 from grader.labs.imu import bundles, charts
-from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
+from grader.labs.imu.answers import FilterRun, NoiseRun
 from grader.labs.imu.charts import filtering, motion, noise, points
+from grader.labs.imu.collection import Collection
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.report import charts as drawing

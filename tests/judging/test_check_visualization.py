@@ -13,7 +13,9 @@ import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, VisibleParts
 from grader.engine.findings import StudentError
-from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.collection import KEYS, Collection
+from grader.labs.imu.returned import Array
 from grader.labs.imu.visualization import checks
 from tests.judging.fake_students import FakeStudent, Marked, Row, is_as_marked, truth
 

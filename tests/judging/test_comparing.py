@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Curve, Figure
-from grader.labs.imu.answers import Array
+from grader.labs.imu.returned import Array
 from grader.labs.imu.visualization import comparing
 from grader.labs.imu.visualization.comparing import Compared
 from tests.judging import test_check_visualization as made

@@ -13,7 +13,9 @@ from grader.base.errors import NoAnswer
 from grader.engine.figures import Picture
 from grader.engine.findings import NEEDS_REVIEW, StudentError
 from grader.engine.load_report import SteppedOver
-from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.collection import KEYS, Collection
+from grader.labs.imu.returned import Array
 from grader.labs.imu.visualization import measure
 from grader.sandbox.wire import Frame
 from tests.judging.fake_students import FakeStudent, truth

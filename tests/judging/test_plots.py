@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Placed
-from grader.labs.imu.answers import KEYS, Array
+from grader.labs.imu.collection import KEYS
+from grader.labs.imu.returned import Array
 from grader.labs.imu.visualization import curves as plots
 from grader.labs.imu.visualization.curves import Panel, Shown
 from tests.judging.fake_students import truth

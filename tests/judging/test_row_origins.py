@@ -11,11 +11,12 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from grader.labs.imu.answers import SENSORS, Array, Collection
+from grader.labs.imu.collection import SENSORS, Collection
 from grader.labs.imu.data_collection import measure, row_origins
 from grader.labs.imu.data_collection.explained import Explained, counting_fault
 from grader.labs.imu.data_collection.measure import CLAIMED_WORLD, TRUE_WORLD, Claim, Facts, Run
 from grader.labs.imu.data_collection.row_origins import RowOrigin
+from grader.labs.imu.returned import Array
 
 pytestmark = pytest.mark.quick
 _STEPS, _DT = 200, 0.002

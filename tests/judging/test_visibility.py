@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Axes, Curve, Figure, VisibleParts
-from grader.labs.imu.answers import Array
+from grader.labs.imu.returned import Array
 from grader.labs.imu.visualization import visibility
 from grader.labs.imu.visualization.visibility import Patience
 

@@ -19,8 +19,9 @@ from grader.engine.load_report import Loaded
 from grader.engine.question import key_of
 from grader.engine.submission_session import SubmissionSession, is_run
 from grader.engine.traces import Traces
-from grader.labs.imu.answers import Array, Drawing, drawing_of
+from grader.labs.imu.answers import Drawing, drawing_of
 from grader.labs.imu.lab_copies import with_graded_robot
+from grader.labs.imu.returned import Array
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.visualization import curves
 from grader.sandbox.sandbox import Sandbox

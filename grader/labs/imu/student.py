@@ -16,18 +16,10 @@ import numpy as np
 from grader.base.errors import NoAnswer
 from grader.engine.findings import Missing, StudentError
 from grader.engine.question import Question, key_of
-from grader.labs.imu.answers import (
-    Array,
-    Collection,
-    FilterRun,
-    NoiseRun,
-    Readings,
-    as_collection,
-    as_reading,
-    shape_in_words,
-    three,
-)
+from grader.labs.imu.answers import FilterRun, NoiseRun, Readings, as_reading, three
+from grader.labs.imu.collection import Collection, as_collection
 from grader.labs.imu.plotting import Plotting
+from grader.labs.imu.returned import Array, shape_in_words
 from grader.sandbox.wire import Frame
 
 

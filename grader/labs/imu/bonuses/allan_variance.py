@@ -18,9 +18,9 @@ from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
 from grader.engine.traces import Traces
-from grader.labs.imu.answers import Arrays, Node, numbers, shape_in_words
 from grader.labs.imu.compare import Array, thinned
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.returned import Arrays, Node, numbers, shape_in_words
 from grader.labs.imu.statistics import allan_deviation
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame

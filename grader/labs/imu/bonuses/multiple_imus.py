@@ -13,9 +13,10 @@ from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
 from grader.engine.traces import Scenario, Traces
-from grader.labs.imu.answers import Arrays, Node, Reading, as_reading, shape_in_words, three
+from grader.labs.imu.answers import Reading, as_reading, three
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.returned import Arrays, Node, shape_in_words
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from grader.engine.chart_data import Chart, Panel
 from grader.engine.traces import Scenario
-from grader.labs.imu.answers import Collection
 from grader.labs.imu.charts.points import curve, worst_of_each
+from grader.labs.imu.collection import Collection
 from grader.labs.imu.compare import Array
 from grader.labs.imu.data_collection.measure import ATOL_ACCELERATION, ATOL_RATE
 

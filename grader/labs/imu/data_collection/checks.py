@@ -7,7 +7,7 @@ from typing import TypedDict
 import numpy as np
 
 from grader.engine.findings import Deviation, Form, Size
-from grader.labs.imu.answers import SENSOR_UNITS, SENSORS
+from grader.labs.imu.collection import SENSOR_UNITS, SENSORS
 from grader.labs.imu.compare import Array, deviation, distinct_texts
 from grader.labs.imu.data_collection.explain import PART, row_fault
 from grader.labs.imu.data_collection.explained import Explained

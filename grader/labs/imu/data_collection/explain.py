@@ -12,7 +12,6 @@ from grader.engine.charging import Part
 from grader.engine.findings import Raised, Skipped, Unusable
 from grader.engine.hypothesis import Reason
 from grader.engine.traces import Traces
-from grader.labs.imu.answers import if_nothing
 from grader.labs.imu.data_collection import measure as facts_of
 from grader.labs.imu.data_collection.explained import Explained
 from grader.labs.imu.data_collection.measure import (
@@ -33,6 +32,7 @@ from grader.labs.imu.data_collection.row_origins import (
 )
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.parameters import CALL_REASONS, departures
+from grader.labs.imu.returned import if_nothing
 from grader.labs.imu.student import Student
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = CHECKS = (

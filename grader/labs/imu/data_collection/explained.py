@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.labs.imu.answers import KEYS, SENSORS, Collection
+from grader.labs.imu.collection import KEYS, SENSORS, Collection
 from grader.labs.imu.compare import BOTH, SHEETS_NOISE, Array, deviation, vector
 from grader.labs.imu.data_collection.measure import (
     ATOL_ACCELERATION,

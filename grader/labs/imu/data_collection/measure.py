@@ -11,7 +11,7 @@ import numpy as np
 from grader.base.errors import NoAnswer
 from grader.engine.findings import Missing, Raised, raised
 from grader.engine.traces import Scenario, Traces
-from grader.labs.imu.answers import SENSORS, Collection
+from grader.labs.imu.collection import SENSORS, Collection
 from grader.labs.imu.compare import Array, share_among, triple
 from grader.labs.imu.lab_copies import learnt_ids, learnt_timestep
 from grader.labs.imu.robot import torso_ids

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.engine import hypothesis
-from grader.labs.imu.answers import SENSORS
+from grader.labs.imu.collection import SENSORS
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.data_collection.measure import (
     ATOL_ACCELERATION,

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from grader.engine.findings import Raised, Skipped, StudentError, Unusable
 from grader.engine.traces import Scenario, Traces
-from grader.labs.imu.answers import FilterRun, if_nothing
+from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array, not_finite_in_words, same
+from grader.labs.imu.returned import if_nothing
 from grader.labs.imu.student import FilterCase, Student
 
 ATOL = 1e-5

@@ -8,7 +8,7 @@ import numpy as np
 
 from grader.engine.findings import Came, Deviation, Size
 from grader.labs.imu import statistics as st
-from grader.labs.imu.answers import SENSOR_UNITS
+from grader.labs.imu.collection import SENSOR_UNITS
 from grader.labs.imu.compare import BOTH, SENSOR_NAMES, changes_in_words, distinct_texts, vector
 from grader.labs.imu.noise_model import explain
 from grader.labs.imu.noise_model.explain import PART

@@ -8,7 +8,7 @@ import numpy as np
 
 from grader.base.text import printable
 from grader.engine.findings import Came, Deviation, Form, Size
-from grader.labs.imu.answers import SENSOR_UNITS, SENSORS
+from grader.labs.imu.collection import SENSOR_UNITS, SENSORS
 from grader.labs.imu.compare import SENSOR_NAMES, Array, changes_in_words, deviation, distinct_texts, vector
 from grader.labs.imu.sensor_access.explain import PART, Explained
 from grader.labs.imu.sensor_access.measure import FORM, Visit

@@ -9,8 +9,9 @@ import numpy as np
 
 from grader.engine.findings import Raised, StudentError, Unusable
 from grader.engine.traces import Scenario, Traces
-from grader.labs.imu.answers import Readings, if_nothing
+from grader.labs.imu.answers import Readings
 from grader.labs.imu.compare import Array, triple
+from grader.labs.imu.returned import if_nothing
 from grader.labs.imu.student import Student
 
 ATOL = 1e-5

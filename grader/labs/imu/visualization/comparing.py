@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 
 from grader.engine.figures import Axes, Curve, Figure
-from grader.labs.imu.answers import Array
+from grader.labs.imu.returned import Array
 from grader.labs.imu.visualization.curves import FEWEST_POINTS, is_reference, name_of
 from grader.labs.imu.visualization.labels import says_raw, says_smooth, unit_of
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Placed
-from grader.labs.imu.answers import SENSORS, Array
+from grader.labs.imu.collection import SENSORS
+from grader.labs.imu.returned import Array
 from grader.labs.imu.visualization.labels import axis_of
 
 _DAY_S = 86400.0  # matplotlib counts dates in days

@@ -25,7 +25,9 @@ from grader.engine.findings import (
     StudentError,
 )
 from grader.engine.traces import Traces
-from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.collection import KEYS, SENSORS, Collection
+from grader.labs.imu.returned import Array
 from grader.labs.imu.robot import torso_ids
 from grader.labs.imu.student import Student
 from grader.labs.imu.visualization import comparing, curves
