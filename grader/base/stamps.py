@@ -11,7 +11,7 @@ _FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *([Z
 def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
     """Parse a point in time, to the second, from text or from what a YAML reader made of it.
 
-    None if it is none, or has no offset and no `zone` says by which clock it is meant.
+    Return None if the value is no point in time, or has no offset from UTC while no `zone` says which clock is meant.
     """
     if isinstance(value, datetime):
         return value.astimezone(timezone.utc).replace(microsecond=0) if value.tzinfo else None

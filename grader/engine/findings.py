@@ -156,7 +156,7 @@ class Charge:
     Attributes
     ----------
     costs : what is deducted, together at most all points of the check
-    see : title of the check that tells about the fault, if this one only shows it
+    see : title of the check that deducts for the fault, if this check fails by it and deducts nothing
     """
 
     check: str

@@ -97,7 +97,7 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
 
 
 def foreign(name: str) -> str:
-    """Return what to tell about an archive of a kind that is never opened, because reading it has no bound on time or memory."""
+    """Return the sentence on archives that are not opened, such as a .rar: reading their kind has no bound on time or memory."""
     return f"{name} is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it."
 
 

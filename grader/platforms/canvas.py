@@ -148,7 +148,7 @@ class _Reading:
 
 
 def read(download: Download) -> Shape | None:
-    """Read a Canvas download; None if it is none. Its files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`."""
+    """Read a Canvas download, whose files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`; None for any other."""
     readings_of = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
     if not at_least_half(bool(readings_of.get(name)) for name in download.top):
         return None

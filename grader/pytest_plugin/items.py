@@ -94,7 +94,7 @@ class PluginRun:
         return self.path / at.file if self.path.is_dir() else self.path
 
     def checks(self, criterion: str, file: Path) -> Iterator[str]:
-        """Return the selected checks of a criterion."""
+        """Yield the checks of a criterion that the arguments select, where `file` is the student's file that it is shown under."""
         for weight in self._rubric.checks:
             part, _, name = weight.id.partition(".")
             if part == criterion and self._asked.wants(file, part, name):

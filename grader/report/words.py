@@ -167,7 +167,7 @@ NO_SUBMISSION = "no submission"
 
 
 def status(final_grade: FinalGrade) -> str:
-    """Return the status of a submission, or that the person who has points handed in nothing."""
+    """Return the status of a submission; "no submission" for a person who has points by an override alone."""
     return NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
 
 

@@ -78,7 +78,7 @@ def confine(confinement: Confinement, scratch: str) -> None:
 
 @lru_cache(maxsize=2)
 def seccomp_program(confinement: Confinement, pid: int) -> bytes:
-    """Return the seccomp filter program of the worker `pid`."""
+    """Return the seccomp filter program for the worker that sees itself as process `pid`, the only one that it may signal."""
     return seccomp.program(confinement.machine, pid, own_files_only=confinement.isolation_level.own_namespaces)
 
 

@@ -63,7 +63,7 @@ def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str]
 
 
 def copies(plan: Plan) -> Mapping[str, str]:
-    """Return the folders that are copied into the sandbox, by their place there."""
+    """Return the host's folders of worker code by path in the sandbox, where they are copied because the host is unmounted."""
     return {WORKER_CODE: plan.worker_code, **({QUESTIONS: plan.questions} if plan.questions else {})}
 
 

@@ -50,7 +50,7 @@ def remember(*kinds: type) -> None:
 
 @contextlib.contextmanager
 def original_classes() -> Iterator[None]:
-    """Restore the recorded members of every class in this context."""
+    """Undo what student code changed in matplotlib's classes while the grader asks them; change it back on exit."""
     changed: list[tuple[type, str, Any]] = []
     for kind, members in _CLASSES.items():
         now = vars(kind)

@@ -25,7 +25,7 @@ _REAL = "fiu"
 
 
 def numbers(value: Any) -> np.ndarray:
-    """Return an array, a sequence or a number as float64, with NaN for masked values; raise TypeError or ValueError if it is none.
+    """Return an array, a sequence or a number as float64, with NaN for masked values; raise TypeError or ValueError for others.
 
     This is the only rule for what counts as numbers, whatever the question. Complex numbers count if no imaginary part differs from
     zero, objects such as `Decimal` and `Fraction` if `float` accepts them. Text, booleans, dates and records are no numbers.
@@ -66,7 +66,10 @@ def _number(value: Any) -> float:
 
 
 class Packer:
-    """Collector of the arrays of one answer, which names them for the frame, with a prefix of their own where two are joined."""
+    """Describes the values of one answer as plain data, and collects their arrays by name for the frame that is sent.
+
+    Two packers whose arrays are sent in one frame need different prefixes.
+    """
 
     def __init__(self, prefix: str = "a") -> None:
         self.arrays: dict[str, np.ndarray] = {}

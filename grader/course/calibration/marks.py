@@ -122,7 +122,7 @@ def mark_of(row: Mapping[str, str], most: float) -> Mark | None:
     Raises
     ------
     RequestError
-        If a number is none, or lies outside the criterion's points.
+        If a field is not a number from low to high, all between 0 and `most`, the points of the criterion.
     """
     text = row.get("points", "").strip()
     if not text:

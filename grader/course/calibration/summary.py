@@ -47,9 +47,9 @@ class Difference:
 
 @dataclass(frozen=True)
 class Summary:
-    """Comparison of a class with the marks, for the page and the terminal.
+    """Comparison of a class's grades with marks given by people, for the page and the terminal.
 
-    `moved` lists whose grade the proposal would change: name, present grade, future grade.
+    `proposal` holds other deductions, nearer to the marks; `moved` lists whom they would move: name, present grade, future grade.
     """
 
     criteria: tuple[Agreement, ...]

@@ -140,7 +140,7 @@ class Decisions(Database):
         return {id_: tuple(a for a in each.values() if not a.withdraws) for id_, each in last.items()}
 
     def decisions(self) -> dict[int, str]:
-        """Return the subject of each decision on several submissions, by its number."""
+        """Return what each decision on several submissions was about, by the number under which it can be taken back."""
         with self._errors_in_one_line():
             return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 

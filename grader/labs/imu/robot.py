@@ -106,7 +106,7 @@ def match_robot(model: Model, traces: Traces) -> None:
     Raises
     ------
     RubricError
-        With the line that names it.
+        Names the line of the rubric that names the robot.
     """
     if not is_of(model, traces):
         has, wants = robot_of(traces), f"{model.file} ({', '.join(model.imu)})"

@@ -242,7 +242,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and do not end with the run; if they do, sample_count charges the missing rows."""
+        """Return whether rows leave out steps and end before the run does; rows to its end cost at the check sample_count."""
         return (
             self.push is not None
             and self.push.skip != 1

@@ -109,7 +109,7 @@ def unseen_curves(facts: Facts) -> Deviation[Came] | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
-    """Return a function that measures how many labels have a problem, such as no unit; three of them cost all points."""
+    """Return a function that measures how many labels have the problem `name`, such as no unit; three such labels cost all."""
 
     def measured(facts: Facts) -> Deviation[Came] | None:
         texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]

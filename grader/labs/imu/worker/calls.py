@@ -128,9 +128,10 @@ class Reader:
 
 
 def method_of(instance: Any, name: str, takes: int) -> tuple[Callable[..., Any], list[str]]:
-    """Return the method of this name, and how the class departs from the sheet.
+    """Return the method of this name, and no departures from the sheet.
 
-    A class without it departs in the name of the one public method of its own that needs as many arguments, if there is only one.
+    If the class has no such method and only one public method of its own needs `takes` arguments, return it, and its other name
+    as the departure.
     """
     if not hasattr(instance, name):
         members = {own: each for kind in reversed(type(instance).__mro__) for own, each in vars(kind).items()}
