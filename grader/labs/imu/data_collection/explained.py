@@ -181,8 +181,9 @@ class Explained:
 
     @property
     def driven(self) -> bool:
-        """Return whether the code sets the state again before most of the steps."""
-        return self.push_claim is not None and len(self.push_claim.set_at) > self.facts.push.model_steps // 2
+        """Return whether the code sets the state again before most of the steps that it makes."""
+        steps = self.series.first_step.get("steps", np.zeros(1))[0]
+        return self.push_claim is not None and len(self.push_claim.set_at) > max(steps // 2, 1)
 
     @property
     def true_rows(self) -> tuple[Array, Array]:

@@ -194,6 +194,11 @@ def _two_faults() -> tuple[Hypothesis, ...]:
             for (fault, start), by in itertools.product(places, (-1, 1))
         ),
         *(
+            Hypothesis(2, (fault, "same-sensor-twice"), (), _of_the_other(start), _unchanged)
+            for fault, start in places
+            if fault != "same-sensor-twice"
+        ),
+        *(
             Hypothesis(3, (), tuple(sorted({one, other})), Scene.own, _one_after_another(first, then))
             for (one, first), (other, then) in itertools.product(changes, repeat=2)
         ),
@@ -202,6 +207,10 @@ def _two_faults() -> tuple[Hypothesis, ...]:
 
 def _shifted(start: Place, by: int) -> Place:
     return lambda scene, sensor: start(scene, sensor) + by
+
+
+def _of_the_other(start: Place) -> Place:
+    return lambda scene, sensor: start(scene, 1 - sensor)
 
 
 def _one_after_another(first: Change, then: Change) -> Change:
