@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import OutArgument, RubricOption, shown_path
+from grader.commands.common import OutArgument, shown_path
 
 
 def calibrate(
@@ -29,7 +29,6 @@ def calibrate(
     folder: Annotated[
         Path | None, typer.Option("-o", "--out", metavar="DIR", help="Where the pages go. Default: OUT/calibration.")
     ] = None,
-    rubric: RubricOption = None,
 ) -> int:
     """Measure how close the grades are to your own, and which deductions would bring them closer.
 
@@ -49,7 +48,7 @@ def calibrate(
     if sample is not None:
         lines = calibrating.write_sample(lab_on_record(out), out, where, sample)
     else:
-        lines = calibrating.write_comparison(lab_on_record(out), out, where, marks or [], rubric)
+        lines = calibrating.write_comparison(lab_on_record(out), out, where, marks or [])
     for line in lines:
         print(line)
     print(f"written to {shown_path(where)}")

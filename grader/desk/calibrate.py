@@ -10,8 +10,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.course.calibration import calibrating, sample
-from grader.course.calibration.marks import Cell, Mark, mark_of
-from grader.course.calibration.summary import short_digest, summarize
+from grader.course.calibration.marks import Cell, Mark, as_table, mark_of
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import WebRequest
@@ -38,14 +37,13 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
             row["points"] = row["points"] or f"{part.max_points:g}"
         given.pop((id_, part.id), None)
         try:
-            mark = mark_of(row, part.max_points)
+            given |= {(id_, part.id): mark_of(row, part.max_points)} if row["points"].strip() else {}
         except RequestError as problem:
             errors[part.id] = str(problem)
-        else:
-            given |= {} if mark is None else {(id_, part.id): mark}
     if errors:
         return _page(book, web_request, known, errors)
-    write_whole(known.file, calibrating.as_table(known.ids, known.results[id_], given, short_digest(book.rubric)))
+    cells = [(each, part.id) for each in known.ids for part in known.results[id_].criteria]
+    write_whole(known.file, as_table(cells, given, calibrating.short_digest(book.rubric)))
     marked = {each for each, _ in given}
     place = known.ids.index(id_) + 1
     left = next((each for each in [*known.ids[place:], *known.ids] if each not in marked), None)
@@ -61,7 +59,7 @@ class _Calibration:
         self.results = {id_: each.result for id_, each in book.final_grades().items()}
         tables = {file: calibrating.read(book.store, file) for file in sorted(folder.glob("marks-*.csv"))}
         begun = dict.fromkeys(id_ for each in tables.values() for id_ in each.ids if id_ in self.results)
-        self.ids = list(begun) or calibrating.drawn(self.results, sample.DEFAULT_SIZE)
+        self.ids = list(begun) or sample.draw(self.results, sample.DEFAULT_SIZE)
         self.own: Mapping[Cell, Mark] = tables[self.file].cells if self.file in tables else {}
         self.marks = [each for each in tables.values() if each.cells]
 
@@ -79,6 +77,8 @@ def _page(book: Classbook, web_request: WebRequest, known: _Calibration, errors:
         criteria=known.results[id_ or known.ids[0]].criteria,
         marks=known.own,
         errors=errors,
-        found=summarize(book.rubric, book.final_grades(), known.marks) if web_request.text("compare") else None,
+        found=calibrating.summarize(book.rubric, book.final_grades(), known.marks)
+        if web_request.text("compare")
+        else None,
         any_marks=bool(known.marks),
     )

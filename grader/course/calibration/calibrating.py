@@ -2,27 +2,55 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
-from grader.base.text import csv_cell
+from grader.base.text import some
 from grader.course.calibration import comparison, sample
-from grader.course.calibration.marks import Cell, Mark, Marks, as_rows, read_marks
-from grader.course.calibration.pages import comparison_page, marking_page
-from grader.course.calibration.summary import lines_of, short_digest, summarize
+from grader.course.calibration.comparison import Agreement, ComparedCell
+from grader.course.calibration.marks import COLUMNS, Marks, as_table, read_marks
+from grader.course.calibration.proposal import FEWEST, Proposal, propose
 from grader.course.record import class_settings
 from grader.course.record.store import Store
 from grader.course.regrading import adjusting
+from grader.engine.faults import catalogue
 from grader.engine.lab import Lab
-from grader.engine.results import Result
+from grader.engine.results import LabName
+from grader.engine.rubric import Rubric
+from grader.people.final_grade import FinalGrade
+from grader.report import words
+from grader.report.deductions import Deduction, deductions
+from grader.report.pages import rendered
 
 FOLDER = "calibration"
 """Folder below OUT for the pages, and for the marks that people give in the review desk."""
 MARKING, BLANK, COMPARISON = "marking.html", "marks-blank.csv", "comparison.html"
+_DIGEST = 12
+"""Characters of a rubric's digest that a file of marks keeps."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Comparison of the grades of a class with marks given by people, for the page, the terminal and the review desk.
+
+    Attributes
+    ----------
+    dots
+        The mean of the marks and our points, both in percent, with the number of cells that have them; most cells first.
+    differences
+        Each cell where we differ, with the name of the submission and our deductions.
+    """
+
+    criteria: tuple[Agreement, ...]
+    dots: tuple[tuple[tuple[float, float], int], ...]
+    differences: tuple[tuple[ComparedCell, str, Sequence[Deduction]], ...]
+    proposal: Proposal | None
+    notes: tuple[str, ...]
+    head: tuple[str, ...] = comparison.HEAD
 
 
 def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
@@ -35,35 +63,22 @@ def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
     """
     with Store.existing(out) as store:
         results = store.present()
-        ids = drawn(results, size)
+        ids = sample.draw(results, size)
         rubric = short_digest(class_settings.rubric_of(lab, store.settings()))
-        like = results[ids[0]]
-        page = marking_page(like.lab, sample.to_mark(store, lab, results, ids), like, rubric)
+        criteria = results[ids[0]].criteria
+        page = rendered(
+            "marking.html.j2", "marking.js", results[ids[0]].lab, more_style="marking.css",
+            sample=sample.to_mark(store, lab, results, ids), criteria=criteria, rubric=rubric, columns=",".join(COLUMNS),
+        )  # fmt: skip
     write_whole(folder / MARKING, page)
-    write_whole(folder / BLANK, as_table(ids, like, {}, rubric))
+    write_whole(folder / BLANK, as_table([(id_, part.id) for id_ in ids for part in criteria], {}, rubric))
     return [
         f"{len(ids)} submissions to mark: open {MARKING} in a browser, or fill in {BLANK}",
         "then: imugrade calibrate OUT --marks FILE, and once more --marks FILE for a second person",
     ]
 
 
-def drawn(results: Mapping[str, Result], size: int) -> list[str]:
-    """Draw a sample of the submissions that can be compared with marks, and return their ids."""
-    able = {id_: result for id_, result in results.items() if comparison.is_comparable(result)}
-    if not able:
-        raise RequestError("the class has no submission that is graded as it was handed in; grade it first")
-    return sample.draw(able, size)
-
-
-def as_table(ids: Sequence[str], like: Result, marks: Mapping[Cell, Mark], rubric: str) -> str:
-    """Return the CSV of a person's marks of a sample, with blank points where there are none yet."""
-    stream = io.StringIO()
-    cells = [(id_, criterion.id) for id_ in ids for criterion in like.criteria]
-    csv.writer(stream).writerows([csv_cell(text) for text in row] for row in as_rows(cells, marks, rubric))
-    return stream.getvalue()
-
-
-def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path], rubric: Path | None) -> list[str]:
+def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path]) -> list[str]:
     """Compare marks with the grades, write the page into `folder`, and return the lines for the terminal.
 
     Raises
@@ -75,12 +90,68 @@ def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path], r
         given = [read(store, file) for file in files]
         if empty := [str(file) for file, marks in zip(files, given, strict=True) if not marks.cells]:
             raise RequestError(f"{empty[0]}: no row has points; fill in the column points")
-        found = summarize(class_settings.rubric_of(lab, store.settings(), rubric), store.final_grades(), given)
-        lab_name = next(result.lab for result in store.present().values())
-    write_whole(folder / COMPARISON, comparison_page(lab_name, found))
-    return list(lines_of(found))
+        found = summarize(class_settings.rubric_of(lab, store.settings()), store.final_grades(), given)
+    page = rendered("calibration.html.j2", None, LabName(lab.label, lab.title), more_style="marking.css", found=found)
+    write_whole(folder / COMPARISON, page)
+    proposal = found.proposal
+    told = [*proposal.sentences(), *proposal.block()] if proposal else []
+    return [*found.notes, *comparison.table(found.criteria), *told]
 
 
 def read(store: Store, file: Path) -> Marks:
     """Read the file with a person's marks for a class on record."""
     return read_marks(file, adjusting.person_lookup(store).by, comparison.maxima(store.present()))
+
+
+def short_digest(rubric: Rubric) -> str:
+    """Return the short digest of a rubric that a file of marks keeps, to notice marks made under another rubric."""
+    return rubric.sha256[:_DIGEST]
+
+
+def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Sequence[Marks]) -> Summary:
+    """Compare marks with a class that is graded by this rubric.
+
+    Raises
+    ------
+    RequestError
+        If nothing can be compared.
+    """
+    cells = comparison.compare({id_: each.result for id_, each in final_grades.items()}, marks)
+    if not cells:
+        raise RequestError(
+            "the marks are all about submissions that are repaired or not graded; mark others, or grade the class again"
+        )
+    notes = [*_notes(rubric, final_grades, cells, marks)]
+    proposal = None
+    try:
+        proposal = propose(rubric, cells, final_grades)
+    except RequestError as other_measurements:
+        notes.append(f"no proposal: {other_measurements}")
+    dots = Counter(
+        (100 * c.mean / most, 100 * c.criterion.points / most) for c in cells if (most := c.criterion.max_points)
+    )
+    differences = []
+    for cell in comparison.differing(cells):
+        ours = replace(final_grades[cell.id].result, criteria=(cell.criterion,))
+        told = deductions(ours, catalogue(rubric.lab))
+        differences.append((cell, words.distinct(final_grades[cell.id]), told))
+    return Summary(
+        tuple(comparison.by_criterion(cells)), tuple(dots.most_common()), tuple(differences), proposal, tuple(notes)
+    )
+
+
+def _notes(
+    rubric: Rubric, final_grades: Mapping[str, FinalGrade], cells: Sequence[ComparedCell], marks: Sequence[Marks]
+) -> Iterator[str]:
+    """Yield what a reader has to know about this comparison, a line each."""
+    for each in marks:
+        if each.rubrics - {short_digest(rubric)}:
+            yield f"{each.marker}: marked under another rubric than the class has now; points are compared as they are"
+    compared = dict.fromkeys(cell.id for cell in cells)
+    others = [id_ for id_ in compared if final_grades[id_].result.provenance.get("rubric_sha256") != rubric.sha256]
+    if others:
+        yield f"graded by another rubric: {some(others, 5)}; grade the class again before you change deductions"
+    if left_out := sorted({id_ for each in marks for id_, _ in each.cells} - compared.keys()):
+        yield f"not compared, as repaired or not graded: {some(left_out, 5)}"
+    if len(compared) < FEWEST:
+        yield f"no proposal: {words.counted(len(compared), 'submission')} with marks; mark {FEWEST} or more"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -13,8 +13,11 @@ from scipy import stats
 from grader.course.calibration.marks import Cell, Mark, Marks
 from grader.engine.results import CriterionResult, Result
 
-FULL = 1e-6
+_FULL = 1e-6
 """Points within this of the maximum are the maximum."""
+_FIRST = {"false deduction": 0, "missed fault": 1}
+"""The kinds of differences that a person should look at first."""
+HEAD = ("Cells", "Markers apart", "We from their mean", "We give more (+)", "No marker accepts")
 
 
 @dataclass(frozen=True)
@@ -39,10 +42,6 @@ class ComparedCell:
         return self.criterion.points - self.mean
 
     @property
-    def distance(self) -> float:
-        return abs(self.difference)
-
-    @property
     def apart(self) -> float | None:
         """The mean distance between two markers; None with one marker."""
         pairs = [abs(a.points - b.points) for a, b in combinations(self.marks, 2)]
@@ -55,10 +54,10 @@ class ComparedCell:
 
     @property
     def kind(self) -> str:
-        """Name of the difference between points and marks, such as "missed fault" or "too hard"; "" up to a distance of `FULL`."""
-        if self.distance <= FULL:
+        """Name of the difference between points and marks, such as "missed fault" or "too hard"; "" where there is none."""
+        if abs(self.difference) <= _FULL:
             return ""
-        most = self.criterion.max_points - FULL
+        most = self.criterion.max_points - _FULL
         if self.criterion.points < most <= min(mark.points for mark in self.marks):
             return "false deduction"
         if self.criterion.points >= most > max(mark.points for mark in self.marks):
@@ -69,10 +68,6 @@ class ComparedCell:
     def faults(self) -> tuple[str, ...]:
         """The faults that we name in this criterion."""
         return tuple(dict.fromkeys(id_ for check in self.criterion.checks for id_ in check.misconceptions))
-
-
-_FIRST = ("false deduction", "missed fault")
-"""The kinds of differences that a person should look at first."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +94,17 @@ class Agreement:
     uncertainty: float | None
     difference: float
     outside: int
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The numbers as text, in the columns of `HEAD`."""
+        return (
+            str(self.cells),
+            "–" if self.apart is None else f"{self.apart:.2f}",
+            f"{self.distance:.2f}" + ("" if self.uncertainty is None else f" ± {self.uncertainty:.2f}"),
+            f"{self.difference:+.2f}".replace("-", "−"),
+            str(self.outside),
+        )
 
 
 def compare(results: Mapping[str, Result], marks: Sequence[Marks]) -> list[ComparedCell]:
@@ -127,73 +133,43 @@ def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
     """Summarize how far points and marks of these cells are apart; there must be at least one cell."""
     apart = [each.apart for each in cells if each.apart is not None]
+    distances: dict[str, list[float]] = {}
+    for each in cells:
+        distances.setdefault(each.id, []).append(abs(each.difference))
+    means, few = [statistics.fmean(its) for its in distances.values()], len(distances) < 3
     return Agreement(
         title,
         len(cells),
         statistics.fmean(apart) if apart else None,
-        statistics.fmean(each.distance for each in cells),
-        _uncertainty(cells),
+        statistics.fmean(abs(each.difference) for each in cells),
+        None if few else float(stats.t.ppf(0.975, len(means) - 1)) * statistics.stdev(means) / math.sqrt(len(means)),
         statistics.fmean(each.difference for each in cells),
         sum(each.is_outside for each in cells),
     )
 
 
-def _uncertainty(cells: Sequence[ComparedCell]) -> float | None:
-    means = [
-        statistics.fmean(each.distance for each in its) for its in _grouped(cells, lambda cell: [cell.id]).values()
-    ]
-    if len(means) < 3:
-        return None
-    return float(stats.t.ppf(0.975, len(means) - 1)) * statistics.stdev(means) / math.sqrt(len(means))
-
-
 def by_criterion(cells: Sequence[ComparedCell]) -> list[Agreement]:
     """Return the agreement in each criterion, then in all of them."""
-    groups = _grouped(cells, lambda cell: [cell.criterion.title])
-    return [*(agreement(title, its) for title, its in groups.items()), agreement("All", cells)]
-
-
-def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
-    """Return the agreement in the cells where we name a fault, for each fault, the largest distance first."""
-    groups = _grouped(cells, lambda cell: cell.faults)
-    return sorted((agreement(id_, its) for id_, its in groups.items()), key=lambda each: (-each.distance, each.title))
+    titles = dict.fromkeys(cell.criterion.title for cell in cells)
+    each = [agreement(title, [cell for cell in cells if cell.criterion.title == title]) for title in titles]
+    return [*each, agreement("All", cells)]
 
 
 def differing(cells: Iterable[ComparedCell]) -> list[ComparedCell]:
     """Return the cells where we differ: false deductions, then missed faults, then the others, the largest difference first."""
-
-    def place(cell: ComparedCell) -> tuple[int, float, str]:
-        first = _FIRST.index(cell.kind) if cell.kind in _FIRST else len(_FIRST)
-        return first, -cell.distance, cell.id
-
-    return sorted((cell for cell in cells if cell.kind), key=place)
-
-
-def _grouped(
-    cells: Iterable[ComparedCell], names: Callable[[ComparedCell], Iterable[str]]
-) -> dict[str, list[ComparedCell]]:
-    groups: dict[str, list[ComparedCell]] = {}
-    for cell in cells:
-        for name in names(cell):
-            groups.setdefault(name, []).append(cell)
-    return groups
+    return sorted(
+        (cell for cell in cells if cell.kind),
+        key=lambda cell: (_FIRST.get(cell.kind, len(_FIRST)), -abs(cell.difference), cell.id),
+    )
 
 
 def table(rows: Sequence[Agreement]) -> list[str]:
     """Return the lines of a Markdown table, which also reads well on a terminal."""
-    body = [
-        (
-            each.title, str(each.cells), "–" if each.apart is None else f"{each.apart:.2f}",
-            f"{each.distance:.2f}" + ("" if each.uncertainty is None else f" ± {each.uncertainty:.2f}"),
-            f"{each.difference:+.2f}".replace("-", "−"), str(each.outside),
-        )
-        for each in rows
-    ]  # fmt: skip
-    head = ("", "Cells", "Markers apart", "We from their mean", "We give more (+)", "No marker accepts")
-    widths = [max(len(row[i]) for row in (head, *body)) for i in range(len(head))]
+    cells = [("", *HEAD), *((each.title, *each.texts) for each in rows)]
+    first, *others = (max(map(len, column)) for column in zip(*cells, strict=True))
+    rule = [f"| {'-' * first} |", *(f" {'-' * (width - 1)}: |" for width in others)]
     lines = [
-        "| " + " | ".join(f"{text:{'<' if not i else '>'}{widths[i]}}" for i, text in enumerate(row)) + " |"
-        for row in (head, *body)
+        f"| {title:{first}} |" + "".join(f" {text:>{width}} |" for text, width in zip(texts, others, strict=True))
+        for title, *texts in cells
     ]
-    rule = "| " + " | ".join("-" * width if not i else "-" * (width - 1) + ":" for i, width in enumerate(widths)) + " |"
-    return [lines[0], rule, *lines[1:]]
+    return [lines[0], "".join(rule), *lines[1:]]

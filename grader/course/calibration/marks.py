@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import io
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,6 @@ from grader.base.text import csv_cell, decimal, printable
 NEEDED = ("id", "criterion", "points")
 COLUMNS = (*NEEDED, "low", "high", "comment", "rubric")
 _MOST_BYTES = 4_000_000
-_MOST_PROBLEMS = 10
 _LONGEST_COMMENT = 2000
 
 Cell = tuple[str, str]
@@ -64,7 +64,7 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
     Raises
     ------
     RequestError
-        With a line for each wrong row.
+        With file and line of the first wrong row.
     """
     source = printable(str(path), 500)
     try:
@@ -76,81 +76,67 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
     if missing := [name for name in NEEDED if name not in titles]:
         raise RequestError(f"{source}:1: no column {', '.join(missing)}; the columns are {', '.join(COLUMNS)}")
     found: dict[Cell, Mark] = {}
-    problems = []
     for row, line in rows:
         try:
-            found |= _marked_cell(row, find, most, found)
+            if row.get("points"):
+                cell = _cell(row, find, most, found)
+                found[cell] = mark_of(row, most[cell])
         except RequestError as problem:
-            problems.append(f"{source}:{line}: {problem}")
-    if problems:
-        more = len(problems) - _MOST_PROBLEMS
-        raise RequestError(
-            "\n".join([*problems[:_MOST_PROBLEMS], *([f"{source}: and {more} more"] if more > 0 else [])])
-        )
-    rubrics = frozenset(filter(None, (row.get("rubric", "").strip() for row, _ in rows)))
-    ids = tuple(dict.fromkeys(row.get("id", "").strip() for row, _ in rows))
-    return Marks(printable(path.stem, 60), found, ids, rubrics)
+            raise RequestError(f"{source}:{line}: {problem}") from problem
+    rubrics = frozenset(filter(None, (row.get("rubric") for row, _ in rows)))
+    return Marks(printable(path.stem, 60), found, tuple(dict.fromkeys(row.get("id", "") for row, _ in rows)), rubrics)
 
 
 def _plain(text: str) -> str:
-    """Return a cell without the apostrophe that keeps a spreadsheet from taking it for a formula."""
-    return text[1:] if text[1:] and csv_cell(text[1:]) == text else text
+    """Return a cell without spaces around it and the apostrophe that keeps a spreadsheet from taking it for a formula."""
+    return (text[1:] if text[1:] and csv_cell(text[1:]) == text else text).strip()
 
 
-def _marked_cell(
+def _cell(
     row: Mapping[str, str], find: Callable[[str], str], most: Mapping[Cell, float], known: Mapping[Cell, Mark]
-) -> dict[Cell, Mark]:
-    """Return the mark of one row by its cell; nothing if the row has no points."""
-    word, criterion, text = (row.get(name, "").strip() for name in NEEDED)
-    if not text:
-        return {}
+) -> Cell:
+    """Return the cell that a row names."""
+    word, criterion = row.get("id", ""), row.get("criterion", "")
     cell = find(word), criterion
-    if cell not in most:
-        criteria = [name for id_, name in most if id_ == cell[0]]
-        if not criteria:
-            raise RequestError(f"no submission {printable(word)} in this class; give an id, a name or an address")
+    criteria = [name for id_, name in most if id_ == cell[0]]
+    if not criteria:
+        raise RequestError(f"no submission {printable(word)} in this class; give an id, a name or an address")
+    if criterion not in criteria:
         raise RequestError(f"no criterion {printable(criterion)}; the criteria are {', '.join(criteria)}")
     if cell in known:
         raise RequestError(f"a second mark for {printable(word)} in {criterion}; remove one of the two rows")
-    mark = mark_of(row, most[cell])
-    return {} if mark is None else {cell: mark}
+    return cell
 
 
-def mark_of(row: Mapping[str, str], most: float) -> Mark | None:
-    """Return the mark in the fields points, low, high and comment as typed; None if the points are blank.
+def mark_of(row: Mapping[str, str], most: float) -> Mark:
+    """Return the mark in the fields points, low, high and comment as typed; a range that stays blank is the points alone.
 
     Raises
     ------
     RequestError
         If a field is not a number from low to high, all between 0 and `most`, the points of the criterion.
     """
-    text = row.get("points", "").strip()
-    if not text:
-        return None
-    points = _number(text, "points", most)
-    low, high = (_number(row.get(name, ""), name, most, points) for name in ("low", "high"))
+    points, low, high = (_number(row, name, most) for name in ("points", "low", "high"))
     if not low <= points <= high:
-        raise RequestError(f"points {printable(text, 40)} lie outside low to high; correct one of the three")
+        raise RequestError(f"points {points:g} lie outside low to high; correct one of the three")
     return Mark(points, low, high, printable(row.get("comment", "").strip(), _LONGEST_COMMENT, newlines=True))
 
 
-def _number(text: str, column: str, most: float, default: float | None = None) -> float:
-    if default is not None and not text.strip():
-        return default
+def _number(row: Mapping[str, str], column: str, most: float) -> float:
+    text = row.get(column) or row["points"]
     value = decimal(text)
     if value is None or not 0 <= value <= most:
         raise RequestError(f"{column} {printable(text, 40)}: enter a number from 0 to {most:g}, or leave it blank")
     return value
 
 
-def as_rows(cells: Sequence[Cell], marks: Mapping[Cell, Mark], rubric: str) -> Iterator[Sequence[str]]:
-    """Yield the rows of a table of marks, titles first, with blank points for each cell that has no mark yet."""
-    yield COLUMNS
+def as_table(cells: Sequence[Cell], marks: Mapping[Cell, Mark], rubric: str) -> str:
+    """Return the CSV of a person's marks of a sample, with blank points where there are none yet."""
+    stream = io.StringIO()
+    table = csv.writer(stream)
+    table.writerow(COLUMNS)
     for cell in cells:
         mark = marks.get(cell)
-        told = (
-            ("", "", "", "")
-            if mark is None
-            else (*map("{:g}".format, (mark.points, mark.low, mark.high)), mark.comment)
-        )
-        yield *cell, *told, rubric
+        given = (f"{mark.points:g}", f"{mark.low:g}", f"{mark.high:g}", mark.comment) if mark else ("",) * 4
+        table.writerow(map(csv_cell, (*cell, *given, rubric)))
+    return stream.getvalue()

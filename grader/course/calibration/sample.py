@@ -1,4 +1,4 @@
-"""A sample of a class to mark by hand: many faults, every criterion, all sizes of score, and some sound work."""
+"""A sample of a class to mark by hand: many faults, every criterion, and some sound work."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from dataclasses import dataclass, replace
 
 from markupsafe import Markup
 
+from grader.base.errors import RequestError
 from grader.base.text import printable
+from grader.course.calibration.comparison import is_comparable
 from grader.course.record.store import Store
 from grader.course.record.submission_archive import source, unpack, unshowable
 from grader.engine.chart_data import Chart
@@ -43,12 +45,22 @@ class Unmarked:
 def draw(results: Mapping[str, Result], size: int) -> list[str]:
     """Return the ids of a sample to mark by hand: the same for the same results, in an order that reveals no grade.
 
-    A quarter is sound work. Each other one is the submission with most that the sample does not show yet: faults, criteria that
-    lose points, and scores.
+    A quarter is sound work. Each other one is the submission with most that the sample does not show yet: faults, and criteria that
+    lose points.
+
+    Raises
+    ------
+    RequestError
+        If no submission can be compared with marks.
     """
-    left = {id_: _features(result) for id_, result in sorted(results.items(), key=lambda item: _shuffled(item[0]))}
-    sound = [id_ for id_, result in results.items() if result.score >= result.max_score]
-    chosen = sorted(sound, key=_shuffled)[: math.ceil(size * _SOUND)]
+    able = {id_: results[id_] for id_ in sorted(results, key=_shuffled) if is_comparable(results[id_])}
+    if not able:
+        raise RequestError("the class has no submission that is graded as it was handed in; grade it first")
+    left = {
+        id_: {*each.misconceptions, *(c.id for c in each.criteria if c.points < c.max_points)}
+        for id_, each in able.items()
+    }
+    chosen = [id_ for id_, result in able.items() if result.score >= result.max_score][: math.ceil(size * _SOUND)]
     shown = Counter(feature for id_ in chosen for feature in left.pop(id_))
     while left and len(chosen) < size:
         best = max(left, key=lambda id_: sum(1 / (1 + 3 * shown[feature]) for feature in left[id_]))
@@ -57,30 +69,18 @@ def draw(results: Mapping[str, Result], size: int) -> list[str]:
     return sorted(chosen, key=_shuffled)
 
 
-def _features(result: Result) -> set[tuple[str, str]]:
-    lost = {c.id: (c.max_points - c.points) / (c.max_points or 1.0) for c in result.criteria}
-    return {
-        *(("fault", fault) for fault in result.misconceptions),
-        *(("criterion", f"{id_} {'most' if share > 0.5 else 'some'}") for id_, share in lost.items() if share > 0),
-        ("score", str(int(10 * result.score / (result.max_score or 1.0)))),
-    }
-
-
 def _shuffled(id_: str) -> str:
     return hashlib.sha256(f"calibrate {id_}".encode("utf-8", "replace")).hexdigest()
 
 
 def to_mark(store: Store, lab: Lab, results: Mapping[str, Result], ids: Sequence[str]) -> list[Unmarked]:
     """Return the submissions of a sample as the marker sees them, the files that the lab asks for first."""
-    digests = {id_: str(results[id_].provenance.get("submission_sha256", "")) for id_ in ids}
-    return [_to_mark(store, lab.files, id_, digest) for id_, digest in digests.items()]
+    return [_to_mark(store, lab.files, id_, results[id_]) for id_ in ids]
 
 
-def _to_mark(store: Store, names: Sequence[str], id_: str, digest: str) -> Unmarked:
-    def place(item: tuple[str, bytes]) -> tuple[int, str]:
-        return names.index(item[0]) if item[0] in names else len(names), item[0]
-
-    kept = dict(sorted(unpack(store.files(digest)).files.items(), key=place))
+def _to_mark(store: Store, first: Sequence[str], id_: str, result: Result) -> Unmarked:
+    kept = unpack(store.files(str(result.provenance.get("submission_sha256", "")))).files
+    kept = {path: kept[path] for path in (*(name for name in first if name in kept), *sorted(kept.keys() - set(first)))}
     files = tuple(
         (printable(path), _numbered(source(path, content))) for path, content in kept.items() if is_code(path)
     )
