@@ -11,7 +11,7 @@ import pytest
 
 from grader.base.errors import GraderError
 from grader.engine import feedback, hidden_feedback
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.faults import FaultRow
 from grader.engine.findings import Charge, Charged, Cost, Deviation, Size, Skipped
 from grader.engine.hypothesis import Reason
@@ -33,7 +33,7 @@ def reason(of: str, cost: int, told: str, *, beside: bool = False) -> Reason[Fac
     return Reason(of, cost, told, lambda facts: told in facts.fits.split(), beside)
 
 
-PART: Part[Facts] = Part(
+JUDGE: Judge[Facts] = Judge(
     LAB,
     "part",
     lambda student, truth: Facts(),
@@ -63,7 +63,7 @@ for name, deviation in {
     "b": Deviation({"came": 2}, share=0.5),
     "c": Deviation({"came": 3}),
 }.items():
-    PART.check(f"part.{name}", lab_step=1)(check_of(name, deviation))
+    JUDGE.check(f"part.{name}", lab_step=1)(check_of(name, deviation))
 
 
 def row(id_: str, **more: object) -> tuple[str, FaultRow]:
@@ -88,7 +88,7 @@ for name in "abc":
 
 def charged(off: str, fits: str = "", **stopped: Exception) -> dict[str, Exception | tuple[float, str]]:
     """By check: why it is not judged, or what it keeps, and the rows that cost it points, or the check that tells why."""
-    charges = PART.judge(Facts(off, fits, stopped), ROWS)
+    charges = JUDGE.judge(Facts(off, fits, stopped), ROWS)
     return {name.removeprefix("part."): _short(charge) for name, charge in charges.items()}
 
 
@@ -145,7 +145,7 @@ def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
     def broken(facts: Facts) -> Deviation | None:
         raise ZeroDivisionError("a fault of ours")
 
-    part = Part(LAB, "part", lambda student, truth: Facts(), PART.reasons, PART.others, dict(PART.checks))
+    part = Judge(LAB, "part", lambda student, truth: Facts(), JUDGE.reasons, JUDGE.others, dict(JUDGE.checks))
     part.check("part.b", lab_step=1)(broken)
     found = part.judge(Facts("a b", "cheap"), ROWS)
     assert isinstance(found["part.b"], ZeroDivisionError)
@@ -155,11 +155,11 @@ def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
 def test_a_check_without_a_row_in_the_fault_table_is_a_fault_of_the_grader() -> None:
     """An instructor who forgets the row is told; no student loses points for it."""
     with pytest.raises(GraderError, match=r"the fault table has no row for part\.b$"):
-        PART.judge(Facts(""), {id_: each for id_, each in ROWS.items() if id_ != "part.b"})
+        JUDGE.judge(Facts(""), {id_: each for id_, each in ROWS.items() if id_ != "part.b"})
 
 
 def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_name_alone() -> None:
-    found = Charged(PART.judge(Facts("a", "cheap"), ROWS)["part.a"])  # type: ignore[arg-type]
+    found = Charged(JUDGE.judge(Facts("a", "cheap"), ROWS)["part.a"])  # type: ignore[arg-type]
     public, hidden = feedback.feedback_on(found, None, ROWS), hidden_feedback.feedback_on(found, ROWS)
     assert (public.expected, public.got, public.hint, public.faults) == (
         "a that holds", "1.5", "do not cheap", ("cheap",)
@@ -174,7 +174,7 @@ def test_a_check_that_lost_nothing_or_does_not_show_the_fault_says_where_it_is_t
         ("a c", "part.c", "No further deduction: the same fault was deducted under “A holds”."),
         ("a", "part.b", "Broken by the same fault as “A holds”."),
     ):
-        charge = PART.judge(Facts(off, "dear"), ROWS)[id_]
+        charge = JUDGE.judge(Facts(off, "dear"), ROWS)[id_]
         assert feedback.feedback_on(Charged(charge), None, ROWS).said == said  # type: ignore[arg-type]
 
 

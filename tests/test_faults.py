@@ -29,7 +29,7 @@ from grader.labs.imu.sensor_access import checks as sensor_access
 from grader.labs.imu.visualization import checks as visualization
 
 ENTRIES = catalogue(LAB)
-PARTS = [each.PART for each in (sensor_access, data_collection, visualization, noise_model, filtering)]
+PARTS = [each.JUDGE for each in (sensor_access, data_collection, visualization, noise_model, filtering)]
 PARTS += [bonuses.TILT, bonuses.ALLAN, bonuses.IMUS, bonuses.LIVE]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 

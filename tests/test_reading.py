@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine.reading import Reader
+from grader.engine.reading import ReadingProcess
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms.classes import Entry
@@ -45,8 +45,8 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def reader() -> Iterator[Reader]:
-    with Reader(within_s=5.0, memory_bytes=1 << 30) as reader:
+def reader() -> Iterator[ReadingProcess]:
+    with ReadingProcess(within_s=5.0, memory_bytes=1 << 30) as reader:
         yield reader
 
 
@@ -60,7 +60,7 @@ def reader() -> Iterator[Reader]:
     ],
 )
 def test_what_cannot_be_read_is_unreadable_and_the_next_one_is_read(
-    folder: Path, reader: Reader, id_: str, note: str
+    folder: Path, reader: ReadingProcess, id_: str, note: str
 ) -> None:
     if id_ == "grows" and not hasattr(os, "fork"):
         pytest.skip("no bound on memory here")
@@ -70,7 +70,7 @@ def test_what_cannot_be_read_is_unreadable_and_the_next_one_is_read(
     assert reader.read(sound) == sound.read()
 
 
-def test_a_submission_whose_process_ended_once_is_read_by_the_next_one(folder: Path, reader: Reader) -> None:
+def test_a_submission_whose_process_ended_once_is_read_by_the_next_one(folder: Path, reader: ReadingProcess) -> None:
     assert reader.read(Hostile("once", "once", folder, LAB.files)).status == "ready"
 
 
@@ -85,7 +85,7 @@ def hangs(*_):
     {hangs}
 
 submission._gather = hangs
-reading.Reader = partial(reading.Reader, within_s=0.5, memory_bytes=1 << 30)
+reading.ReadingProcess = partial(reading.ReadingProcess, within_s=0.5, memory_bytes=1 << 30)
 sys.exit(cli.main(sys.argv[1:]))
 """
 
@@ -124,7 +124,7 @@ def test_the_process_ends_by_itself_when_nothing_more_is_read(
         for _ in range(threads):
             beside.submit(wait.wait)
         try:
-            with Reader() as reader:
+            with ReadingProcess() as reader:
                 reader.read(Entry("alice", "Alice", folder, LAB.files))
                 process = reader._process
         finally:

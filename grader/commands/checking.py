@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import open_sandbox_for
-from grader.engine.reading import Reader, SingleSubmission
+from grader.engine.reading import ReadingProcess, SingleSubmission
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.session import Listener
@@ -66,7 +66,7 @@ def check_on_save(
     """
     handed_in = SingleSubmission(path, rubric.lab.files)
     with (
-        Reader() as reader,
+        ReadingProcess() as reader,
         Marker(
             rubric, traces, sandbox=open_sandbox_for(rubric.lab, reader.read(handed_in).files, isolation_level)
         ) as marker,

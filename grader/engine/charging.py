@@ -38,8 +38,8 @@ Seen = Mapping[str, Deviation[Any]]
 
 
 @dataclass(frozen=True)
-class Part(Generic[Facts]):
-    """Judging rules of one criterion: its measurement, its checks and its known faults.
+class Judge(Generic[Facts]):
+    """Judge of one criterion: its measurement, its checks and its known faults.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from yaml import Node
 
     from grader.engine.chart_data import Chart
-    from grader.engine.rubric_nodes import Reader
+    from grader.engine.rubric_nodes import NodeReader
     from grader.engine.submission_session import SubmissionSession
     from grader.engine.traces import Traces
     from grader.sandbox.wire import Frame
@@ -175,7 +175,7 @@ class Lab:
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
     waits_for: Mapping[str, str] = field(default_factory=dict)
-    settings: Mapping[str, Callable[[Reader, Node | None, Path], Any]] = field(default_factory=dict)
+    settings: Mapping[str, Callable[[NodeReader, Node | None, Path], Any]] = field(default_factory=dict)
     plot: Callable[[Traces, Path, Mapping[str, Any] | None], list[Path]] | None = None
     recordings: Callable[[Any, Traces, Callable[[str], None]], Mapping[str, Any]] | None = None
     repeating: str = ""

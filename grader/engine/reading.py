@@ -68,11 +68,11 @@ def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
     """
     if sys.platform != "linux":
         return SingleSubmission(path, required).read()
-    with Reader() as reader:
+    with ReadingProcess() as reader:
         return reader.read(SingleSubmission(path, required))
 
 
-class Reader:
+class ReadingProcess:
     """Process that reads one submission after the other; it is replaced if it had to be killed.
 
     Parameters
@@ -85,7 +85,7 @@ class Reader:
         self._process: multiprocessing.process.BaseProcess | None = None
         self._line: Connection | None = None
 
-    def __enter__(self) -> Reader:
+    def __enter__(self) -> ReadingProcess:
         return self
 
     def __exit__(

@@ -19,7 +19,7 @@ from grader.base.text import printable
 from grader.engine import rubric_sections as sections
 from grader.engine.check_catalog import checks_of
 from grader.engine.lab import Lab
-from grader.engine.rubric_nodes import MAX_BYTES, Reader, RubricError, did_you_mean, guess_at, refuse
+from grader.engine.rubric_nodes import MAX_BYTES, NodeReader, RubricError, did_you_mean, guess_at, refuse
 from grader.engine.rubric_records import (
     CheckWeight,
     Criterion,
@@ -110,7 +110,7 @@ def parse(
     RubricError
         If there are problems; the message names all of them.
     """
-    reader = Reader(source)
+    reader = NodeReader(source)
     root = reader.compose(data)
     keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), (*lab.settings, *_OPTIONAL))
     criteria = sections.read_criteria(reader, keys.get("criteria"), [part.id for part in lab.parts])

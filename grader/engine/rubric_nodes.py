@@ -65,7 +65,7 @@ def quote(node: yaml.Node) -> str:
     return f"'{printable(node.value, 60)}'" if isinstance(node, yaml.ScalarNode) else "a list or a mapping"
 
 
-class Reader:
+class NodeReader:
     """Reads YAML nodes of a rubric as values; collects every problem with its line, so that one run reports all of them."""
 
     def __init__(self, source: str) -> None:

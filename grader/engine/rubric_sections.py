@@ -14,14 +14,14 @@ import yaml
 from grader.base.text import printable
 from grader.engine.faults import catalogue, rows
 from grader.engine.lab import Lab
-from grader.engine.rubric_nodes import LARGEST, Reader, guess_at, quote
+from grader.engine.rubric_nodes import LARGEST, NodeReader, guess_at, quote
 from grader.engine.rubric_records import CheckWeight, Criterion, Extension, LatePolicy, Limits, RepairPolicy
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
 
-def read_criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
+def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
     """Return the criteria in the order of `ids`; report problems."""
     criteria = []
     for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
@@ -34,7 +34,7 @@ def read_criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) ->
     return tuple(criteria)
 
 
-def read_extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, float | None]:
+def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
     """Return the extra credit of each extension without points of its own, and the cap of all together (None: no cap)."""
     if node is None:
         return 0.0, None
@@ -43,7 +43,9 @@ def read_extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, fl
     return each or 0.0, reader.points(keys["cap"], "the cap of extra_credit") if "cap" in keys else None
 
 
-def read_extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], each: float) -> tuple[Extension, ...]:
+def read_extensions(
+    reader: NodeReader, node: yaml.Node | None, ids: Sequence[str], each: float
+) -> tuple[Extension, ...]:
     """Return the extensions in the order of `ids`, each worth `each` points unless it names its own; report problems."""
     extensions = []
     for name, (item, keys) in reader.records(
@@ -60,13 +62,13 @@ def read_extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], 
     return tuple(extensions)
 
 
-def _extension_checks(reader: Reader, node: yaml.Node | None, part: str, points: float) -> tuple[CheckWeight, ...]:
+def _extension_checks(reader: NodeReader, node: yaml.Node | None, part: str, points: float) -> tuple[CheckWeight, ...]:
     """Read the checks of an extension; it may have none: `checks: []`, `{}`, an empty value, or no such key."""
     nothing = node is None or not node.value or node.tag == "tag:yaml.org,2002:null"
     return () if nothing else _checks(reader, node, part, points)
 
 
-def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
+def _checks(reader: NodeReader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
     """Return the checks of a criterion with their shares of its points; report problems."""
     if node is None:
         return ()
@@ -102,7 +104,7 @@ def divided(points: float, weights: Sequence[float]) -> list[float]:
     return [part / 100 for part in parts]
 
 
-def read_limits(reader: Reader, node: yaml.Node | None) -> Limits:
+def read_limits(reader: NodeReader, node: yaml.Node | None) -> Limits:
     """Return the limits of CPU time; report problems."""
     keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
     call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
@@ -112,7 +114,7 @@ def read_limits(reader: Reader, node: yaml.Node | None) -> Limits:
     return Limits(call or 0.0, submission or 0.0)
 
 
-def read_late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | None:
+def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePolicy | None:
     """Return the late policy; None if the rubric has none; report problems."""
     if node is None:
         return None
@@ -136,7 +138,7 @@ def read_late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy |
     return LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, due_dates, str(zone or ""))
 
 
-def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
+def _zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
     """Return the time zone of a late policy; None without one or with an unknown name."""
     name = reader.text(node, "tz")
     if node is None or not name:
@@ -148,7 +150,7 @@ def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
         return None
 
 
-def read_faults(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
+def read_faults(reader: NodeReader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
     """Return the points that the rubric deducts for a fault, by the fault's id."""
     if node is None:
         return {}
@@ -169,7 +171,7 @@ def read_faults(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, f
 _APPLY = {"suggested": True, "none": False}
 
 
-def read_repairs(reader: Reader, node: yaml.Node | None) -> RepairPolicy:
+def read_repairs(reader: NodeReader, node: yaml.Node | None) -> RepairPolicy:
     """Return the repair policy: whether suggested repairs are applied, and the deduction for a repair."""
     if node is None:
         return RepairPolicy()

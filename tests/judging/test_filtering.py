@@ -15,7 +15,7 @@ from grader.engine.findings import Charge, Charged, StudentError
 from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array
 from grader.labs.imu.filtering import checks
-from grader.labs.imu.filtering.explain import PART, recursion
+from grader.labs.imu.filtering.explain import JUDGE, recursion
 from grader.labs.imu.filtering.measure import Facts, asked, facts, measure
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import FilterCase
@@ -70,7 +70,7 @@ def _behind(alpha: float, x: Array, initial: Array | None) -> Array:
 
 def judged(found: Facts) -> dict[str, tuple[float, str]]:
     """By check: the share that it keeps, with the rows that tell it; "not charged" or "not reached" where another one does."""
-    return {name.removeprefix("filtering."): _short(charge) for name, charge in PART.judge(found, ROWS).items()}
+    return {name.removeprefix("filtering."): _short(charge) for name, charge in JUDGE.judge(found, ROWS).items()}
 
 
 def _short(charge: Charge | Exception) -> tuple[float, str]:
@@ -182,7 +182,9 @@ def _charged() -> dict[str, Charged]:
     """Every charge of these filters and answers, by check and name."""
     known = {name: facts_of(runs_of(answer)) for name, answer, _ in FILTERS}
     known |= {name: facts_of(changed) for name, changed, _ in ANSWERS} | {"stumbles": facts_of({}, stumbles=FAULT)}
-    judged = ((check, name, charge) for name, each in known.items() for check, charge in PART.judge(each, ROWS).items())
+    judged = (
+        (check, name, charge) for name, each in known.items() for check, charge in JUDGE.judge(each, ROWS).items()
+    )
     return {f"{check}: {name}": Charged(c) for check, name, c in judged if isinstance(c, Charge) and c.costs}
 
 

@@ -13,13 +13,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.findings import Charge
 from grader.labs.imu.compare import Array
-from grader.labs.imu.data_collection.explain import PART as RECORDING
-from grader.labs.imu.filtering.explain import PART as FILTERING
-from grader.labs.imu.noise_model.explain import PART as NOISE
-from grader.labs.imu.sensor_access.explain import PART as READING
+from grader.labs.imu.data_collection.explain import JUDGE as RECORDING
+from grader.labs.imu.filtering.explain import JUDGE as FILTERING
+from grader.labs.imu.noise_model.explain import JUDGE as NOISE
+from grader.labs.imu.sensor_access.explain import JUDGE as READING
 from tests.judging.fake_students import FakeStudent, truth
 from tests.judging.test_check_data_collection import function, telling
 from tests.judging.test_check_noise_model import Sound, of
@@ -34,10 +34,10 @@ OTHER_SCALES = st.floats(0.2, 0.85) | st.floats(1.15, 5.0)
 """Factors that a marker would not take for one: the tests of noise find 10 % with a probability above 0.999."""
 
 
-def deducted(part: Part[Any], **functions: Any) -> dict[str, float]:
+def deducted(judge: Judge[Any], **functions: Any) -> dict[str, float]:
     """Return the share that each check of a criterion deducts, without those that refer to another check's deduction."""
-    assert part.checks
-    found = part._judged(FakeStudent(**functions), truth())
+    assert judge.checks
+    found = judge._judged(FakeStudent(**functions), truth())
     assert all(isinstance(each, Charge) for each in found.values()), found
     charges = {name.partition(".")[2]: each for name, each in found.items() if isinstance(each, Charge)}
     return {name: 1 - each.keeps for name, each in charges.items() if each.keeps < 1 and not each.see}

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grader.labs.imu.collection import SENSORS, Collection
 from grader.labs.imu.data_collection import measure, row_origins
-from grader.labs.imu.data_collection.explained import Explained, counting_fault
+from grader.labs.imu.data_collection.diagnosis import Explained, counting_fault
 from grader.labs.imu.data_collection.measure import CLAIMED_WORLD, TRUE_WORLD, Claim, Facts, Run
 from grader.labs.imu.data_collection.row_origins import RowOrigin
 from grader.labs.imu.returned import Array

@@ -34,7 +34,7 @@ from grader.engine.chart_data import Evidence
 from grader.engine.grader import Marker
 from grader.engine.lab import Lab
 from grader.engine.lab_registry import chosen_lab
-from grader.engine.reading import Reader
+from grader.engine.reading import ReadingProcess
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
@@ -130,7 +130,7 @@ def forecast(request: GradeRequest, found: Class) -> list[str]:
     kept: list[bool] = []
     given: dict[str, set[str]] = {}
     present: dict[str, Result] = {}
-    with Reader() as reader:
+    with ReadingProcess() as reader:
         if (request.out / FILE_NAME).is_file():
             with Store.existing(request.out) as store:
                 again, present = installed_since(store, request.rubric.lab), store.present()
@@ -261,7 +261,7 @@ class _Run:
 
     def grade(self, entries: Sequence[Entry]) -> None:
         """Grade all submissions; record, publish and report each result as it arrives."""
-        with Reader() as reader:
+        with ReadingProcess() as reader:
             for submission, marked in self._marked(entries, reader):
                 result = _result(submission, self._request, marked)
                 self._store.keep(_key(submission, self._request), result)
@@ -281,7 +281,7 @@ class _Run:
             self._count(final_grade)
             self._publish(final_grade)
 
-    def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
+    def _marked(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[tuple[Submission, Marked]]:
         request, submissions = self._request, self._submissions_to_mark(entries, reader)
         bounds = Bounds(wall_s=_WALL_PER_CPU * request.rubric.limits.submission_cpu_s)
         if request.cluster is not None:
@@ -289,7 +289,7 @@ class _Run:
         jobs = min(_jobs(request), len(entries))
         return mark_all(submissions, opener(request), jobs, bounds)
 
-    def _submissions_to_mark(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
+    def _submissions_to_mark(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[Submission]:
         """Yield the submissions to mark, and report those that are on record."""
         for entry, submission in reader.each(entries):
             key = _key(submission, self._request)

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 
 from grader.base.text import some
 from grader.engine.lab import Lab
-from grader.engine.reading import Readable, Reader
+from grader.engine.reading import Readable, ReadingProcess
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.intake import Submission
@@ -63,7 +63,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
     """Return which packages submissions import that student code cannot import here. No code is run."""
     there = available(rubric.lab)
-    with Reader() as reader:
+    with ReadingProcess() as reader:
         found = {entry.id: imported(submission, rubric) for entry, submission in reader.each(entries)}
     return {id_: {name: n for name, n in names.items() if name not in there} for id_, names in found.items()}
 

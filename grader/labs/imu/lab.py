@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from yaml import Node
 
     from grader.engine.chart_data import Chart
-    from grader.engine.rubric_nodes import Reader
+    from grader.engine.rubric_nodes import NodeReader
     from grader.engine.traces import Traces
     from grader.labs.imu.robot import Model
     from grader.labs.imu.student import Student
@@ -42,7 +42,7 @@ def _checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Mapping[s
     return checked(op, frame, fields, arrays, RULES)
 
 
-def _model(reader: Reader, node: Node | None, folder: Path) -> Model:
+def _model(reader: NodeReader, node: Node | None, folder: Path) -> Model:
     from grader.labs.imu.robot import read_model  # noqa: PLC0415
 
     return read_model(reader, node, folder)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import yaml
 
 from grader.base.text import printable
-from grader.engine.rubric_nodes import Reader, quote, refuse
+from grader.engine.rubric_nodes import NodeReader, quote, refuse
 
 if TYPE_CHECKING:  # a rubric is read before anything slow is imported
     from grader.engine.traces import Traces
@@ -75,7 +75,7 @@ class Robot:
 LAB_MODEL = Model()
 
 
-def read_model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
+def read_model(reader: NodeReader, node: yaml.Node | None, folder: Path) -> Model:
     """Read the rubric's `model`; paths are relative to `folder`."""
     keys = reader.fields(node, "model", (), ("path", "sensors"))
     sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))

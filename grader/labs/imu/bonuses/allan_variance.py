@@ -13,7 +13,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
@@ -268,4 +268,4 @@ _REASONS: tuple[Reason[Allan], ...] = (
         for fault in filter(None, _CURVES)
     ),
 )
-ALLAN: Part[Allan] = Part(LAB, "allan_variance", measure, _REASONS)
+ALLAN: Judge[Allan] = Judge(LAB, "allan_variance", measure, _REASONS)

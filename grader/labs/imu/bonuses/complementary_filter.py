@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from grader.base.errors import NoAnswer
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
@@ -289,4 +289,4 @@ _REASONS: tuple[Reason[Tilt], ...] = (
         for cost, (name, holds) in enumerate(FAULTS.items())
     ),
 )
-TILT: Part[Tilt] = Part(LAB, "complementary_filter", measure, _REASONS)
+TILT: Judge[Tilt] = Judge(LAB, "complementary_filter", measure, _REASONS)

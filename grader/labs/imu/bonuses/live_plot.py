@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
@@ -205,4 +205,4 @@ def measure(student: Student, truth: Traces) -> Live:
 _REASONS: tuple[Reason[Live], ...] = (
     Reason("grows_while_stepping", 1, "plot-not-live", lambda facts: facts.shows_once),
 )
-LIVE: Part[Live] = Part(LAB, "realtime_visualization", measure, _REASONS)
+LIVE: Judge[Live] = Judge(LAB, "realtime_visualization", measure, _REASONS)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.findings import Raised, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.engine.question import Question
@@ -158,4 +158,4 @@ _REASONS: tuple[Reason[Imus], ...] = (
     Reason(_FINDS, 2, "imu-missing", lambda _: True),
     Reason(_MATCHES, 1, "same-imu-repeated", lambda facts: any(world.repeats_one for world in facts.worlds)),
 )
-IMUS: Part[Imus] = Part(LAB, "multiple_imus", measure, _REASONS)
+IMUS: Judge[Imus] = Judge(LAB, "multiple_imus", measure, _REASONS)

@@ -9,8 +9,8 @@ import numpy as np
 from grader.engine.findings import Deviation, Form, Size
 from grader.labs.imu.collection import SENSOR_UNITS, SENSORS
 from grader.labs.imu.compare import Array, deviation, distinct_texts
-from grader.labs.imu.data_collection.explain import PART, row_fault
-from grader.labs.imu.data_collection.explained import Explained
+from grader.labs.imu.data_collection.diagnosis import Explained
+from grader.labs.imu.data_collection.explain import JUDGE, row_fault
 from grader.labs.imu.data_collection.measure import FORM, TIME_ATOL
 
 Count = TypedDict("Count", {"steps": int, "duration": float, "timestep": float, "n": int})
@@ -36,14 +36,14 @@ class Rows(TypedDict):
     came: str
 
 
-@PART.check("data_collection.returns_named_arrays", lab_step=3)
+@JUDGE.check("data_collection.returns_named_arrays", lab_step=3)
 def check_returns_named_arrays(found: Explained) -> Deviation[Form] | None:
     """simulate_and_collect returns time (n), acceleration (n, 3) and angular_velocity (n, 3) under these names"""
     came = "; ".join(sentence for _, sentence in found.odd_form)
     return Deviation({"form": FORM, "came": came}) if came else None
 
 
-@PART.check("data_collection.sample_count", lab_step=3)
+@JUDGE.check("data_collection.sample_count", lab_step=3)
 def check_sample_count(found: Explained) -> Deviation[Count] | None:
     """One sample for every time step of the duration, whatever the duration and the time step"""
     if (run := found.count_off) is None:
@@ -52,7 +52,7 @@ def check_sample_count(found: Explained) -> Deviation[Count] | None:
     return Deviation(numbers, size=Size("another number of samples"))
 
 
-@PART.check("data_collection.time_axis", lab_step=3)
+@JUDGE.check("data_collection.time_axis", lab_step=3)
 def check_time_axis(found: Explained) -> Deviation[Stamps] | None:
     """Each sample carries its simulation time in seconds"""
     push = found.facts.push
@@ -66,7 +66,7 @@ def check_time_axis(found: Explained) -> Deviation[Stamps] | None:
     return _stamped(push.model_timestep, found.stamps, 0.5 if near else 1.0, worst=int(np.argmax(found.stamp_errors)))
 
 
-@PART.check("data_collection.matches_truth", lab_step=3)
+@JUDGE.check("data_collection.matches_truth", lab_step=3)
 def check_matches_truth(found: Explained) -> Deviation[Rows] | None:
     """The rows are what the sensors read at each step"""
     if not (fault := row_fault(found)):
@@ -77,7 +77,7 @@ def check_matches_truth(found: Explained) -> Deviation[Rows] | None:
     return _furthest_row(found, 0.5 if but_for_one or one_sensor else 1.0)
 
 
-@PART.check("data_collection.starts_from_reset", lab_step=3)
+@JUDGE.check("data_collection.starts_from_reset", lab_step=3)
 def check_starts_from_reset(found: Explained) -> Deviation[Start] | None:
     """A run starts from the reset state, whatever happened before, and leaves the model as it was"""
     changed, rows = found.model_left_changed, found.rows_left
@@ -86,7 +86,7 @@ def check_starts_from_reset(found: Explained) -> Deviation[Start] | None:
     return Deviation({"changed": changed, "rows": rows})
 
 
-@PART.check("data_collection.applies_push", lab_step=3)
+@JUDGE.check("data_collection.applies_push", lab_step=3)
 def check_applies_push(found: Explained) -> Deviation[Push] | None:
     """The run starts with the push of the sheet: 0.5 m/s forward"""
     return Deviation({"came": found.another_push, "n": found.facts.push.length}) if found.another_push else None

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from grader.base.errors import NoAnswer
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.findings import Raised, Skipped, Unusable
 from grader.engine.hypothesis import Reason
 from grader.engine.traces import Traces
 from grader.labs.imu.data_collection import measure as facts_of
-from grader.labs.imu.data_collection.explained import Explained
+from grader.labs.imu.data_collection.diagnosis import Explained
 from grader.labs.imu.data_collection.measure import (
     FORM,
     LAST_SENSOR,
@@ -197,7 +197,7 @@ REASONS: tuple[Reason[Explained], ...] = (
     *CALL_REASONS,
 )
 
-PART: Part[Explained] = Part(
+JUDGE: Judge[Explained] = Judge(
     LAB,
     "data_collection",
     measured,

@@ -9,7 +9,7 @@ import numpy as np
 from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu.compare import Array, distinct_texts, same, vector
-from grader.labs.imu.filtering.explain import CONSTANT_ATOL, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR, PART
+from grader.labs.imu.filtering.explain import CONSTANT_ATOL, JUDGE, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR
 from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Run
 
 
@@ -39,7 +39,7 @@ Error = TypedDict("Error", {"error": float})
 Disturbed = TypedDict("Disturbed", {"alone": str, "sample": int, "came": str})
 
 
-@PART.check("filtering.follows_recursion", lab_step=6)
+@JUDGE.check("filtering.follows_recursion", lab_step=6)
 def check_follows_recursion(facts: Facts) -> Deviation[Step] | None:
     """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1]; the default of alpha is 0.1"""
     run = next((run for run in facts.runs if not run.obeys), None)
@@ -52,7 +52,7 @@ def check_follows_recursion(facts: Facts) -> Deviation[Step] | None:
     )
 
 
-@PART.check("filtering.starts_from_first_measurement", lab_step=6)
+@JUDGE.check("filtering.starts_from_first_measurement", lab_step=6)
 def check_starts_from_first_measurement(facts: Facts) -> Deviation[Output] | None:
     """The first output is the first measurement, or follows from the initial value if one is given"""
     if facts.nothing_at_first:
@@ -64,7 +64,7 @@ def check_starts_from_first_measurement(facts: Facts) -> Deviation[Output] | Non
     return None if run is None or run.initial is None else _off_from(run, run.initial)
 
 
-@PART.check("filtering.passes_constant", lab_step=6)
+@JUDGE.check("filtering.passes_constant", lab_step=6)
 def check_passes_constant(facts: Facts) -> Deviation[Constant] | None:
     """A constant input comes out unchanged"""
     wanted, came = facts.constant.x[0], facts.constant.y[-1]
@@ -73,21 +73,21 @@ def check_passes_constant(facts: Facts) -> Deviation[Constant] | None:
     return None if same(came, wanted, CONSTANT_ATOL) else Deviation(numbers, size=size)
 
 
-@PART.check("filtering.reduces_noise", lab_step=6)
+@JUDGE.check("filtering.reduces_noise", lab_step=6)
 def check_reduces_noise(facts: Facts) -> Deviation[Gain] | None:
     """Noise comes out smaller than it went in"""
     gain = facts.noise_gain
     return None if gain < LARGEST_NOISE_GAIN else Deviation({"gain": gain})
 
 
-@PART.check("filtering.preserves_signal", lab_step=6)
+@JUDGE.check("filtering.preserves_signal", lab_step=6)
 def check_preserves_signal(facts: Facts) -> Deviation[Error] | None:
     """A slow motion comes through the filter"""
     error = facts.signal_error
     return None if error < LARGEST_SIGNAL_ERROR else Deviation({"error": error})
 
 
-@PART.check("filtering.instances_independent", lab_step=6)
+@JUDGE.check("filtering.instances_independent", lab_step=6)
 def check_instances_independent(facts: Facts) -> Deviation[Disturbed] | None:
     """Each instance keeps its own state, which no other code can change"""
     own = facts.own

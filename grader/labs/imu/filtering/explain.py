@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from grader.base.text import printable
-from grader.engine.charging import Measure, Part
+from grader.engine.charging import Judge, Measure
 from grader.engine.findings import Came, Deviation, Form, NoNumbers, Size
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.compare import Array, same
@@ -318,4 +318,4 @@ OTHERS: Mapping[str, Measure[Facts]] = {
     "handed_out": _handed_out, "form": _form, "default": _default,
     **departures("LowPassFilter", lambda facts: facts.departs),
 }  # fmt: skip
-PART: Part[Facts] = Part(LAB, "filtering", measure, REASONS, OTHERS)
+JUDGE: Judge[Facts] = Judge(LAB, "filtering", measure, REASONS, OTHERS)

@@ -11,7 +11,7 @@ from grader.labs.imu import statistics as st
 from grader.labs.imu.collection import SENSOR_UNITS
 from grader.labs.imu.compare import BOTH, SENSOR_NAMES, changes_in_words, distinct_texts, vector
 from grader.labs.imu.noise_model import explain
-from grader.labs.imu.noise_model.explain import PART
+from grader.labs.imu.noise_model.explain import JUDGE
 from grader.labs.imu.noise_model.measure import Facts
 from grader.labs.imu.noise_model.reads import Reads
 
@@ -64,7 +64,7 @@ class Law(TypedDict):
 Together = TypedDict("Together", {"one": str, "other": str, "came": float, "reads": int})
 
 
-@PART.check("noise_model.noise_size", lab_step=5)
+@JUDGE.check("noise_model.noise_size", lab_step=5)
 def check_noise_size(facts: Facts) -> Deviation[Spread] | None:
     """The noise of each sensor has the requested standard deviation"""
     wrong = [*BOTH] if not facts.follows else explain.sizes_off(facts)
@@ -80,7 +80,7 @@ def check_noise_size(facts: Facts) -> Deviation[Spread] | None:
     return Deviation(numbers, affected=len(wrong) / len(BOTH))  # the noise of the other sensor is right
 
 
-@PART.check("noise_model.given_bias", lab_step=5)
+@JUDGE.check("noise_model.given_bias", lab_step=5)
 def check_given_bias(facts: Facts) -> Deviation[GivenBias] | None:
     """A given bias is added to every reading, also if it is zero"""
     both = [*BOTH] if facts.exchanged or facts.one_twice else []
@@ -99,7 +99,7 @@ def check_given_bias(facts: Facts) -> Deviation[GivenBias] | None:
     return Deviation(numbers, size=size, affected=affected)
 
 
-@PART.check("noise_model.default_bias", lab_step=5)
+@JUDGE.check("noise_model.default_bias", lab_step=5)
 def check_default_bias(facts: Facts) -> Deviation[Bias] | None:
     """Without a given bias, each instance draws a bias for every axis and keeps it"""
     wrong = next((which for off in explain.DEFAULTS if (which := off(facts))), None)
@@ -109,7 +109,7 @@ def check_default_bias(facts: Facts) -> Deviation[Bias] | None:
     return Deviation({"sensor": SENSOR_NAMES[wrong[0]], "unit": SENSOR_UNITS[wrong[0]], "came": came}, 0.5)
 
 
-@PART.check("noise_model.white_and_gaussian", lab_step=5)
+@JUDGE.check("noise_model.white_and_gaussian", lab_step=5)
 def check_white_and_gaussian(facts: Facts) -> Deviation[Law] | None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
     if not (wrong := explain.odd_laws(facts)):
@@ -127,7 +127,7 @@ def check_white_and_gaussian(facts: Facts) -> Deviation[Law] | None:
     return Deviation(numbers)
 
 
-@PART.check("noise_model.axes_and_sensors_independent", lab_step=5)
+@JUDGE.check("noise_model.axes_and_sensors_independent", lab_step=5)
 def check_axes_and_sensors_independent(facts: Facts) -> Deviation[Together] | None:
     """The noise of each axis of each sensor is independent of the others"""
     if facts.noiseless:
@@ -140,7 +140,7 @@ def check_axes_and_sensors_independent(facts: Facts) -> Deviation[Together] | No
     return Deviation({"one": CHANNELS[i], "other": CHANNELS[j], "came": worst, "reads": len(values)}, size=size)
 
 
-@PART.check("noise_model.leaves_simulation_alone", lab_step=5)
+@JUDGE.check("noise_model.leaves_simulation_alone", lab_step=5)
 def check_leaves_simulation_alone(facts: Facts) -> Deviation[Came] | None:
     """A noisy read changes nothing in the simulator's own data"""
     told = changes_in_words(facts.disturbance)

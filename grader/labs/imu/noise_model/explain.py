@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.engine import hypothesis
-from grader.engine.charging import Measure, Part
+from grader.engine.charging import Judge, Measure
 from grader.engine.findings import Deviation, Form
 from grader.engine.hypothesis import Reason
 from grader.labs.imu import statistics as st
@@ -383,4 +383,4 @@ def _form(facts: Facts) -> Deviation[Form] | None:
 
 
 OTHERS: Mapping[str, Measure[Facts]] = {"form": _form, **departures("NoisyIMU", lambda facts: facts.departs)}
-PART: Part[Facts] = Part(LAB, "noise_model", measure, REASONS, OTHERS)
+JUDGE: Judge[Facts] = Judge(LAB, "noise_model", measure, REASONS, OTHERS)

@@ -10,7 +10,7 @@ from grader.base.text import printable
 from grader.engine.findings import Came, Deviation, Form, Size
 from grader.labs.imu.collection import SENSOR_UNITS, SENSORS
 from grader.labs.imu.compare import SENSOR_NAMES, Array, changes_in_words, deviation, distinct_texts, vector
-from grader.labs.imu.sensor_access.explain import PART, Explained
+from grader.labs.imu.sensor_access.explain import JUDGE, Explained
 from grader.labs.imu.sensor_access.measure import FORM, Visit
 
 
@@ -30,13 +30,13 @@ class Values(Reading, Form):
 Kept = TypedDict("Kept", {"now": str, "later": str})
 
 
-@PART.check("sensor_access.returns_two_vectors", lab_step=2)
+@JUDGE.check("sensor_access.returns_two_vectors", lab_step=2)
 def check_returns_two_vectors(found: Explained) -> Deviation[Form] | None:
     """get_imu_readings returns acceleration and angular velocity, three numbers each"""
     return Deviation({"form": FORM, "came": found.facts.odd}) if found.facts.odd else None
 
 
-@PART.check("sensor_access.matches_truth", lab_step=2)
+@JUDGE.check("sensor_access.matches_truth", lab_step=2)
 def check_matches_truth(found: Explained) -> Deviation[Values] | None:
     """The values are the sensor's own: m/s² and rad/s in the sensor's frame, unaltered"""
     if (wrong := found.altered()) is None:
@@ -49,7 +49,7 @@ def check_matches_truth(found: Explained) -> Deviation[Values] | None:
     return Deviation(numbers, 1.0 if found.facts.whole else 0.5, size, affected=affected)
 
 
-@PART.check("sensor_access.follows_address", lab_step=2)
+@JUDGE.check("sensor_access.follows_address", lab_step=2)
 def check_follows_address(found: Explained) -> Deviation[Reading] | None:
     """Reads the sensors that the ids name, at any address and in any model"""
     if (wrong := found.misplaced()) is not None:
@@ -65,7 +65,7 @@ def check_follows_address(found: Explained) -> Deviation[Reading] | None:
     )
 
 
-@PART.check("sensor_access.reading_is_a_copy", lab_step=2)
+@JUDGE.check("sensor_access.reading_is_a_copy", lab_step=2)
 def check_reading_is_a_copy(found: Explained) -> Deviation[Kept] | None:
     """A reading keeps its values while the simulation goes on"""
     now, later = np.array([each[0] for each in found.facts.torso.got]), found.facts.later
@@ -75,7 +75,7 @@ def check_reading_is_a_copy(found: Explained) -> Deviation[Kept] | None:
     return Deviation({"now": vector(now[moved]), "later": vector(later[moved])})
 
 
-@PART.check("sensor_access.leaves_simulation_alone", lab_step=2)
+@JUDGE.check("sensor_access.leaves_simulation_alone", lab_step=2)
 def check_leaves_simulation_alone(found: Explained) -> Deviation[Came] | None:
     """Reading the sensors changes nothing in the simulation"""
     told = changes_in_words(found.facts.disturbance)

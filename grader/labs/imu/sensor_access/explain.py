@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grader.engine import hypothesis
-from grader.engine.charging import Part
+from grader.engine.charging import Judge
 from grader.engine.findings import Skipped
 from grader.engine.hypothesis import Reason
 from grader.engine.traces import Traces
@@ -447,4 +447,4 @@ def _departs(found: Explained) -> Sequence[str]:
     return () if ignores else found.facts.departs
 
 
-PART: Part[Explained] = Part(LAB, "sensor_access", measured, REASONS, departures("get_imu_readings", _departs))
+JUDGE: Judge[Explained] = Judge(LAB, "sensor_access", measured, REASONS, departures("get_imu_readings", _departs))

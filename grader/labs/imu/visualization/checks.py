@@ -7,7 +7,7 @@ from typing import TypedDict
 from grader.engine.findings import Came, Deviation, NoNumbers, Size
 from grader.labs.imu.visualization import curves, explain
 from grader.labs.imu.visualization import panel_words as words
-from grader.labs.imu.visualization.explain import PART, to_the_end
+from grader.labs.imu.visualization.explain import JUDGE, to_the_end
 from grader.labs.imu.visualization.measure import Facts
 
 Picture = TypedDict("Picture", {"width": int, "height": int, "form": str})
@@ -15,7 +15,7 @@ Panels = TypedDict("Panels", {"came": str, "said": str, "shows": str})
 Compared = TypedDict("Compared", {"came": str, "stop": str})
 
 
-@PART.check("visualization.saves_image", lab_step=4)
+@JUDGE.check("visualization.saves_image", lab_step=4)
 @to_the_end
 def check_saves_image(facts: Facts) -> Deviation[Picture] | None:
     """plot_imu_data saves a readable picture of the plot"""
@@ -27,7 +27,7 @@ def check_saves_image(facts: Facts) -> Deviation[Picture] | None:
     return Deviation(numbers, share=0.2) if explain.is_no_png(facts) else None
 
 
-@PART.check("visualization.two_labelled_panels", lab_step=4)
+@JUDGE.check("visualization.two_labelled_panels", lab_step=4)
 @to_the_end
 def check_two_labelled_panels(facts: Facts) -> Deviation[Panels] | None:
     """Acceleration and angular velocity have one panel each, with a label"""
@@ -45,7 +45,7 @@ def check_two_labelled_panels(facts: Facts) -> Deviation[Panels] | None:
     return None
 
 
-@PART.check("visualization.curves_match_data", lab_step=4)
+@JUDGE.check("visualization.curves_match_data", lab_step=4)
 @to_the_end
 def check_curves_match_data(facts: Facts) -> Deviation[Came] | None:
     """Six curves show the six channels of the data against time"""
@@ -61,7 +61,7 @@ def check_curves_match_data(facts: Facts) -> Deviation[Came] | None:
     return None
 
 
-@PART.check("visualization.axis_labels_with_units", lab_step=4)
+@JUDGE.check("visualization.axis_labels_with_units", lab_step=4)
 @to_the_end
 def check_axis_labels_with_units(facts: Facts) -> Deviation[Came] | None:
     """The axes are labelled, with units"""
@@ -70,7 +70,7 @@ def check_axis_labels_with_units(facts: Facts) -> Deviation[Came] | None:
     return Deviation({"came": came}, affected=min(1.0, len(problems) / 3)) if problems else None
 
 
-@PART.check("visualization.legend_names_curves", lab_step=4)
+@JUDGE.check("visualization.legend_names_curves", lab_step=4)
 @to_the_end
 def check_legend_names_curves(facts: Facts) -> Deviation[Came] | None:
     """A legend, or text beside the curves, names each curve of a panel"""
@@ -80,7 +80,7 @@ def check_legend_names_curves(facts: Facts) -> Deviation[Came] | None:
     return Deviation({"came": "curves without a name"}, affected=nameless) if nameless else None
 
 
-@PART.check("visualization.titles", lab_step=4)
+@JUDGE.check("visualization.titles", lab_step=4)
 @to_the_end
 def check_titles(facts: Facts) -> Deviation[NoNumbers] | None:
     """The panels, or the figure, have a title"""
@@ -88,7 +88,7 @@ def check_titles(facts: Facts) -> Deviation[NoNumbers] | None:
     return Deviation({}, affected=untitled) if untitled else None
 
 
-@PART.check("visualization.comparison_plot", lab_step=6)
+@JUDGE.check("visualization.comparison_plot", lab_step=6)
 def check_comparison_plot(facts: Facts) -> Deviation[Compared] | None:
     """A saved plot shows raw and filtered data together"""
     comparison = facts.comparison

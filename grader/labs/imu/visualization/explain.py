@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable, Mapping
 
-from grader.engine.charging import Measure, Part
+from grader.engine.charging import Judge, Measure
 from grader.engine.findings import Came, Deviation, Numbers, Raised
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.lab import LAB
@@ -216,4 +216,4 @@ OTHERS: Mapping[str, Measure[Facts]] = {
     **{problem: label_problem(problem) for problem in _LABEL_PROBLEMS},
     **departures("plot_imu_data", lambda facts: facts.departs),
 }
-PART: Part[Facts] = Part(LAB, "visualization", measure, REASONS, OTHERS)
+JUDGE: Judge[Facts] = Judge(LAB, "visualization", measure, REASONS, OTHERS)
