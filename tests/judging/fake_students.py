@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import itertools
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -185,6 +186,17 @@ def words(found: BaseException | None) -> dict[str, str]:
 def all_cases() -> list[Case]:
     names = sorted(path.stem for path in Path(__file__).parent.glob("test_check_*.py"))
     return [case for name in names for case in importlib.import_module(f"tests.judging.{name}").CASES]
+
+
+@cache
+def faults_shown() -> frozenset[str]:
+    """Return the faults that made-up students and filters are charged for, by name."""
+    made_up = [case.marked for case in all_cases()]
+    filters = importlib.import_module("tests.judging.test_filtering")
+    charged = [words for _, _, marked in (*filters.FILTERS, *filters.ANSWERS) for _, words in marked.values()]
+    return frozenset(
+        itertools.chain(*(mark[1] for mark in made_up if isinstance(mark, tuple)), *map(str.split, charged))
+    )
 
 
 def all_words() -> str:

@@ -1,36 +1,39 @@
-"""The corpus, judged from recordings: a row of each third fault on every change, each fault before a merge, all rows each week."""
+"""The corpus, judged from recordings: on every change a row of each fault that no made-up student shows, of each fault before a merge, all rows each week."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Iterator
+from typing import Any
 
 import pytest
 
+from grader.engine.faults import catalogue
+from grader.labs.imu.lab import LAB
+from tests.judging.fake_students import faults_shown
 from tests.recordings.losses import disagreements, pinned, pins
 from tests.recordings.marker import recorded_corpus, verdict
 from tests.scoreboard import Case
 
 pytestmark = [pytest.mark.recorded]
 FAULTY = ("faulty", "lookalikes", "pairs")
-_FAULTS, _EVERYDAY, _QUICK, _SLOW = 3, 16, 3, 4
-"""One of so many faults is judged without `-m slow`; of the rows without a fault; of both, with `-m quick`; of those rows, with `-m slow`."""
+_EVERYDAY, _QUICK, _SLOW = 16, 3, 4
+"""One of so many rows without a fault is judged without `-m slow`; of all that are, with `-m quick`; of rows without a fault, with `-m slow`."""
 
 
-def _rows() -> Iterator[object]:
+def _rows() -> Iterator[Any]:
     """Yield each case, marked by the shortest run that judges it.
 
-    Every day: the first row of each third fault. With `-m slow`: the first row of each fault and of the checks that it costs, since a row that
-    repeats both is another way to write the same. Each week: all.
+    Every day: the first row of each fault that `tests/judging` does not show by a made-up student. With `-m slow`: the first row of each fault
+    and of the checks that it costs, since a row that repeats both is another way to write the same. Each week: all.
     """
-    seen = Counter[Hashable]()
+    seen, shown = Counter[Hashable](), faults_shown()
     for case in recorded_corpus():
         fault = case.fault or tuple(case.faults or ())
-        kinds = [(case.criterion, fault), (case.criterion, fault, case.loses)] if fault else []
+        kinds = [fault, (case.criterion, fault, case.loses)] if fault else []
         first, other = (seen[kind] == 0 for kind in kinds) if fault else _nth(seen[case.part])
-        if first and fault:
-            seen["faults"] += 1
-            first = seen["faults"] % _FAULTS == 0 and case.part not in ("lookalikes", "pairs")
+        if fault:
+            first = first and case.part not in ("lookalikes", "pairs") and fault not in shown
         seen.update([case.part, *kinds] if fault else [case.part])
         if first:
             seen["everyday"] += 1
@@ -45,9 +48,19 @@ def _nth(number: int) -> tuple[bool, bool]:
     return number % _EVERYDAY == 0, number % _SLOW == 0
 
 
-@pytest.mark.parametrize("case", list(_rows()))
+ROWS = list(_rows())
+
+
+@pytest.mark.parametrize("case", ROWS)
 def test_a_case_is_judged_as_the_corpus_says(case: Case) -> None:
     assert disagreements(verdict(case)) == []
+
+
+@pytest.mark.quick
+def test_every_fault_is_shown_without_the_slow_tests() -> None:
+    everyday = [row.values[0] for row in ROWS if not {mark.name for mark in row.marks} & {"slow", "weekly"}]
+    judged = {name for case in everyday for name in (case.fault, *case.also)}
+    assert set(catalogue(LAB)) - faults_shown() - judged == set()
 
 
 def test_the_corpus_is_as_large_as_it_was() -> None:
