@@ -187,8 +187,9 @@ def test_a_roster_gives_names_sections_dates_and_tells_who_is_missing_on_either_
     text = '\ufeffName,Email,Section,Due,Submitted\n"Doe, Jane",j@example.edu,B,2026-11-24T23:59+01:00,2026-11-21 10:00Z\nNobody,n@example.edu,A,,\n'
     found = placed(tmp_path, text)
     assert found.hand_ins["doejane_101"].people == (Person("Doe, Jane", "101", "canvas", "", "j@example.edu", "B"),)
-    assert found.due == {"doejane_101": read_stamp("2026-11-24T22:59Z")}
-    assert found.submitted == {"doejane_101": "2026-11-21T10:00:00+00:00"}
+    assert {id_: (row.due, row.submitted) for id_, row in found.rows.items()} == {
+        "doejane_101": (read_stamp("2026-11-24T22:59Z"), "2026-11-21T10:00:00+00:00")
+    }
     assert (names(found), found.unknown) == (("Nobody",), ("lab4-user1",))
 
 
@@ -197,7 +198,7 @@ def test_of_two_rows_of_one_name_the_one_with_the_number_is_meant_and_without_a_
     for rows in (text, "\n".join(text.splitlines()[i] for i in (0, 2, 1))):
         found = placed(tmp_path, rows)
         assert found.hand_ins["doejane_101"].people[0].section == "B"
-        assert (found.due, names(found), found.unknown) == ({}, ("Jane Doe",), ("lab4-user1",))
+        assert (found.rows["doejane_101"].due, names(found), found.unknown) == (None, ("Jane Doe",), ("lab4-user1",))
     found = placed(tmp_path, "Name,ID,Section\nJane Doe,1,B\nJane Doe,2,C\n")
     assert found.hand_ins["doejane_101"].people == (DOE,)
     assert (names(found), found.unknown) == (("Jane Doe", "Jane Doe"), ("doejane_101", "lab4-user1"))
@@ -221,8 +222,8 @@ def test_a_group_has_the_latest_due_date_and_time_of_its_members(dates: tuple[st
     )
     group = HandIn((Person("J"), Person("R")))
     found = roster.place(read(tmp_path, f"name,due,submitted,group\n{rows}"), {"team": group})
-    assert found.due == {"team": read_stamp("2026-11-26T12:00Z")}
-    assert found.submitted == {"team": "2026-11-26T10:00:00+00:00"}
+    assert found.rows["team"].due == read_stamp("2026-11-26T12:00Z")
+    assert found.rows["team"].submitted == "2026-11-26T10:00:00+00:00"
 
 
 def test_a_clone_is_of_the_longest_whole_user_name_that_it_ends_in(tmp_path: Path) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime, tzinfo
 from pathlib import Path
+from typing import Any
 
 from grader.base import tables
 from grader.base.errors import RequestError
@@ -72,10 +73,44 @@ class Listed:
     @property
     def person(self) -> Person:
         """Return this row of the roster as a person, with all its names and numbers."""
-        who = self.who
-        number, *others = who.numbers or ("",)
-        name = who.name or who.email or number
-        return Person(name, who.key, who.platform, number, who.email, self.section, tuple(others), number)
+        return self.completed(
+            Person(self.who.email or next(iter(self.who.numbers), ""), self.who.key, self.who.platform)
+        )
+
+    def completed(self, person: Person) -> Person:
+        """Return a person with the facts of this row. The platform's number stays, because file names contain it."""
+        numbers = self.who.numbers
+        sid = person.sid or next((number for number in numbers if number != person.key), "")
+        return replace(
+            person,
+            name=self.who.name or person.name,
+            sid=sid,
+            email=self.who.email or person.email,
+            section=self.section or person.section,
+            listed=next(iter(numbers), ""),
+            ids=tuple(number for number in numbers if number not in (sid, person.key)),
+        )
+
+    def merged(self, other: Listed) -> Listed:
+        """Return this row with the facts that count of two rows, of one person or of two members of a group."""
+        return replace(
+            self, **{fact: of_two(getattr(self, fact), getattr(other, fact)) for fact, of_two in _FACTS.items()}
+        )
+
+
+NO_FACTS = Listed(Row())
+
+
+_FACTS: Mapping[str, Callable[[Any, Any], Any]] = {
+    "due": lambda *dates: max(filter(None, dates), default=None),
+    "submitted": max,
+    "section": lambda first, second: first or second,
+    "group": lambda first, second: first or second,
+    "grace_days": max,
+    "marked_late": max,
+}
+"""Which value of a fact counts where two rows have one."""
+_COUNTS = "the later date, the most grace days and the first section and group count"
 
 
 @dataclass(frozen=True)
@@ -177,17 +212,19 @@ def _with_offset(text: str, zone: tzinfo | None) -> str:
 class RosterMatch:
     """Hand-ins of a class with the roster's facts, and the rows and hand-ins without a match.
 
-    `doubtful` has a line on each row that resembles somebody and matches nobody.
+    `rows` has the merged rows of the people of each hand-in that matches, and `doubtful` a line on each row that resembles somebody
+    and matches nobody.
     """
 
     hand_ins: Mapping[str, HandIn]
-    due: Mapping[str, datetime]
-    submitted: Mapping[str, str]
+    rows: Mapping[str, Listed]
     absent: tuple[Listed, ...]
-    unknown: tuple[str, ...]
     doubtful: tuple[str, ...] = ()
-    grace_days: Mapping[str, int] = field(default_factory=dict)
-    marked_late: frozenset[str] = frozenset()
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Return the ids of the hand-ins that no row matches."""
+        return tuple(id_ for id_ in self.hand_ins if id_ not in self.rows)
 
 
 def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
@@ -202,13 +239,9 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
     """
     placed = {id_: _with_login(hand_in, roster) for id_, hand_in in hand_ins.items()}
     directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
-    due: dict[str, datetime] = {}
-    submitted: dict[str, str] = {}
-    grace_days: dict[str, int] = {}
+    rows: dict[str, Listed] = {}
     absent: list[Listed] = []
     roster, doubtful = _told_once(roster)
-    known: set[str] = set()
-    late: set[str] = set()
     matches = directory.find_each([listed.who for listed in roster])
     shared = _shared(roster, matches, directory)
     for listed, match in zip(roster, matches, strict=True):
@@ -218,17 +251,10 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
             why = directory.why_not(listed.who) or _lost_zeros(listed.who, placed)
             doubtful += [f"{listed.place}: {listed.who.in_words()} {why}"] if why else []
             continue
-        known.add(theirs.id)
         with_row = _enriched if match else _joined
         placed[theirs.id] = with_row(placed[theirs.id], theirs.person, listed)
-        if listed.submitted:
-            submitted[theirs.id] = max(submitted.get(theirs.id, ""), listed.submitted)
-        late.update([theirs.id] if listed.marked_late else ())
-        grace_days[theirs.id] = max(grace_days.get(theirs.id, 0), listed.grace_days)
-        if listed.due is not None:  # the latest date of its members counts for a group
-            due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
-    unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
-    return RosterMatch(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days, frozenset(late))
+        rows[theirs.id] = rows[theirs.id].merged(listed) if theirs.id in rows else listed
+    return RosterMatch(placed, rows, tuple(absent), tuple(doubtful))
 
 
 def _lost_zeros(who: Row, hand_ins: Mapping[str, HandIn]) -> str:
@@ -253,26 +279,12 @@ def _told_once(roster: Sequence[Listed]) -> tuple[list[Listed], list[str]]:
         known = rows.setdefault(listed.who, listed)
         if known is listed:
             continue
-        different = [name for name in _FACTS if getattr(known, name) != getattr(listed, name)]
-        if different:
-            what = ", ".join(different)
+        if what := ", ".join(name for name in _FACTS if getattr(known, name) != getattr(listed, name)):
             told.append(
                 f"{known.place} and {listed.place}: {listed.who.in_words()} stands twice, with another {what}; {_COUNTS}"
             )
-        rows[listed.who] = replace(
-            known,
-            due=max(filter(None, (known.due, listed.due)), default=None),
-            submitted=max(known.submitted, listed.submitted),
-            grace_days=max(known.grace_days, listed.grace_days),
-            marked_late=known.marked_late or listed.marked_late,
-            section=known.section or listed.section,
-            group=known.group or listed.group,
-        )
+        rows[listed.who] = known.merged(listed)
     return list(rows.values()), told
-
-
-_FACTS = ("due", "submitted", "section", "group", "grace_days")
-_COUNTS = "the later date, the most grace days and the first section and group count"
 
 
 def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
@@ -302,20 +314,5 @@ def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
 
 
 def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
-    """Return the hand-in with the roster's facts on a person. The platform's number stays, because file names contain it."""
-    people = tuple(_completed(person, listed) if person == meant else person for person in hand_in.people)
-    return replace(hand_in, people=people)
-
-
-def _completed(person: Person, listed: Listed) -> Person:
-    who = listed.who
-    sid = person.sid or next((number for number in who.numbers if number != person.key), "")
-    return replace(
-        person,
-        name=who.name or person.name,
-        sid=sid,
-        email=who.email or person.email,
-        section=listed.section or person.section,
-        listed=next(iter(who.numbers), ""),
-        ids=tuple(number for number in who.numbers if number not in (sid, person.key)),
-    )
+    """Return the hand-in with the roster's facts on a person."""
+    return replace(hand_in, people=tuple(listed.completed(p) if p == meant else p for p in hand_in.people))

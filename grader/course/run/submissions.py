@@ -86,14 +86,14 @@ def _with_people(entry: Entry) -> HandIn:
 
 def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
     """Add the roster's facts to a hand-in and apply the late policy. The platform's time takes precedence over the roster's."""
-    own = placed.due.get(entry.id)
+    row = placed.rows.get(entry.id, roster.NO_FACTS)
     hand_in = replace(
         entry.hand_in,
         people=placed.hand_ins[entry.id].people,
-        submitted=entry.hand_in.submitted or placed.submitted.get(entry.id, ""),
-        due=own.isoformat() if own else "",
-        grace_days=placed.grace_days.get(entry.id, 0),
-        marked_late=entry.hand_in.marked_late or entry.id in placed.marked_late,
+        submitted=entry.hand_in.submitted or row.submitted,
+        due=row.due.isoformat() if row.due else "",
+        grace_days=row.grace_days,
+        marked_late=entry.hand_in.marked_late or row.marked_late,
     )
     return late_policy.judged(hand_in, rubric.late, (entry.id, entry.name))
 
@@ -101,7 +101,7 @@ def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
 def _contradicting_times(entries: Sequence[Entry], placed: roster.RosterMatch) -> Iterator[str]:
     """Yield a line for each submission whose times in the roster and on the platform differ."""
     for entry in entries:
-        by_roster, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
+        by_roster, known = placed.rows.get(entry.id, roster.NO_FACTS).submitted, entry.hand_in.submitted
         if by_roster and known and by_roster != known:
             yield f"{entry.id}: submitted {known} by the platform, which counts, and {by_roster} by the roster"
 
