@@ -14,6 +14,7 @@ from urllib.parse import urlencode
 
 from grader import __version__
 from grader.course.publishing.out_files import publish, publish_class
+from grader.course.record.class_settings import ClassSettings
 from grader.course.record.store import Key, Store
 from grader.course.record.submission_archive import pack
 from grader.desk.auth import Keys
@@ -25,6 +26,7 @@ from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, LabName, Result
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import NOTHING_KNOWN, HandIn
+from grader.people.roster import NO_ROSTER
 
 PNG = (
     b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\x00\x00\x00\x01\x00\x00\x00\x01\x08\x06\x00\x00\x00\x1f\x15\xc4\x89"
@@ -72,9 +74,11 @@ def result_of(student: Student) -> Result:
 
 def make_class(out: Path, students: Sequence[Student], told: Mapping[str, Sequence[str]] | None = None) -> Path:
     """OUT as `grade` leaves it."""
+    settings = ClassSettings.of(RUBRIC, NO_ROSTER, "latest", LAB.truth(None, RUBRIC.settings))
     with Store(out) as store:
+        store.keep_settings(settings)
         for student in students:
-            key = Key(student.id, student.id * 3, RUBRIC.sha256, "t" * 64, __version__)
+            key = Key(student.id, student.id * 3, RUBRIC.sha256, settings.traces_sha256, __version__)
             store.keep(key, result_of(student))
             store.keep_hand_in(student.id, student.hand_in)
             if student.files is not None:
@@ -128,9 +132,9 @@ def words(page: str) -> str:
 
 
 @contextmanager
-def desk_over(out: Path, author: str = "prof") -> Iterator[Desk]:
+def desk_over(out: Path, author: str = "prof", rubric: Path | None = None) -> Iterator[Desk]:
     """A real server on a port of its own."""
-    book = Classbook(LAB, out)
+    book = Classbook(LAB, out, rubric)
     try:
         with open_socket(0) as listening:
             keys = Keys(listening.getsockname()[1])

@@ -215,6 +215,23 @@ def test_a_person_without_a_submission_can_be_given_points_that_stand_in_every_f
     assert cells("out/gradebook.csv", "id", "status") == [("ann", "graded"), ("s5", "no submission")]
 
 
+def test_points_without_a_submission_are_no_zeros_in_the_criteria_and_no_submission(run: Run) -> None:
+    hand_in(Path("class"), ann=1)
+    graded(run, roster="id,name,email\nann,Ann Lee,\ns5,Bob Roe,\n,Li,a+b@x.edu\n,Wei,a_b@x.edu\n")
+    for target, points in (("filtering", 12), ("bonus", 1)):
+        assert run("adjust", "out", "s5", "--criterion", target, "--points", points, "--comment", "oral")[0] == 0
+    counted, cells_of = "1 submission, 1 without a submission, graded by hand", "– – – – 12 – 13"
+    index = words(Path("out/index.html").read_text(encoding="utf-8"))
+    assert f"<h1>{counted}</h1>" in Path("out/index.html").read_text(encoding="utf-8")
+    assert f"Bob Roe {cells_of} no submission" in index
+    with desk_over(Path("out")) as desk:
+        assert all(counted in words(desk.get(page).text) for page in ("/", "/class"))
+        page = words(desk.get("/submission/s5").text)
+        assert "Filtering 12 / 20" in page
+        assert "Sensor access – / 20" in page
+        assert {each.name for each in desk.book.on_thread(desk.book.absent).values()} == {"Li", "Wei"}  # alike ids
+
+
 BOTH = "Bob Roe has two grades, 61 without a submission (s5), and 94 for bob_roe; withdraw the points of s5"
 
 

@@ -13,8 +13,6 @@ from urllib.parse import urlencode
 import pytest
 from markupsafe import escape
 
-from grader.course.record.class_settings import ClassSettings
-from grader.course.record.store import Store
 from grader.course.record.submission_archive import LARGEST, pack, unpack
 from grader.desk.overviews import queue
 from grader.desk.regrade_requests import read_in
@@ -24,12 +22,11 @@ from grader.engine.findings import NEEDS_REVIEW, Where
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person
-from grader.people.roster import NO_ROSTER
 from grader.report.similarity import Pair
 from tests.class_commands import in_process
 from tests.desk import FILTER, PNG, RUBRIC, Desk, Student, desk_over, make_class, words
 
-ADDRESS, TITLES = "sensor_access.follows_address", "visualization.titles"
+ADDRESS, TITLES, PLOT = "sensor_access.follows_address", "visualization.titles", "visualization.comparison_plot"
 MISTAKE = {"got": "x", "misconceptions": ("sensor-id-as-address",)}
 STUDENTS = (
     Student("ada", files={"filters.py": FILTER, "imu_data.png": PNG}),
@@ -324,8 +321,6 @@ def test_an_override_above_a_maximum_that_moved_is_named_in_preview_queue_class_
 def test_a_late_policy_without_times_is_in_the_queue_and_on_the_class_page(tmp_path: Path) -> None:
     with desk_over(make_class(tmp_path / "out", STUDENTS)) as desk:
         due = {"late:due": "2026-11-20T23:00+00:00", "late:per_day": "10%"}
-        with Store.existing(desk.book.out) as store:
-            store.keep_settings(ClassSettings.of(RUBRIC, NO_ROSTER, "latest", LAB.truth(None, RUBRIC.settings)))
         desk.post("/what-if", {**due, "do": "mark"})
         for path in ("/", "/class", "/export"):
             assert "the late policy deducts nothing from 3 of 3 hand-ins" in main(desk.get(path).text), path
@@ -503,17 +498,53 @@ def test_a_rubric_is_previewed_saved_and_marks_the_class_only_when_it_is_asked_t
         assert f"{total} / 100" in words((out / "submissions" / id_ / "report.html").read_text())
 
 
-def test_of_two_who_regrade_the_class_at_once_the_later_one_is_told_and_the_first_rubric_stays(desk: Desk) -> None:
-    previews = [desk.get(f"/what-if?weight:{ADDRESS}={weight}").text for weight in (14, 28)]
-    forms = [dict(re.findall(r'<input type="hidden" name="([^"]+)" value="([^"]*)"', page)) for page in previews]
-    answers = [desk.post("/what-if", {**form, "do": "mark"}) for form in forms]
-    assert [each.status for each in answers] == [303, 409]
-    assert "Somebody has regraded the class by another rubric" in words(answers[1].text)
-    assert '<a href="/what-if">Open the page again</a>' in answers[1].text
-    assert re.search(f'name="weight:{ADDRESS}"[^>]* value="14"', desk.get("/what-if").text)
+def test_of_two_who_regrade_the_class_at_once_the_later_one_is_told_and_the_first_rubric_stays(
+    desk: Desk, out: Path
+) -> None:
+    with desk_over(out, "Eve") as other:
+        pages = [each.get(f"/what-if?weight:{ADDRESS}={weight}").text for each, weight in ((desk, 14), (other, 28))]
+        forms = [dict(re.findall(r'<input type="hidden" name="([^"]+)" value="([^"]*)"', page)) for page in pages]
+        assert desk.post("/what-if", {**forms[0], "do": "mark"}).status == 303
+        for late in (
+            other.get(f"/what-if?{urlencode(forms[1])}"),
+            *(each.post("/what-if", {**forms[1], "do": "mark"}) for each in (other, desk)),
+        ):
+            assert late.status == 409
+            assert "Somebody has regraded the class by another rubric since you opened the page" in words(late.text)
+            assert '<a href="/what-if">Open the page again</a>' in late.text
+        for each in (desk, other):
+            page = each.get("/what-if").text
+            assert re.search(f'name="weight:{ADDRESS}"[^>]* value="14"', page)
+            assert "another rubric than" not in page
+
+
+def test_a_desk_with_a_rubric_of_its_own_starts_from_that_until_it_regrades_the_class(desk: Desk, out: Path) -> None:
+    desk.post("/what-if", {f"weight:{ADDRESS}": "14", "do": "save"})
+    (file,) = out.glob("rubric-*.yaml")
+    with desk_over(out, rubric=file) as other:
+        page = other.get("/what-if").text
+        assert "The class was graded with another rubric" in page
+        assert re.search(f'name="weight:{ADDRESS}"[^>]* value="14"', page)
+        form = dict(re.findall(r'type="hidden" name="(seen)" value="([^"]*)"', page))
+        assert other.post("/what-if", {**form, f"weight:{ADDRESS}": "15", "do": "mark"}).status == 303
+        page = other.get("/what-if").text
+        assert re.search(f'name="weight:{ADDRESS}"[^>]* value="15"', page)
+        assert "another rubric than" not in page
 
 
 # ---- files as they were handed in ----
+
+
+@pytest.mark.parametrize("file", ["filters.py", "noisy_imu.py"])
+def test_what_does_not_run_costs_what_the_grade_lost(tmp_path: Path, file: str) -> None:
+    parses = {"misconceptions": ("does-not-import",), "got": "SyntaxError", "where": Where(file, 3)}
+    stops = {"got": "a program that stops before it is drawn: NameError", "where": Where("filters.py", 9)}
+    checks = [check.id for check in RUBRIC.checks if check.id.startswith("filtering.")]
+    says = {checks[0]: parses, **{id_: {"outcome": "skipped"} for id_ in checks[1:]}, PLOT: stops}
+    ann = Student("ann", {**dict.fromkeys(checks, 0.0), PLOT: 0.5}, says)
+    with desk_over(make_class(tmp_path / "out", [ann])) as desk:
+        assert row(desk.book.out, "ann")["total"] == "78"
+        assert f"{file}, line 3: SyntaxError. Costs 22 points." in words(desk.get("/").text)
 
 
 def test_the_file_of_the_first_lost_check_is_shown_first(tmp_path: Path) -> None:

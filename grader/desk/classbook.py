@@ -64,16 +64,17 @@ class Classbook:
         """Text and check of each regrade request, and why it has no student or check."""
         self.jobs = RepairJobs(partial(class_grading.settings_on_record, lab, out, secret, trusted=trusted))
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
+        self._rubric = None if rubric is None else class_settings.rubric_of(lab, None, rubric)
+        self._made: dict[str, tuple[object, Any]] = {}
         self._store = self.on_thread(lambda: Store.existing(out))
         try:
-            self.rubric = class_settings.rubric_of(lab, self.on_thread(self._store.settings), rubric)
+            self.on_thread(lambda: self.rubric)
         except RequestError:
             self.on_thread(self._store.close)
             self.thread.shutdown()
             raise
         self._seen = self._last = -1
         self._marked: dict[str, FinalGrade] = {}
-        self._made: dict[str, tuple[object, Any]] = {}
         self._similar: Similar | None = None
         self._publisher = _Publisher(lab, out, self._keep_digest)
 
@@ -100,6 +101,14 @@ class Classbook:
             adjustments, self._last = self._store.adjustments(), last
             self._marked = {id_: replace(s, adjustments=adjustments.get(id_, ())) for id_, s in self._marked.items()}
         return self._marked
+
+    @property
+    def rubric(self) -> Rubric:
+        """Return the rubric on record; until the class is regraded here, the one that the desk was started with, if any."""
+        if self._rubric is not None:
+            return self._rubric
+        settings = self._store.settings()
+        return self.once("rubric", settings, lambda: class_settings.rubric_of(self.lab, settings))
 
     def absent(self) -> dict[str, FinalGrade]:
         """Return a blank final grade for each person of the roster without a submission, by id."""
@@ -159,7 +168,7 @@ class Classbook:
     def mark_by(self, rubric: Rubric) -> None:
         """Regrade the class by another rubric, from the recorded facts."""
         marked = remark(self.out, self._store, rubric)
-        self.rubric, self._seen = rubric, -1
+        self._rubric, self._seen = None, -1
         self._publisher.changed(marked)
 
     def settled(self) -> None:

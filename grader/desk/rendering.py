@@ -39,7 +39,8 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     made.globals["address"] = address
-    made.filters |= {"points": points, "safe_text": safe_text, "address": address, "person": words.distinct}
+    made.filters |= {"points": points, "safe_text": safe_text, "address": address}
+    made.filters |= {"person": words.distinct, "submissions": words.submissions}
     made.filters["instant"] = _instant
     return made
 

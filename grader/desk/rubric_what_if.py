@@ -29,12 +29,15 @@ from grader.desk.web_requests import WebRequest
 from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import LARGEST
+from grader.engine.rubric_sections import LATE_KEYS
 from grader.people.final_grade import FinalGrade, GradeChange, grade_changes, graded
 from grader.report import overview, words
 
 _SHOWN = 50
-_NOT_VALUES = ("do", "message", "graded_by")
+_NOT_VALUES = ("do", "message", "seen")
 """Fields of the form that are no values of a rubric."""
+_LATE = "late:"
+"""Prefix of the fields of the late policy."""
 _HEAD = "# Made at the review desk on {when} from {source}, which holds the reasons.\n"
 
 
@@ -51,6 +54,7 @@ class Preview:
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
+    _refuse_overtaken(book, web_request)
     return _page(book, web_request, message=web_request.text("message"))
 
 
@@ -60,12 +64,11 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
     Raises
     ------
     OvertakenError
-        If the class has got another rubric since the preview: the form holds all values, so it would undo that change.
+        See `_refuse_overtaken`.
     """
-    if web_request.text("do") == "mark" and web_request.text("graded_by") not in ("", _graded_by(book)):
-        raise OvertakenError("Somebody has regraded the class by another rubric since you previewed yours")
+    _refuse_overtaken(book, web_request)
     try:
-        changed, text = _changed(book, web_request)
+        changed, text = _changed(book.rubric, _entered(web_request))
     except RequestError:
         return _page(book, web_request, "", 400)
     target = book.out / f"rubric-{now()[:19].replace(':', '')}.yaml"
@@ -74,8 +77,8 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
     if web_request.text("do") == "mark":
         book.mark_by(replace(changed, source=str(target)))
         return RedirectResponse(f"/what-if?message={quote(f'{message}, and the class is regraded by it')}", 303)
-    entered = [(name, values[0]) for name, values in web_request.form.items() if name not in _NOT_VALUES]
-    return RedirectResponse(f"/what-if?{urlencode([*entered, ('message', f'{message}. No grade has changed.')])}", 303)
+    entered = {**_entered(web_request), "message": f"{message}. No grade has changed."}
+    return RedirectResponse(f"/what-if?{urlencode(entered)}", 303)
 
 
 def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 200) -> Response:
@@ -83,12 +86,10 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
     final_grades = book.final_grades()
     base = book.rubric
     problem, preview, changed = "", None, base
-    errors, typed = (
-        _errors(web_request),
-        {**web_request.query, **{name: values for name, values in web_request.form.items() if name not in _NOT_VALUES}},
-    )
+    typed = _entered(web_request)
+    errors = _errors(typed)
     try:
-        changed, _ = _changed(book, web_request)
+        changed, _ = _changed(base, typed)
         if (changed.sha256, changed.late) != (base.sha256, base.late):
             preview = _preview(final_grades, regrade.regraded(final_grades, changed))
     except RequestError as error:
@@ -105,7 +106,7 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
         rubric=base,
         shown={part.id: part for part in changed.criteria},
         titles={c.id: c.title for s in final_grades.values() for part in s.result.criteria for c in part.checks},
-        given=lambda name, value: web_request.text(name) or ("" if _is_late(name) and name in typed else value),
+        given=lambda name, value: typed.get(name) or ("" if name.startswith(_LATE) and name in typed else value),
         late=_late_fields(base),
         errors=errors,
         faults=[(id_, words.fault_in_words(id_), count) for id_, count in made.most_common()],
@@ -114,18 +115,36 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
         problem=problem,
         other=digests != {base.sha256},
         message=message,
-        query=typed,
-        graded_by=_graded_by(book),
+        typed=typed,
+        seen=_shown(book),
     )
 
 
-def _graded_by(book: Classbook) -> str:
-    """Return the digest of the rubric on record, also if another process has changed it."""
+def _entered(web_request: WebRequest) -> dict[str, str]:
+    """Return the entered values of a rubric, by the name of their field."""
+    given = {**web_request.query, **web_request.form}
+    return {name: values[0].strip() for name, values in given.items() if name not in _NOT_VALUES}
+
+
+def _shown(book: Classbook) -> str:
+    """Return a digest of what the page shows: the rubric that it starts from, and the one that the class is graded by."""
     settings = book.store.settings()
-    return sha256_of((settings.rubric if settings else book.rubric.text).encode("utf-8", "surrogateescape"))
+    return sha256_of(f"{book.rubric.text}\0{settings.rubric if settings else ''}".encode("utf-8", "surrogateescape"))
 
 
-def _changed(book: Classbook, web_request: WebRequest) -> tuple[Rubric, str]:
+def _refuse_overtaken(book: Classbook, web_request: WebRequest) -> None:
+    """Refuse a form if the class has got another rubric since its page: it holds all values, so it would undo that change.
+
+    Raises
+    ------
+    OvertakenError
+        If the page showed another rubric.
+    """
+    if web_request.text("seen") not in ("", _shown(book)):
+        raise OvertakenError("Somebody has regraded the class by another rubric since you opened the page")
+
+
+def _changed(base: Rubric, entered: Mapping[str, str]) -> tuple[Rubric, str]:
     """Return the changed rubric and its text.
 
     Raises
@@ -133,25 +152,17 @@ def _changed(book: Classbook, web_request: WebRequest) -> tuple[Rubric, str]:
     RubricError
         With every problem of the changed rubric.
     """
-    base = book.rubric
     data: dict[str, Any] = yaml.safe_load(base.text)
-    _change_late(data, {**web_request.query, **web_request.form})
-    fields = {
-        name: values[0].strip()
-        for name, values in {**web_request.query, **web_request.form}.items()
-        if values[0].strip()
-    }
+    _change_late(data, entered)
+    fields = {name: _number(text) for name, text in entered.items() if text}
     for part in [*data["criteria"], *data["extensions"]]:
+        weights = part.get("checks") or {}
+        weights |= {name: fields.get(f"weight:{part['id']}.{name}", weight) for name, weight in weights.items()}
         if f"points:{part['id']}" in fields:
-            part["points"] = _number(fields[f"points:{part['id']}"])
-        for name in part.get("checks") or {}:
-            key = f"weight:{part['id']}.{name}"
-            if key in fields:
-                part["checks"][name] = _number(fields[key])
+            part["points"] = fields[f"points:{part['id']}"]
     if "cap" in fields and isinstance(data.get("extra_credit"), dict):
-        data["extra_credit"]["cap"] = _number(fields["cap"])
-    priced = {name.removeprefix("price:"): _number(text) for name, text in fields.items() if name.startswith("price:")}
-    if priced:
+        data["extra_credit"]["cap"] = fields["cap"]
+    if priced := {name.removeprefix("price:"): value for name, value in fields.items() if name.startswith("price:")}:
         data["faults"] = {**(data.get("faults") or {}), **priced}
     model = data.get("model") or {}
     if model.get("path"):
@@ -159,62 +170,32 @@ def _changed(book: Classbook, web_request: WebRequest) -> tuple[Rubric, str]:
     body = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120)
     text = _HEAD.format(when=now(), source=base.source) + body
     own = base.own_checks
-    return rubrics.parse(book.lab, text.encode(), source="what was entered", folder=Path(), own=own), text
-
-
-_LATE = {
-    "due": "Due, with the offset from UTC",
-    "grace_minutes": "Minutes that do not count",
-    "per_day": "Points or % for each day",
-    "cut_off_days": "Days until nothing counts",
-    "tz": "Time zone of the days",
-}
-
-
-_NUMBERS = ("cap", "late:grace_minutes", "late:cut_off_days")
-
-
-def _is_late(name: str) -> bool:
-    return name.startswith("late:")
+    return rubrics.parse(base.lab, text.encode(), source="what was entered", folder=Path(), own=own), text
 
 
 def _late_fields(rubric: Rubric) -> list[tuple[str, str, str]]:
     """Return name, label and present value of each field of the late policy."""
     policy: Mapping[str, Any] = yaml.safe_load(rubric.text).get("late") or {}
-    return [(f"late:{name}", label, _shown(policy.get(name))) for name, label in _LATE.items()]
+    return [(_LATE + name, label, _in_a_field(policy.get(name))) for name, label in LATE_KEYS.items() if label]
 
 
-def _shown(value: object) -> str:
+def _in_a_field(value: object) -> str:
     return "" if value is None else value.isoformat(timespec="minutes") if isinstance(value, datetime) else str(value)
 
 
-def _change_late(data: dict[str, Any], given: Mapping[str, list[str]]) -> None:
+def _change_late(data: dict[str, Any], entered: Mapping[str, str]) -> None:
     """Change the late policy to what the form has; an empty due date takes it away."""
-    fields = {name: given[f"late:{name}"][0].strip() for name in _LATE if f"late:{name}" in given}
-    if not fields:
-        return
-    policy = {**(data.get("late") or {}), **fields}
-    if not policy.get("due"):
-        data.pop("late", None)
-        return
-    numbers = ("grace_minutes", "per_day", "cut_off_days")
-    data["late"] = {
-        name: _number(value) if name in numbers and isinstance(value, str) else value
-        for name, value in policy.items()
-        if value != ""
-    }
+    fields = {name: _number(entered[_LATE + name]) for name in LATE_KEYS if _LATE + name in entered}
+    policy = {name: value for name, value in {**(data.pop("late", None) or {}), **fields}.items() if value != ""}
+    if policy.get("due"):
+        data["late"] = policy
 
 
-def _errors(web_request: WebRequest) -> dict[str, str]:
-    """Return what is wrong with which field: those that take a number."""
-    errors = {}
-    for name, values in {**web_request.query, **web_request.form}.items():
-        text = values[0].strip()
-        takes_number = name.startswith(("points:", "weight:", "price:")) or name in _NUMBERS
-        value = _number(text) if text else 0
-        if takes_number and (isinstance(value, str) or not 0 <= value <= LARGEST):
-            errors[name] = f"Enter a number from 0 to {LARGEST:g}."
-    return errors
+def _errors(entered: Mapping[str, str]) -> dict[str, str]:
+    """Return what is wrong with which field: those that take a number. The rubric itself says it of the late policy."""
+    numbers = {name: _number(text) for name, text in entered.items() if text and not name.startswith(_LATE)}
+    wrong = [name for name, value in numbers.items() if isinstance(value, str) or not 0 <= value <= LARGEST]
+    return dict.fromkeys(wrong, f"Enter a number from 0 to {LARGEST:g}.")
 
 
 def _without_places(problem: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from fractions import Fraction
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
@@ -114,12 +114,22 @@ def read_limits(reader: NodeReader, node: yaml.Node | None) -> Limits:
     return Limits(call or 0.0, submission or 0.0)
 
 
+LATE_KEYS: Mapping[str, str] = {
+    "due": "Due, with the offset from UTC",
+    "grace_minutes": "Minutes that do not count",
+    "per_day": "Points or % for each day",
+    "cut_off_days": "Days until nothing counts",
+    "due_dates": "",
+    "tz": "Time zone of the days",
+}
+"""Keys of the late policy; those that a form can show in one field have a label."""
+
+
 def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePolicy | None:
     """Return the late policy; None if the rubric has none; report problems."""
     if node is None:
         return None
-    optional = ("grace_minutes", "per_day", "cut_off_days", "due_dates", "tz")
-    keys = reader.fields(node, "late", ("due",), optional)
+    keys = reader.fields(node, "late", ("due",), tuple(name for name in LATE_KEYS if name != "due"))
     zone = _zone(reader, keys.get("tz"))
     due = reader.stamp(keys.get("due"), "due", zone)
     grace = reader.number(keys.get("grace_minutes"), "grace_minutes", high=100 * LARGEST)

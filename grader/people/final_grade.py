@@ -212,7 +212,7 @@ class FinalGrade:
         total = self.adjustment(TOTAL)
         if total is not None:
             return [Term(TOTAL, total.points or 0.0)]
-        points = summed({criterion.id: self.points(criterion) for criterion in self.result.criteria})
+        points = summed({criterion.id: self._counted(criterion) for criterion in self.result.criteria})
         if points is None or self._credit_is_open():
             return []
         repair = min(self.result.repair_deduction, points)
@@ -258,7 +258,16 @@ class FinalGrade:
         return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
-        """Return the points of a criterion from overrides, or else the automatic ones; None if any are open, or it is `unseen`."""
+        """Return the points of a criterion from overrides, or else the automatic ones; None if any are open, or it is `unseen`.
+
+        Without a submission there are only overrides, so a criterion without one has None.
+        """
+        targets = {criterion.id, *(check.id for check in criterion.checks)}
+        by_hand = any(each.criterion in targets and not each.alone for each in self.adjustments)
+        return None if self.has_no_submission and not by_hand else self._counted(criterion)
+
+    def _counted(self, criterion: CriterionResult) -> float | None:
+        """Return the points of a criterion that the score counts: 0 for what a person without a submission was not given."""
         if self.unseen:
             return None
         given = {each.criterion: each.points for each in self.adjustments if not each.alone}

@@ -56,7 +56,7 @@ class Stop:
     error
         Python's own message, or that the call had no answer.
     lost
-        Points that it costs now.
+        Points that it costs now, with those of checks for which code that needs it raised an exception.
     """
 
     file: str
@@ -76,8 +76,15 @@ def stops(result: Result, lab: Lab) -> list[Stop]:
     """Return where code that the criteria need does not parse, does not import, raises, hangs or ends its process."""
     if result.status in ("empty", "unreadable"):
         return []
-    causes = causes_of(check for part in result.criteria for check in part.checks)
-    return [_stop(cause, lab) for cause in causes if cause.does_not_run and cause.lost]
+    checks = [check for part in result.criteria for check in part.checks]
+    causes = [cause for cause in causes_of(checks) if cause.does_not_run and cause.lost]
+    found = [_stop(cause, lab) for cause in causes]
+    known = {check.id for cause in causes for check in (*cause.checks, *cause.waiting)}
+    for check in (check for check in checks if check.where and check.id not in known):
+        here = [place for place, each in enumerate(found) if check.where and check.where.file == each.file]
+        for place in here[:1] or [0] * (len(found) == 1):
+            found[place] = replace(found[place], lost=found[place].lost + words.points_lost([check]))
+    return found
 
 
 def _stop(cause: Cause, lab: Lab) -> Stop:

@@ -210,6 +210,8 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
     if final_grade.outdated():
         yield "status:outdated"
     yield from (f"fault:{id_}" for id_ in deducting(final_grade.result))
+    if final_grade.result.status in ("empty", "unreadable"):
+        return  # no check was run
     for criterion in final_grade.result.criteria:
         yield from (f"lost:{c.id}" for c in criterion.checks if c.points is not None and c.points < c.max_points)
 

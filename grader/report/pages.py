@@ -164,7 +164,7 @@ def index_page(
         "index.html.j2",
         "table.js",
         next((result.lab for result in results), LabName()),
-        count=len(final_grades),
+        count=words.submissions(final_grades.values()),
         figures=overview.figures(grades),
         bars=overview.bars(grades, top),
         columns=columns,

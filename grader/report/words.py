@@ -171,6 +171,13 @@ def status(final_grade: FinalGrade) -> str:
     return NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
 
 
+def submissions(final_grades: Iterable[FinalGrade]) -> str:
+    """Return ``57 submissions, 1 without a submission, graded by hand``."""
+    without = Counter(each.has_no_submission for each in final_grades)
+    by_hand = f", {without[True]} without a submission, graded by hand" if without[True] else ""
+    return f"{counted(without[False], 'submission')}{by_hand}"
+
+
 def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]:
     """Return the names of people without a submission, each with an identifier if another person of the class has the name."""
     listed = [person.name for person in absent]

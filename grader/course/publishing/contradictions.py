@@ -107,7 +107,8 @@ def untimed(final_grades: Mapping[str, FinalGrade], settings: ClassSettings | No
     """
     if settings is None or not settings.has_late_policy:
         return []
-    open_ = {id_: each for id_, each in final_grades.items() if not each.hand_in.submitted and not each.total_is_set}
+    handed_in = {id_: each for id_, each in final_grades.items() if not each.has_no_submission}
+    open_ = {id_: each for id_, each in handed_in.items() if not each.hand_in.submitted and not each.total_is_set}
     marked = [id_ for id_, each in open_.items() if each.hand_in.marked_late]
     return marked if any(each.hand_in.marked_late for each in final_grades.values()) else list(open_)
 
@@ -120,6 +121,7 @@ def _unknown_lateness(
         return
     marked = [id_ for id_ in ids if final_grades[id_].hand_in.marked_late]
     late = f"{some(marked, _A_FEW, '; ')}, which the platform marks as late" if marked else ""
-    what = f"{late or f'{len(ids)} of {len(final_grades)} hand-ins'}: their time is unknown"
+    handed_in = sum(not each.has_no_submission for each in final_grades.values())
+    what = f"{late or f'{len(ids)} of {handed_in} hand-ins'}: their time is unknown"
     text = f"the late policy deducts nothing from {what} (add a column `submitted` to the roster)"
     yield Contradiction("unknown lateness", "", text, stops_export=False)

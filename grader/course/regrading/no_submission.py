@@ -12,7 +12,7 @@ from grader.course.record import class_settings
 from grader.course.record.class_settings import ClassSettings
 from grader.course.record.store import Key, Store
 from grader.engine.results import CheckResult, ExtensionResult, Result
-from grader.intake.names import safe_id
+from grader.intake.names import distinct_ids
 from grader.people.final_grade import FinalGrade, HandIn, Person
 
 _NOTE = "There is no submission. A person gave the points."
@@ -25,8 +25,8 @@ def absent_by_id(store: Store) -> dict[str, Person]:
 
 def _by_id(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade]) -> dict[str, Person]:
     people = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
-    named = {safe_id(person.number or person.name): person for person in people}
-    return {id_: person for id_, person in named.items() if id_ not in final_grades}
+    ids = distinct_ids([*final_grades, *(person.number or person.name for person in people)])
+    return dict(zip(ids[len(final_grades) :], people, strict=True))
 
 
 def blank_grades(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:

@@ -143,7 +143,7 @@ function restore(form, fields) {
   const discard = document.createElement("button");
   Object.assign(discard, { type: "button", className: "small", textContent: "Discard" });
   discard.addEventListener("click", () => keep(form, []).then(() => location.reload()));
-  note.append("Not saved yet. ", overtaken ? "Points of this submission were changed after you typed this: look at them before you save. " : "", discard);
+  note.append("Not saved yet. ", overtaken ? "What this page shows was changed after you typed this: look at it before you save. " : "", discard);
   form.prepend(note);
 }
 document.addEventListener("DOMContentLoaded", () => {
