@@ -151,7 +151,9 @@ OFFSETS = (
     Offset(1, "no-bias", lambda reads, _: [np.zeros(3)]),
     Offset(2, "bias-sign-flipped", lambda reads, _: [-reads.bias]),
     Offset(
-        3, "stale-clean-reading", lambda reads, _: [reads.truth[0] - reads.truth + bias for bias in (reads.bias, 0)]
+        3,
+        "stale-clean-reading",
+        lambda reads, _: [reads.truth[0] - reads.truth + sign * reads.bias for sign in (1, 0, -1)],
     ),
     Offset(4, "swapped-sensors", lambda reads, other: [other.truth - reads.truth + reads.bias], together=True),
     Offset(5, "biases-exchanged", lambda _, other: [other.bias], together=True),
