@@ -61,25 +61,6 @@ def frame_of(figure: Any, left_out: str = "") -> Frame:
     return Frame({"figures": [facts]}, packer.arrays | {"seen": seen.pixels})
 
 
-def share_that_differs(seed: int, label: str, least: float) -> float:
-    """Of the picture's columns that a curve spans, those that are others by so much (0 to 1) where the curve is left out.
-
-    The whole figure is drawn as a student saves it, at 100 dots an inch: what a reader misses, whatever the witness shows.
-    """
-    with figure_of(seed) as figure:
-        figure.set_dpi(100)
-        artist = _curve_of(figure, label)
-        points = artist.get_offsets() if hasattr(artist, "get_offsets") else artist.get_xydata()
-        span = artist.axes.transData.transform(points)[:, 0]
-        first, last = int(span.min()), int(span.max()) + 1
-        pictures = []
-        for visible in (True, False):
-            artist.set_visible(visible)
-            figure.canvas.draw()
-            pictures.append(np.asarray(figure.canvas.buffer_rgba())[:, first:last, :3] / 255.0)
-    return float((np.abs(pictures[0] - pictures[1]).max(axis=(0, 2)) > least).mean())
-
-
 def _curve_of(figure: Any, label: str) -> Any:
     (artist,) = (a for axes in figure.axes for a in (*axes.lines, *axes.collections) if a.get_label() == label)
     return artist

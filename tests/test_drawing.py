@@ -104,11 +104,11 @@ def test_a_submission_that_reads_pictures_back_is_recognised(source: bytes, want
     assert drawing.reads_pictures_back([b"import numpy", source]) is wanted
 
 
-def test_no_curve_of_forty_sound_figures_is_told_to_be_hidden_and_most_that_are_only_claimed_are() -> None:
-    """5,000 by ``python -m tests.benchmarks.pictures``."""
-    assert [seed for seed in range(40) if any(parts.is_hidden for parts in made(seed).values())] == []
-    claimed = [made(seed, left_out="a")["a"].is_hidden for seed in range(0, 40, 5)]
-    assert sum(claimed) >= 6, "curves of the same colour may pass for it in two of the eight"
+@pytest.mark.parametrize("figures", [10, pytest.param(400, marks=pytest.mark.weekly)])
+def test_no_curve_of_a_sound_figure_is_told_to_be_hidden_and_most_that_are_only_claimed_are(figures: int) -> None:
+    assert [seed for seed in range(figures) if any(parts.is_hidden for parts in made(seed).values())] == []
+    claimed = [made(seed, left_out="a")["a"].is_hidden for seed in range(0, figures, 5)]
+    assert sum(claimed) >= 0.75 * len(claimed), "curves of the same colour may pass for it"
 
 
 # --- pictures that were handed in beside code that does not draw them ---

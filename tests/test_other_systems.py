@@ -51,6 +51,7 @@ def test_a_check_marks_as_it_does_on_linux(lab: Path, system: str) -> None:
     assert "<html" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.weekly
 @pytest.mark.parametrize(
     "arguments", [["grader", "repro", "sensor_access.follows_address", "."], ["pytest", "--imugrade", "-q", "."]]
 )

@@ -102,7 +102,7 @@ def bench() -> Iterator[Bench]:
 
 
 @pytest.mark.parametrize("mark", [Bench.mark, Bench.mark_drawn])
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=4, deadline=None, derandomize=True)
 @given(seed=SEEDS)
 def test_no_answer_of_the_box_leaves_a_check_without_a_verdict(
     bench: Bench, mark: Callable[[Bench, int], Result], seed: int
