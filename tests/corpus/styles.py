@@ -361,7 +361,7 @@ FAULTS: tuple[Fault, ...] = (
     _recorder("no-reset", reset="pass"),
     _recorder("no-perturbation", push="pass"),
     _recorder("wrong-perturbation", push="data.qvel[1] = 0.5"),
-    _recorder("wrong-perturbation", before_step="data.qvel[0] = 0.5"),
+    _recorder("driven-in-every-step", before_step="data.qvel[0] = 0.5"),
     _recorder("ignores-duration", duration="3.0"),
     _recorder("hard-coded-timestep", dt="0.002"),
     _recorder("samples-skipped", step="mujoco.mj_step(model, data, nstep=2)"),
