@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,7 +17,7 @@ from grader.course.record.class_settings import ClassSettings
 from grader.engine import results
 from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Repair, Result, from_dict
-from grader.people.final_grade import HandIn, Lateness, Person, hand_in_from_dict
+from grader.people.final_grade import HandIn, Lateness, Person
 
 NUMBERS = st.floats(-1e6, 1e6)
 POINTS = st.lists(st.floats(width=32, allow_nan=False, allow_infinity=False), max_size=3).map(tuple)
@@ -68,7 +69,7 @@ def _result_in_the_record(made: Result) -> Result:
         (RESULTS, lambda made: from_dict(json.loads(results.to_json(made)))),
         (RESULTS, _result_in_the_record),
         (CHARTS, lambda made: unpacked(packed(made))),
-        (HAND_INS, lambda made: hand_in_from_dict(json.loads(json.dumps(asdict(made))))),
+        (HAND_INS, lambda made: msgspec.convert(json.loads(json.dumps(asdict(made))), HandIn)),
         (SETTINGS, lambda made: class_settings.from_json(class_settings.to_json(made))),
     ],
     ids=["result.json", "a result", "charts", "a hand-in", "settings"],

@@ -12,7 +12,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
+
+import msgspec
 
 from grader.engine.chart_data import Evidence
 from grader.engine.findings import Where
@@ -137,8 +139,7 @@ class Repair:
     score_before: float
 
 
-@dataclass(frozen=True)
-class Unrepaired:
+class Unrepaired(NamedTuple):
     """Outcome of a check before the repairs; `marks` computes `score_before` from it."""
 
     keeps: float | None
@@ -265,15 +266,6 @@ def _row(check: CheckResult) -> dict[str, Any]:
     }
 
 
-def _check(row: Mapping[str, Any], keeps: float | None, deducted: list[dict[str, Any]]) -> CheckResult:
-    """Return the check of a record's row; in old records without `expected` and `got` the message is a sentence."""
-    given = {**row, "misconceptions": tuple(row["misconceptions"])}
-    message, where = given.pop("message"), given.pop("where", None)
-    said = "" if row.get("expected") or row.get("got") else message
-    known = tuple(Deducted(**each) for each in deducted)
-    return CheckResult(**given, said=said, where=Where(**where) if where else None, keeps=keeps, deducted=known)
-
-
 def to_record(result: Result) -> dict[str, Any]:
     """Return the data to record: that of `result.json`, and what is needed to mark the result again."""
     checks = [check for part in result.parts for check in part.checks]
@@ -281,8 +273,7 @@ def to_record(result: Result) -> dict[str, Any]:
     keeps = {check.id: check.keeps for check in checks}
     record = {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps, "deducted": deducted}
     if result.repairs:
-        before = {id_: [check.keeps, list(check.misconceptions)] for id_, check in result.unrepaired.items()}
-        record["unrepaired"] = before
+        record["unrepaired"] = dict(result.unrepaired)
     return record
 
 
@@ -316,33 +307,23 @@ def from_dict(record: Mapping[str, Any]) -> Result:
     Raises
     ------
     ValueError
-        If the schema is another one.
+        If the schema is another one, or a field is missing or of another type.
     """
     if record.get("schema") != SCHEMA:
         raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")
-
     keeps, deducted = record.get("keeps", {}), record.get("deducted", {})
 
-    def checks(rows: list[dict[str, Any]]) -> tuple[CheckResult, ...]:
-        return tuple(_check(row, keeps.get(row["id"]), deducted.get(row["id"], [])) for row in rows)
+    def check(row: Mapping[str, Any]) -> dict[str, Any]:
+        # in old records without `expected` and `got` the message is a sentence
+        said = "" if row.get("expected") or row.get("got") else row["message"]
+        return {**row, "said": said, "keeps": keeps.get(row["id"]), "deducted": deducted.get(row["id"], ())}
 
-    return Result(
-        submission=record["submission"],
-        status=record["status"],
-        criteria=tuple(
-            CriterionResult(c["id"], c["title"], c["max_points"], checks(c["checks"])) for c in record["criteria"]
-        ),
-        extensions=tuple(
-            ExtensionResult(e["id"], e["attempted"], e["max_points"], checks(e["checks"])) for e in record["extensions"]
-        ),
-        notes=tuple(record["notes"]),
-        provenance=record["provenance"],
-        duration_s=record["duration_s"],
-        lab=LabName(**record.get("lab", {})),
-        extra_credit_cap=record["extra_credit"]["cap"] if "extra_credit" in record else None,
-        asked_sha256=record.get("asked_sha256", ""),
-        repairs=tuple(Repair(**repair) for repair in record.get("repairs", ())),
-        unrepaired={
-            id_: Unrepaired(keeps, tuple(named)) for id_, (keeps, named) in record.get("unrepaired", {}).items()
-        },
-    )
+    parts = {
+        name: [{**part, "checks": [*map(check, part["checks"])]} for part in record[name]]
+        for name in ("criteria", "extensions")
+    }
+    cap = record.get("extra_credit", {}).get("cap")
+    try:
+        return msgspec.convert({**record, **parts, "extra_credit_cap": cap}, Result)
+    except msgspec.ValidationError as problem:
+        raise ValueError(str(problem)) from None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 from grader.engine.results import CheckResult, CriterionResult, Result
 
@@ -361,10 +360,3 @@ def maximum_points(result: Result, target: str) -> float | None:
         return round(result.max_score + (result.extra_credit_cap or 0.0), 2)
     most = {check.id: check.max_points for criterion in result.criteria for check in criterion.checks}
     return (most | {criterion.id: criterion.max_points for criterion in result.criteria}).get(target)
-
-
-def hand_in_from_dict(record: Mapping[str, Any]) -> HandIn:
-    """Return the hand-in from its stored form, which `dataclasses.asdict` made."""
-    people = tuple(Person(**{**person, "ids": tuple(person.get("ids", ()))}) for person in record["people"])
-    late = None if record["late"] is None else Lateness(**record["late"])
-    return HandIn(**{**record, "people": people, "late": late})

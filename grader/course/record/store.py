@@ -16,6 +16,8 @@ from dataclasses import asdict, astuple, dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
+import msgspec
+
 from grader.base import stamps
 from grader.course.record import class_settings
 from grader.course.record.class_settings import ClassSettings
@@ -31,7 +33,6 @@ from grader.people.final_grade import (
     NOTHING_KNOWN,
     FinalGrade,
     HandIn,
-    hand_in_from_dict,
 )
 
 T = TypeVar("T")
@@ -317,7 +318,7 @@ def _hand_in_text(hand_in: HandIn) -> str:
 
 
 def _hand_in(text: str) -> HandIn:
-    return hand_in_from_dict(json.loads(text))
+    return msgspec.convert(json.loads(text), HandIn)
 
 
 def _blob(record: object) -> bytes:
