@@ -1,6 +1,6 @@
 """A sandbox: the place where untrusted code runs, as the grader sees it.
 
-    with Box(Contents(worker_code)) as sandbox, box.worker() as worker:
+    with Sandbox(Contents(worker_code)) as sandbox, sandbox.worker() as worker:
         frame = worker.ask("read", {"seed": 1}, {"state": state}, cpu_s=10.0)
 
 Whatever the code in the sandbox does, `ask` ends in a frame, in a `NoAnswer`, or, if the grader itself is at fault, in a
