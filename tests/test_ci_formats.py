@@ -19,10 +19,10 @@ from junitparser import xunit2
 from markdown_it import MarkdownIt
 
 from grader.engine.findings import Where
-from grader.engine.results import Result, Status
+from grader.engine.results import Result, Status, to_json
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.platforms import github
+from grader.platforms import github, registry
 from grader.platforms.classroom50 import Identity, classroom50, shares
 from grader.platforms.gradescope import gradescope
 from grader.platforms.job import recognise
@@ -34,6 +34,7 @@ from tests.corpus.writing import write
 from tests.fake_results import HOSTILE, check, lost, result
 from tests.hostile.outputs import ENVIRONMENT as ID
 from tests.pages import Page
+from tests.test_results import SCHEMA
 
 EVIL = (
     f"{HOSTILE}\n::error file=/etc/passwd::owned\n  ::set-output name=x::y\n##[error]x\n]]></failure><evil/>\n"
@@ -338,27 +339,48 @@ CLASS = {
 }
 
 
-@pytest.mark.parametrize("graded", CLASS.values(), ids=CLASS)
-def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(graded: Result) -> None:
-    lost_points = graded.score < graded.max_score
+def keeps_rules_of_junit(graded: Result) -> None:
     root = as_jenkins_reads(junit(graded, AT))
-    assert (int(root.get("failures", "0")) > 0) == lost_points
+    assert (int(root.get("failures", "0")) > 0) == (graded.score < graded.max_score)
     assert re.findall(r"::|##\[", junit(graded, AT)) == []
+
+
+def keeps_rules_of_github(graded: Result) -> None:
     *told, total = as_the_runner_reads(github.commands(graded, Places(LAB)))
     assert total[2].startswith(f"{graded.score:g} / {graded.max_score:g}")
-    assert bool(told) == (lost_points and graded.status == "graded")
+    assert bool(told) == (graded.score < graded.max_score and graded.status == "graded")
     assert total[0] == ("notice" if graded.status == "graded" else "error")
     page = rendered(github.summary(graded, LAB))
     assert page.names <= SUMMARY_TAGS
     assert {tag for tag, data in page.texts if "@someone" in data} <= {"pre", "code", "h4"}
+
+
+def keeps_rules_of_gradescope(graded: Result) -> None:
     scope = read(gradescope(graded), GRADESCOPE)
     assert scope["score"] == graded.score
     for text in (scope["output"], *(test["output"] for test in scope["tests"])):
         assert Page(text).names <= {"p", "b", "pre"}
+
+
+def keeps_rules_of_classroom50(graded: Result) -> None:
     assert read_classroom50(graded)["score"] == round(graded.score)
+
+
+def keeps_rules_of_prairielearn(graded: Result) -> None:
     shown = read_prairielearn(prairielearn(graded))
     assert (shown["gradable"], shown["score"]) == (graded.status == "graded", graded.score / graded.max_score)
     assert bool(shown.get("format_errors")) != shown["gradable"]
+
+
+def keeps_rules_of_json(graded: Result) -> None:
+    assert read(to_json(graded), SCHEMA)["score"] == graded.score
+
+
+@pytest.mark.parametrize("graded", CLASS.values(), ids=CLASS)
+@pytest.mark.parametrize("platform", registry.names("respond"))
+def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(platform: str, graded: Result) -> None:
+    """A new platform that answers wants a function here, `keeps_rules_of_<its name>`."""
+    globals()[f"keeps_rules_of_{platform}"](graded)
 
 
 def test_hostile_text_is_told_as_text() -> None:

@@ -6,14 +6,16 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 
 from docs import generated
 from grader import cli
-from grader.engine import rubric
+from grader.engine import rubric, rubric_nodes
 from grader.labs.imu.lab import LAB
 from tests.documents import ROOT, commands, documents, site
 
@@ -133,23 +135,43 @@ def test_every_page_of_a_folder_is_in_its_list() -> None:
         assert sorted(listed) == sorted(each.name for each in index.parent.glob("*.md") if each != index)
 
 
-def keys(node: object, prefix: str = "") -> set[str]:
-    """Return the keys of the shipped rubric, with dots; names of checks are not keys."""
-    if isinstance(node, list):
-        return set().union(*(keys(item, prefix) for item in node))
-    if not isinstance(node, dict) or prefix.endswith("checks."):
-        return set()
-    return {prefix + key for key in node} | set().union(
-        *(keys(value, f"{prefix}{key}.") for key, value in node.items())
-    )
+EVERY_SECTION = """
+extra_credit: {each: 5}
+late: {due: 2026-11-20T23:59+01:00}
+repairs: {apply: none, deduct: 5}
+faults: {no-bias: 1}
+"""
 
 
-def test_every_key_of_the_rubric_is_documented() -> None:
-    used = keys(yaml.safe_load(rubric.shipped(LAB).read_text(encoding="utf-8")))
-    commented = ("late", "extra_credit", "faults", "repairs")
-    assert used <= set(generated.RUBRIC_KEYS)
-    left_out = {key for key in set(generated.RUBRIC_KEYS) - used if key.partition(".")[0] not in commented}
-    assert left_out <= {"model.path", "extensions.points"}
+def test_the_keys_that_the_rubric_has_are_those_that_are_documented(monkeypatch: pytest.MonkeyPatch) -> None:
+    above = {
+        "the rubric": "",
+        "this criterion": "criteria.",
+        "this extension": "extensions.",
+        "sensors": "model.sensors.",
+    }
+    found: set[str] = set()
+    fields = rubric_nodes.NodeReader.fields
+
+    def noting(reader: Any, node: Any, what: str, required: Sequence[str], optional: Sequence[str] = ()) -> Any:
+        found.update(above.get(what, f"{what}.") + key for key in (*required, *optional))
+        return fields(reader, node, what, required, optional)
+
+    monkeypatch.setattr(rubric_nodes.NodeReader, "fields", noting)
+    rubric.parse(LAB, rubric.shipped(LAB).read_bytes() + EVERY_SECTION.encode())
+    assert found == set(generated.RUBRIC_KEYS)
+
+
+MADE_UP = {"filtering.settles_after_a_step", "filtering.takes_alpha_one"}
+"""Checks that two pages write as an example."""
+
+
+def test_every_check_that_a_page_or_a_help_names_exists() -> None:
+    parts = "|".join(part.id for part in rubric.load(LAB).parts)
+    named = re.compile(rf"(?<![\w./])(?:{parts})\.(?!py\b|yaml\b|filter_cases\b)[a-z]\w+")
+    known = {check.id for check in rubric.load(LAB).checks} | MADE_UP
+    texts = {**documents(), "the shipped rubric": rubric.shipped(LAB).read_text(encoding="utf-8")}
+    assert [(name, each) for name, text in texts.items() for each in named.findall(text) if each not in known] == []
 
 
 def test_every_sentence_on_a_grade_that_a_command_changes_stands_in_its_help(

@@ -255,7 +255,11 @@ def imugrade(command: Command, folder: Path, here: pytest.MonkeyPatch) -> None:
     code, out, err = run(words)
     assert code == 0, err
     beginnings = (" ".join(words[:n]) for n in range(len(words), 0, -1))
-    assert re.search(next(SAYS[each] for each in beginnings if each in SAYS), out, re.MULTILINE), out
+    said = [SAYS[each] for each in beginnings if each in SAYS]
+    assert said, (
+        f"what does `imugrade {words[0]}` print when it has done its work? tests/test_documented_commands.py: SAYS"
+    )
+    assert re.search(said[0], out, re.MULTILINE), out
     for option, name in itertools.pairwise(words):
         if option in WRITES:
             assert any((folder / name).iterdir()) if (folder / name).is_dir() else (folder / name).stat().st_size
