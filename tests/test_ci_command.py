@@ -113,7 +113,6 @@ def test_classroom50_writes_result_json_with_the_instant_of_the_commit(
         ("--format classroom50", "--format classroom50: CLASSROOM, ASSIGNMENT, SUBMISSION_TAG, COMMIT_URL, RELEASE_URL, OWNER not set; "
                                  "run it from a Classroom 50 autograder"),
         ("--format classroom50 --min-score 5", "--min-score: leave it out; Classroom 50 reads the points from result.json"),
-        ("--visibility never", "--visibility never: there are visible, after_due_date, after_published, hidden"),
         ("--traces no.npz", "no.json: cannot read the manifest of the traces (No such file or directory)"),
     ],
 )  # fmt: skip

@@ -23,7 +23,7 @@ from grader.engine.results import Result, Status, to_json
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms import github, registry
-from grader.platforms.classroom50 import Identity, classroom50, shares
+from grader.platforms.classroom50 import classroom50, identity_of, shares
 from grader.platforms.gradescope import gradescope
 from grader.platforms.job import recognise
 from grader.platforms.junit import junit
@@ -281,7 +281,7 @@ CLASSROOM50 = record(
 
 
 def read_classroom50(graded: Result) -> dict[str, Any]:
-    return read(classroom50(graded, Identity.of(ID), WHEN), CLASSROOM50)
+    return read(classroom50(graded, identity_of(ID), WHEN), CLASSROOM50)
 
 
 def test_classroom50_gets_whole_points_that_sum_to_the_total_and_the_exact_ones_beside_them() -> None:

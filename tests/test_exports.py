@@ -1,4 +1,4 @@
-"""Tests of exports: a platform reads the intended grades, and its own content of the file stays the same byte for byte."""
+"""Tests of exports: a platform reads the intended grades, and every other cell of its file stays as it was."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, 
 from grader.platforms import canvas, moodle, registry
 from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
+from grader.platforms.platform import Template
 from grader.platforms.sheet import read_sheet
 from tests import classes
 from tests.class_commands import column, commands, in_process, rubric_with
@@ -96,7 +97,7 @@ def unmatched(filled: Filled) -> list[str]:
 def test_canvas_gets_the_student_columns_verbatim_and_the_one_assignment() -> None:
     jane, test = '"Doe, Jane ""JD""",101,s1,jd,"Tue, 10:00",40,,40', '"Student, Test",9,,f00,A,,,'
     template = canvas_file(jane, "Müller,102,s2,m,A,41,12.0,41", test)
-    filled = canvas.fill(template, "t.csv", "Lab 04-01", class_of(final_grade("jd_101", JANE)))
+    filled = canvas.fill(Template(template, "t.csv", "Lab 04-01"), class_of(final_grade("jd_101", JANE)))
     assert filled.data.decode() == (
         "Student,ID,SIS User ID,SIS Login ID,Section,Lab 04-01 (4711)\n"
         "    Points Possible,,,,,100.0\n"
@@ -116,7 +117,7 @@ REFUSED = {
         None,
     ),
     "is not a Canvas gradebook; export one in Canvas with Grades > Export": (b"a,b\n", None),
-    "is not CSV here; export the file again": (b'Student,"x\nID', None),
+    "is empty; give the file that the platform exports": (b"", None),
 }
 
 
@@ -124,7 +125,7 @@ REFUSED = {
 def test_a_gradebook_that_cannot_be_filled_is_refused_in_one_line(line: str) -> None:
     template, column = REFUSED[line]
     with pytest.raises(RequestError, match=rf"^t\.csv(:1)?: {re.escape(line)}$"):
-        canvas.fill(template, "t.csv", column, class_of(final_grade("x", JANE)))
+        canvas.fill(Template(template, "t.csv", column), class_of(final_grade("x", JANE)))
 
 
 def test_who_is_excused_or_not_judged_keeps_what_the_gradebook_has() -> None:
@@ -132,7 +133,7 @@ def test_who_is_excused_or_not_judged_keeps_what_the_gradebook_has() -> None:
     open_ = FinalGrade("li", unjudged, HandIn((Person("Li", "102", "canvas"),)))
     for excused in ("EX", "ex"):
         template = canvas_file(f"Doe,101,,,A,,{excused},", "Li,102,,,A,,7,")
-        filled = canvas.fill(template, "t.csv", "4711", class_of(final_grade("jd", JANE), open_))
+        filled = canvas.fill(Template(template, "t.csv", "4711"), class_of(final_grade("jd", JANE), open_))
         assert last_cells(filled) == [excused, "7"]
     assert (filled.kept, unmatched(filled)) == (["Doe"], [])
 
@@ -141,10 +142,10 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     """One of two handed in; the other's row has another number, and so stays as it is."""
     twins = canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,')
     everyone = class_of(final_grade("doejane_101", Person("doejane", "101", "canvas")))
-    filled = canvas.fill(twins, "t", "4711", everyone)
+    filled = canvas.fill(Template(twins, "t", "4711"), everyone)
     assert last_cells(filled) == ["", "87.5"]
     by_name = class_of(final_grade("a", Person("Jane Doe")))
-    filled = canvas.fill(twins, "t", "4711", by_name)
+    filled = canvas.fill(Template(twins, "t", "4711"), by_name)
     assert filled.grades == 0
     assert filled.without_row(by_name["a"]) == [Person("Jane Doe")]
     assert unmatched(filled) == ["Doe, Jane", "Doe, Jane"]
@@ -152,11 +153,15 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
 
 def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
     text = "LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;100,0\nDoe;Jane;7;x;A;"
-    filled = canvas.fill(text.encode(), "t.csv", None, class_of(final_grade("a", Person("Jane Doe"))))
-    assert filled.data.decode() == text + "87,5"
+    filled = canvas.fill(Template(text.encode(), "t.csv"), class_of(final_grade("a", Person("Jane Doe"))))
+    assert filled.data.decode() == f"{text}87,5\n"
 
 
 # ---- Moodle ----
+
+
+def cells(data: bytes, delimiter: str = ",") -> list[list[str]]:
+    return list(csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""), delimiter=delimiter))
 
 
 def worksheet(*rows: str) -> bytes:
@@ -178,25 +183,26 @@ SEEN = Adjustment("sensor_access", 90.0, "seen", "me", "now", points_by_check(LA
         (replace(LATE, adjustments=(SEEN,)), ("87.5", '"Marks: old"'), ("70", '"Marks: Sensor access 90 / 100 (overridden); final 70 = score 90 (with overrides) − late 20"')),
     ],
 )  # fmt: skip
-def test_a_worksheet_gets_the_grade_and_a_comment_unless_a_teachers_is_there_and_keeps_every_other_byte(
+def test_a_worksheet_gets_the_grade_and_a_comment_unless_a_teachers_is_there_and_keeps_every_other_cell(
     final_grade: FinalGrade, before: tuple[str, str], after: tuple[str, str]
 ) -> None:
     row = '"Participant 12","Jürgen Müßig", j@example.edu ,"Submitted, late",,{},100.00,Yes,-,{}'
     other = '"Participant 13","=1+1 ""X""",x@example.edu,-,"",55.00,100.00,Yes,"Friday, 1",""'
-    filled = moodle.fill(worksheet(row.format(*before), other), "w.csv", None, class_of(final_grade))
-    assert filled.data == worksheet(row.format(*after), other)
+    filled = moodle.fill(Template(worksheet(row.format(*before), other), "w.csv"), class_of(final_grade))
+    assert filled.data.startswith(b"\xef\xbb\xbf")
+    assert cells(filled.data) == cells(worksheet(row.format(*after), other))
 
 
 def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_column() -> None:
     team = class_of(final_grade("Team_Red_4", Person("Team Red", "4", "moodle")))
     rows = ['"Participant 12",J,,,"Team Red",,100,Yes,-,', '"Participant 4",K,,,"Team Blue",,100,Yes,-,']
-    filled = moodle.fill(worksheet(*rows), "w.csv", None, team)
+    filled = moodle.fill(Template(worksheet(*rows), "w.csv"), team)
     assert [line.split(",")[5] for line in filled.data.decode().splitlines()[1:2]] == ["87.5"]
     german = 'ID;"Vollständiger Name";Bewertung;Bestwertung\nTeilnehmer/in12;"Jürgen Müßig";;100,00\n'
-    filled = moodle.fill(german.encode(), "w.csv", "Bewertung", class_of(final_grade("a", MOODLE)))
-    assert filled.data.decode() == german.replace('";;', '";87,5;')
+    filled = moodle.fill(Template(german.encode(), "w.csv", "Bewertung"), class_of(final_grade("a", MOODLE)))
+    assert cells(filled.data, ";") == cells(german.replace('";;', '";87,5;').encode(), ";")
     with pytest.raises(RequestError, match=r"^w.csv: has no column Grade; download the grading worksheet, or name the"):
-        moodle.fill(german.encode(), "w.csv", None, team)
+        moodle.fill(Template(german.encode(), "w.csv"), team)
 
 
 # ---- Gradescope, and CSV in general ----
@@ -238,8 +244,8 @@ def test_any_table_is_taken_apart_and_put_together_again_without_a_change(
     csv.writer(text, delimiter=delimiter, lineterminator=end, quoting=quoting).writerows(table)
     data = (b"\xef\xbb\xbf" if marked else b"") + text.getvalue().encode()
     sheet = read_sheet(data, "t.csv")
-    assert sheet.data() == data
-    assert [[row.value(i) for i in range(len(row.cells))] for row in sheet.rows] == table
+    assert cells(sheet.data(), delimiter) == table == sheet.rows
+    assert sheet.marked == marked
 
 
 # ---- the command ----

@@ -1,11 +1,15 @@
-"""A table that a person saved from a spreadsheet, in whatever way theirs saves one."""
+"""CSV tables: read in whatever way a spreadsheet saves one, and written so that no spreadsheet takes a cell for a formula."""
 
 from __future__ import annotations
 
 import codecs
 import csv
 import io
+import re
+from collections.abc import Iterable
 from typing import Any
+
+from grader.base.text import csv_cell, decimal
 
 
 def reader(data: bytes) -> Any:
@@ -17,8 +21,16 @@ def reader(data: bytes) -> Any:
         If it is none of these.
     """
     text = _text(data)
-    head = text.partition("\n")[0]
+    head = re.sub('"[^"]*"', "", text.partition("\n")[0])
     return csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=head.count))
+
+
+def written(rows: Iterable[Iterable[str]]) -> str:
+    """Return the text of a CSV table with these rows."""
+    stream = io.StringIO()
+    table = csv.writer(stream, lineterminator="\n")
+    table.writerows([text if decimal(text) is not None else csv_cell(text) for text in row] for row in rows)
+    return stream.getvalue()
 
 
 def _text(data: bytes) -> str:

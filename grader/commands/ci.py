@@ -39,10 +39,6 @@ def ci(
         Path | None,
         typer.Option("--traces", metavar="FILE", help="A trace bundle (.npz) that students cannot read."),
     ] = None,
-    visibility: Annotated[
-        str,
-        typer.Option(metavar="WHEN", help="Gradescope: visible, after_due_date, after_published or hidden."),
-    ] = "visible",
     trust: Annotated[
         bool, typer.Option("--trust-submissions", help="Allow hidden scenarios without isolation.")
     ] = False,
@@ -69,10 +65,8 @@ def ci(
     lab = chosen_lab()
     chosen = rubrics.load(lab, rubric)
     bundle = lab.truth(None, chosen.settings) if traces_ is None else traces.load(traces_)
-    order = job.Job(
-        job.named(format_), chosen, bundle, path, out,
-        job.visible(visibility), trust, min_score, isolation_level, private=private,
-    )  # fmt: skip
+    format_of = job.named(format_)
+    order = job.Job(format_of, chosen, bundle, path, out, trust, min_score, isolation_level, private=private)
     result = job.run(order)
     if result.status == "incomplete":
         return 3

@@ -16,7 +16,7 @@ from grader.people.identity import Row as Who
 from grader.people.identity import spellings
 from grader.platforms.filled import Filled, Form, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
-from grader.platforms.platform import Help, Platform
+from grader.platforms.platform import Help, Platform, Template
 from grader.platforms.sheet import Row, Sheet, read_sheet
 
 # --- the gradebook, filled in -----------------------------------------------------------------------------------------
@@ -29,33 +29,23 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 """Name of the test student, which Canvas adds to a course and lists among the students."""
 
 
-def fill(
-    template: bytes,
-    source: str,
-    column: str | None,
-    final_grades: Mapping[str, FinalGrade],
-    *,
-    scaled: bool = False,
-    missing: str = "",
-) -> Filled:
+def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     """Fill the final points into a gradebook of Canvas: return its student columns unchanged, and the assignment's column.
 
-    `column` is the title, the number or the whole heading of the assignment.
+    `template.column` is the title, the number or the whole heading of the assignment.
 
     Raises
     ------
     RequestError
         If it is no gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
     """
-    sheet = read_sheet(template, source)
-    titles = sheet.titles
-    section = sheet.column("Section")
+    sheet = read_sheet(template.data, template.source)
+    titles, section = sheet.titles, sheet.column("Section")
     if ("Student" not in titles[0] and titles[0] != "LastName") or len(titles) < 3 or section is None:
-        raise RequestError(f"{source}: is not a Canvas gradebook; export one in Canvas with Grades > Export")
-    grade = _assignment(titles, section, column, source)
-    form = _form(sheet, grade, source)
-    matches = form.matches(final_grades)
-    filled = fill_in(form, matches, final_grades, scaled=scaled, missing=missing)
+        raise RequestError(f"{template.source}: is not a Canvas gradebook; export one in Canvas with Grades > Export")
+    grade = _assignment(titles, section, template.column, template.source)
+    form = _form(sheet, grade)
+    filled = fill_in(form, template, form.matches(final_grades), final_grades)
     sheet.keep([*range(section + 1), grade])
     filled.data = sheet.data()
     return filled
@@ -81,16 +71,15 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
     return found[0]
 
 
-def _form(sheet: Sheet, grade: int, source: str) -> Form:
+def _form(sheet: Sheet, grade: int) -> Form:
     """Return the rows of students; a row above them holds the maximum points of the assignment."""
     points = next((row.value(grade) for row in sheet.rows[1:] if "Points Possible" in row.value(0)), "")
     students = {
         number: row
         for number, row in enumerate(sheet.rows[1:], 1)
-        if row.value(0).strip() and len(row.cells) > 1 and "Points Possible" not in row.value(0)
+        if row.value(0).strip() and len(row) > 1 and "Points Possible" not in row.value(0)
     }
     return Form(
-        source,
         sheet,
         grade,
         students,

@@ -9,15 +9,13 @@ from __future__ import annotations
 import csv
 import datetime
 import io
-import json
 import math
 import subprocess
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grader.base.errors import GraderError, RequestError
+from grader.base.errors import RequestError
 from grader.engine.results import Result
 from grader.intake.downloads import Download
 from grader.platforms import rows
@@ -31,39 +29,32 @@ SCHEMA = "classroom50/result/v1"
 _REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_URL")
 
 
-@dataclass(frozen=True)
-class Identity:
-    """Identity of a submission, from the runner's environment variables. Collection refuses a result with another one."""
+def identity_of(environ: Mapping[str, str]) -> dict[str, str]:
+    """Return the fields that identify a submission, from the runner's environment. Collection refuses a result with others.
 
-    classroom: str
-    assignment: str
-    assignment_type: str
-    owner: str
-    submission: str
-    commit: str
-    release: str
-    review: str
-
-    @classmethod
-    def of(cls, environ: Mapping[str, str]) -> Identity:
-        """Read the identity from environment variables.
-
-        Raises
-        ------
-        RequestError
-            If a variable is missing. The message names it.
-        """
-        owner = environ.get("OWNER") or environ.get("USERNAME") or ""
-        missing = [name for name in _REQUIRED if not environ.get(name)] + ([] if owner else ["OWNER"])
-        if missing:
-            missing_names = ", ".join(missing)
-            raise RequestError(f"--format classroom50: {missing_names} not set; run it from a Classroom 50 autograder")
-        classroom, assignment, tag, commit, release = (environ[name] for name in _REQUIRED)
-        kind, review = environ.get("ASSIGNMENT_TYPE") or "individual", environ.get("REVIEW_URL") or commit
-        return cls(classroom, assignment, kind, owner, tag, commit, release, review)
+    Raises
+    ------
+    RequestError
+        If a variable is missing. The message names it.
+    """
+    owner = environ.get("OWNER") or environ.get("USERNAME") or ""
+    missing = [name for name in _REQUIRED if not environ.get(name)] + ([] if owner else ["OWNER"])
+    if missing:
+        raise RequestError(f"--format classroom50: {', '.join(missing)} not set; run it from a Classroom 50 autograder")
+    classroom, assignment, tag, commit, release = (environ[name] for name in _REQUIRED)
+    return {
+        "classroom": classroom,
+        "assignment": assignment,
+        "assignment_type": environ.get("ASSIGNMENT_TYPE") or "individual",
+        "owner": owner,
+        "submission": tag,
+        "commit": commit,
+        "release": release,
+        "review": environ.get("REVIEW_URL") or commit,
+    }
 
 
-def classroom50(result: Result, identity: Identity, committed: str) -> str:
+def classroom50(result: Result, identity: Mapping[str, str], committed: str) -> str:
     """Return the text of Classroom 50's `result.json`, which has whole points.
 
     Parameters
@@ -71,7 +62,7 @@ def classroom50(result: Result, identity: Identity, committed: str) -> str:
     result
         A complete result, because a check that was not judged has no integer score.
     identity
-        Identity of the submission.
+        The fields that identify the submission.
     committed
         Time of the commit, ISO 8601 in UTC. Lateness follows from it, so a regrade must not change it.
 
@@ -80,8 +71,7 @@ def classroom50(result: Result, identity: Identity, committed: str) -> str:
     GraderError
         If a part of the submission could not be judged.
     """
-    if result.status == "incomplete":
-        raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
+    rows.require_complete(result)
     checks = [(part, check) for part in result.criteria for check in part.checks]
     most = shares([check.max_points for _, check in checks], [math.inf] * len(checks))
     scores = shares([check.points or 0.0 for _, check in checks], most)
@@ -101,13 +91,13 @@ def classroom50(result: Result, identity: Identity, committed: str) -> str:
     tests += _extra_credit(result)
     record = {
         "schema": SCHEMA,
-        **identity.__dict__,
+        **identity,
         "datetime": committed,
         "score": sum(test["score"] for test in tests),
         "max-score": sum(most),
         "tests": tests,
     }
-    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return rows.as_json(record)
 
 
 def _extra_credit(result: Result) -> list[dict[str, Any]]:
@@ -143,14 +133,14 @@ def committed(path: Path) -> str:
 
 
 def _respond(result: Result, handed: ResultContext) -> str:
-    return classroom50(result, Identity.of(handed.environ), committed(handed.path))
+    return classroom50(result, identity_of(handed.environ), committed(handed.path))
 
 
 def _refuse(environ: Mapping[str, str], min_score: float | None) -> None:
     """Refuse `--min-score`: Classroom 50 takes any exit code but 0 for a broken autograder."""
     if min_score is not None:
         raise RequestError("--min-score: leave it out; Classroom 50 reads the points from result.json")
-    Identity.of(environ)
+    identity_of(environ)
 
 
 # --- clones -----------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Filling in of a file that a platform exported: grades go into one column, and all other bytes are kept."""
+"""Filling in of a file that a platform exported: grades go into one column, and all other cells are kept."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory, Match
 from grader.people.identity import Row as Who
+from grader.platforms.platform import Template
 from grader.platforms.sheet import Row, Sheet
 from grader.report import words
 
@@ -59,8 +60,6 @@ class Form:
 
     Attributes
     ----------
-    source
-        Name of the file in messages.
     grade
         Index of the column of grades.
     rows
@@ -75,7 +74,6 @@ class Form:
         Function that returns whether a row belongs to a student, and not to a test account of the platform.
     """
 
-    source: str
     sheet: Sheet
     grade: int
     rows: Mapping[int, Row]
@@ -91,41 +89,26 @@ class Form:
 
 
 def fill_in(
-    form: Form,
-    matches: Mapping[int, Match | None],
-    final_grades: Mapping[str, FinalGrade],
-    *,
-    scaled: bool,
-    missing: str = "",
+    form: Form, template: Template, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]
 ) -> Filled:
-    """Fill in the final points of everyone who has some.
-
-    Parameters
-    ----------
-    form
-        The file, whose sheet is changed.
-    matches
-        Match of each row, by row number.
-    final_grades
-        Final grades by id of the submission.
-    scaled
-        Whether points are scaled if the maximum in the file differs from the rubric's.
-    missing
-        Grade of a person without a submission whose cell is blank; "" leaves it blank. A row that may mean somebody who handed in
-        stays blank.
+    """Fill the final points of everyone who has some into the sheet of a form; `matches` has the match of each row, by its number.
 
     Raises
     ------
     RequestError
-        If the maximum differs from the rubric's, and `scaled` is False.
+        If the maximum differs from the rubric's, and points are not to be scaled.
     """
     filled, known = Filled(), directory(final_grades)
-    comma = any(_COMMA.fullmatch(text.strip()) for row in form.rows.values() for text in _numbers(form, row))
+    comma = any(
+        _COMMA.fullmatch(text.strip())
+        for row in form.rows.values()
+        for text in (row.value(form.grade), form.out_of(row))
+    )
     for number, row in form.rows.items():
         match = matches[number]
         if match is None:
-            if missing and _is_missing(form, row, known):
-                form.sheet.set(row, form.grade, missing)
+            if template.missing and _is_missing(form, row, known):
+                form.sheet.set(row, form.grade, template.missing)
                 filled.missing.append(form.name(row))
             elif form.is_student(row):
                 filled.unmatched.append((form.who(row), form.name(row)))
@@ -135,7 +118,7 @@ def fill_in(
         if form.locked(row):
             filled.kept.append(form.name(row))
         elif final_grade.final is not None:
-            points = words.number(final_grade.final * _scale(form, row, final_grade, scaled=scaled))
+            points = words.number(final_grade.final * _scale(form, template, row, final_grade))
             _set(form, row, points.replace(".", ",") if comma else points, filled)
     return filled
 
@@ -144,11 +127,6 @@ def _is_missing(form: Form, row: Row, known: Directory) -> bool:
     """Return whether a row without a match belongs to a student who handed in nothing and has no grade yet."""
     blank = row.value(form.grade).strip() in ("", "-") and not form.locked(row)
     return blank and form.is_student(row) and not known.why_not(form.who(row))
-
-
-def _numbers(form: Form, row: Row) -> tuple[str, str]:
-    """Return the grade and the maximum of a row, as the file writes them."""
-    return row.value(form.grade), form.out_of(row)
 
 
 def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
@@ -161,15 +139,17 @@ def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
     filled.grades += 1
 
 
-def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> float:
-    """Return the factor from the rubric's points to those of the file; refuse a different maximum unless `scaled`."""
+def _scale(form: Form, template: Template, row: Row, final_grade: FinalGrade) -> float:
+    """Return the factor from the rubric's points to those of the file; refuse a different maximum unless points are scaled."""
     most, ours = decimal(form.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:
         return 1.0  # the file names no other maximum
-    if not scaled:
+    if not template.scaled:
         differ = f"the assignment is out of {words.number(most)}, and the rubric out of {words.number(ours)}"
         rest = "have the points scaled, or make them equal on the platform or in rubric.yaml"
-        raise RequestError(f"{form.source}: {differ}; add --scale to {rest}", option="scale", why=f"{differ}; {rest}")
+        raise RequestError(
+            f"{template.source}: {differ}; add --scale to {rest}", option="scale", why=f"{differ}; {rest}"
+        )
     return most / ours
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
-from grader.base.text import csv_cell, printable
+from grader.base import tables
+from grader.base.text import printable
 from grader.engine.results import CriterionResult
 from grader.people.final_grade import FinalGrade, Person
 from grader.platforms.platform import Help, Platform
@@ -31,9 +30,7 @@ def gradebook(
     untimed
         The hand-ins whose lateness is unknown; None for a class without a late policy.
     """
-    columns = _columns(list(final_grades.values()), any(person.section for person in absent))
-    if untimed is not None:
-        columns = _with_lateness(columns, untimed)
+    columns = _columns(list(final_grades.values()), absent, untimed)
     handed_in = [{title: cell(final_grade) for title, cell in columns.items()} for final_grade in final_grades.values()]
     return _table([*handed_in, *_absentees(final_grades, absent, "")], list(columns))
 
@@ -46,9 +43,8 @@ def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = 
     missing
         Grade of the people in `absent`; "" for a blank cell.
     """
-    columns = _columns(list(final_grades.values()), any(person.section for person in absent))
-    status = columns.pop("status")
-    columns |= {"final": lambda s: _points(s.final), "status": status}
+    columns = _columns(list(final_grades.values()), absent)
+    columns |= {"final": lambda s: _points(s.final), "status": columns.pop("status")}
     people = [
         _cells(columns, final_grade, person) for final_grade in final_grades.values() for person in final_grade.people
     ]
@@ -61,7 +57,7 @@ def _cells(columns: Mapping[str, Cell], final_grade: FinalGrade, person: Person)
     """Return the row of one of the people of a submission."""
     own = {"id": _text(person.number or final_grade.id), "name": _text(person.name), "section": _text(person.section)}
     shared = {title: cell(final_grade) for title, cell in columns.items()}
-    return {**shared, **own, "submission": csv_cell(final_grade.id)}
+    return {**shared, **own, "submission": final_grade.id}
 
 
 def _absentees(
@@ -75,17 +71,18 @@ def _absentees(
 
 
 def _table(rows: Iterable[Mapping[str, str]], titles: Sequence[str]) -> str:
-    text = io.StringIO()
-    table = csv.DictWriter(text, titles, restval="", extrasaction="ignore", lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    return text.getvalue()
+    return tables.written([titles, *([row.get(title, "") for title in titles] for row in rows)])
 
 
-def _columns(final_grades: list[FinalGrade], sections: bool = False) -> dict[str, Cell]:
-    """Return each column's name and content; criteria in the order in which they first occur."""
-    columns: dict[str, Cell] = {"id": lambda s: csv_cell(s.id), "name": lambda s: _text(s.name)}
-    if sections or any(s.section for s in final_grades):
+def _columns(
+    final_grades: list[FinalGrade], absent: Sequence[Person], untimed: Collection[str] | None = None
+) -> dict[str, Cell]:
+    """Return each column's name and content; criteria in the order in which they first occur.
+
+    The columns of lateness are there if somebody is late, and in a class with a late policy even if no time is known.
+    """
+    columns: dict[str, Cell] = {"id": lambda s: s.id, "name": lambda s: _text(s.name)}
+    if any(s.section for s in final_grades) or any(person.section for person in absent):
         columns["section"] = lambda s: _text(s.section)
     for criterion in dict.fromkeys(c.id for s in final_grades for c in s.result.criteria):
         columns[criterion] = lambda s, id_=criterion: "" if s.unseen or s.has_no_submission else _criterion(s, id_)  # type: ignore[misc] # a default binds the id
@@ -94,43 +91,26 @@ def _columns(final_grades: list[FinalGrade], sections: bool = False) -> dict[str
     if any(s.result.repairs for s in final_grades):
         columns["repair_deduction"] = lambda s: words.number(s.result.repair_deduction)
     columns["total"] = lambda s: "" if _has_no_total(s) else words.number(s.result.total)
-    return columns | _middle_columns(final_grades) | {"status": words.status}
+    if any(s.adjustments for s in final_grades):
+        columns["adjusted"] = lambda s: _points(s.adjusted)
+    if any(s.hand_in.submitted for s in final_grades):
+        columns["submitted"] = lambda s: _text(s.hand_in.submitted)
+    if untimed is not None or any(s.late for s in final_grades):
+        columns["late"] = lambda s: "unknown" if s.id in (untimed or ()) else _late(s)
+        columns["late_deduction"] = lambda s: "" if s.final is None else words.number(s.deduction)
+    if any(s.late and s.late.grace_days for s in final_grades):
+        columns["grace_days_used"] = lambda s: str(s.late.grace_days if s.late else 0)
+    if "adjusted" in columns or "late" in columns:
+        columns["final"] = lambda s: _points(s.final)
+    return columns | {"status": words.status}
 
 
 def _has_no_total(final_grade: FinalGrade) -> bool:
     return final_grade.unseen or final_grade.has_no_submission or final_grade.result.status == "incomplete"
 
 
-def _middle_columns(final_grades: list[FinalGrade]) -> dict[str, Cell]:
-    """Return the columns between the automatic total and the status."""
-    columns: dict[str, Cell] = {}
-    if any(s.adjustments for s in final_grades):
-        columns["adjusted"] = lambda s: _points(s.adjusted)
-    if any(s.hand_in.submitted for s in final_grades):
-        columns["submitted"] = lambda s: _text(s.hand_in.submitted)
-    if any(s.late for s in final_grades):
-        columns["late"] = _late
-        columns["late_deduction"] = lambda s: "" if s.final is None else words.number(s.deduction)
-        if any(s.late and s.late.grace_days for s in final_grades):
-            columns["grace_days_used"] = lambda s: str(s.late.grace_days if s.late else 0)
-    if "adjusted" in columns or "late" in columns:
-        columns["final"] = lambda s: _points(s.final)
-    return columns
-
-
-def _with_lateness(columns: Mapping[str, Cell], untimed: Collection[str]) -> dict[str, Cell]:
-    """Return the columns of a class with a late policy, also if nobody is late or no time is known."""
-    status = {"status": columns["status"]}
-    late: dict[str, Cell] = {
-        "late": lambda s: "unknown" if s.id in untimed else _late(s),
-        "late_deduction": lambda s: "" if s.final is None else words.number(s.deduction),
-        "final": lambda s: _points(s.final),
-    }
-    return {**{title: cell for title, cell in columns.items() if title not in ("final", "status")}, **late, **status}
-
-
 def _text(text: str) -> str:
-    return csv_cell(printable(text, 500, newlines=True))
+    return printable(text, 500, newlines=True)
 
 
 def _points(points: float | None) -> str:

@@ -6,26 +6,23 @@ platform then reports that the autograder failed, and the instructor runs it aga
 
 from __future__ import annotations
 
-import csv
+import codecs
 import html
-import io
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import yaml
 
-from grader.base.errors import GraderError
+from grader.base import tables
 from grader.base.stamps import stamp
-from grader.base.text import csv_cell, printable
+from grader.base.text import printable
 from grader.engine.results import CheckResult, CriterionResult, LabName, Result, shown_provenance
 from grader.intake.downloads import Download
 from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.platforms import rows
 from grader.platforms.found import Found, Shape
-from grader.platforms.platform import Help, Platform, Visibility
-from grader.platforms.sheet import BOM
+from grader.platforms.platform import Help, Platform
 from grader.report import words
 
 SUBMISSION = "autograder/submission"
@@ -34,7 +31,7 @@ SUBMISSION = "autograder/submission"
 # --- results.json -----------------------------------------------------------------------------------------------------
 
 
-def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility = "visible") -> str:
+def gradescope(result: Result, *, hidden: bool = False) -> str:
     """Return the text of Gradescope's `results.json`: one test per check, numbered in the order of the rubric.
 
     Parameters
@@ -43,16 +40,13 @@ def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility =
         A complete result.
     hidden
         Whether it comes from hidden scenarios; the output then says so.
-    visibility
-        When students see the tests. With "hidden" Gradescope hides their total as well.
 
     Raises
     ------
     GraderError
         If a part of the submission could not be judged.
     """
-    if result.status == "incomplete":
-        raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
+    rows.require_complete(result)
     record = {
         "score": result.total,
         "execution_time": round(result.duration_s, 3),
@@ -61,17 +55,17 @@ def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility =
         "visibility": "visible",
         "stdout_visibility": "hidden",
         "tests": [
-            _test(check, part, f"{i}.{j}", visibility, result.lab)
+            _test(check, part, f"{i}.{j}", result.lab)
             for i, part in enumerate(rows.parts(result), 1)
             for j, check in enumerate(part.checks, 1)
         ]
-        + _extra_credit(result, visibility),
+        + _extra_credit(result),
         "extra_data": _extra(result),
     }
-    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return rows.as_json(record)
 
 
-def _test(check: CheckResult, part: rows.Part, number: str, visibility: Visibility, lab: LabName) -> dict[str, Any]:
+def _test(check: CheckResult, part: rows.Part, number: str, lab: LabName) -> dict[str, Any]:
     test: dict[str, Any] = {
         "name": f"{rows.title(part)}: {printable(check.title, 300)}",
         "name_format": "text",
@@ -80,7 +74,7 @@ def _test(check: CheckResult, part: rows.Part, number: str, visibility: Visibili
         "output": _output_of(check, part, lab),
         "output_format": "html",
         "tags": [part.id],
-        "visibility": visibility,
+        "visibility": "visible",
     }
     # A test with a status and no points is shown as information. Extensions are: Gradescope wants the sum of `max_score` to be
     # the assignment's points, which extra credit does not change.
@@ -88,13 +82,13 @@ def _test(check: CheckResult, part: rows.Part, number: str, visibility: Visibili
     return {**test, **points} if isinstance(part, CriterionResult) else test
 
 
-def _extra_credit(result: Result, visibility: Visibility) -> list[dict[str, Any]]:
+def _extra_credit(result: Result) -> list[dict[str, Any]]:
     """Return the extensions' points as one test without a maximum, where the rubric gives extra credit."""
     if result.extra_credit_cap is None:
         return []
     test = {"name": "Extra credit", "score": result.extra_credit, "max_score": 0.0, "status": "passed"}
     limit = f"At most {words.number(result.extra_credit_cap)}, beside the score."
-    return [{**test, "output": limit, "output_format": "text", "tags": ["extensions"], "visibility": visibility}]
+    return [{**test, "output": limit, "output_format": "text", "tags": ["extensions"], "visibility": "visible"}]
 
 
 def _output_of(check: CheckResult, part: rows.Part, lab: LabName) -> str:
@@ -139,19 +133,14 @@ def gradescope_csv(final_grades: Mapping[str, FinalGrade], absent: Sequence[Pers
     All members of a group have the final points of the group. Columns without a counterpart here are blank. `missing` is the grade
     of the people in `absent`, "" for a blank cell.
     """
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(COLUMNS)
-    for final_grade in final_grades.values():
-        table.writerows(_row(final_grade, person) for person in final_grade.people)
-    table.writerows([*_who(person), missing, "", "Missing", *[""] * 5] for person in absent)
-    return text.getvalue()
+    handed_in = [_row(each, person) for each in final_grades.values() for person in each.people]
+    others = [[*_who(person), missing, "", "Missing", *[""] * 5] for person in absent]
+    return tables.written([COLUMNS, *handed_in, *others])
 
 
 def _who(person: Person) -> list[str]:
     first, last = _names(person.name)
-    who = (first, last, person.number, person.email, person.section)
-    return [csv_cell(printable(text, 500)) for text in who]
+    return [printable(text, 500) for text in (first, last, person.number, person.email, person.section)]
 
 
 def _row(final_grade: FinalGrade, person: Person) -> list[str]:
@@ -161,7 +150,7 @@ def _row(final_grade: FinalGrade, person: Person) -> list[str]:
         "" if final is None else words.number(final),
         words.number(final_grade.result.max_score),
         "Ungraded" if final is None else "Graded",
-        *(csv_cell(printable(text, 80)) for text in (final_grade.hand_in.number, final_grade.hand_in.submitted)),
+        *(printable(text, 80) for text in (final_grade.hand_in.number, final_grade.hand_in.submitted)),
         _lateness(final_grade),
         "",
         "",
@@ -267,14 +256,14 @@ They have not run on Gradescope's own machines.""",
         read=("*Export Submissions*", "`submission_metadata.yml`", "the submitters; a group is one submission"),
         grades="the columns in which it exports grades, a row a person.",
     ),
-    respond=lambda result, handed: gradescope(result, hidden=handed.hidden, visibility=handed.visibility),
+    respond=lambda result, handed: gradescope(result, hidden=handed.hidden),
     recognise=lambda _, root: (root / SUBMISSION).is_dir(),
     submission=SUBMISSION,
     answer="autograder/results/results.json",
     keeps_secrets=True,
     read=read,
     write=lambda final_grades, absent, missing: (
-        BOM + gradescope_csv(final_grades, absent, missing).encode("utf-8", "replace")
+        codecs.BOM_UTF8 + gradescope_csv(final_grades, absent, missing).encode("utf-8", "replace")
     ),  # marked: a spreadsheet spoils umlauts
     gradebook="gradescope.csv",
 )

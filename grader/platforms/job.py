@@ -7,7 +7,6 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import cast, get_args
 
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
@@ -20,7 +19,7 @@ from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import did_you_mean
 from grader.engine.traces import Traces
 from grader.platforms import registry
-from grader.platforms.platform import Platform, ResultContext, Visibility
+from grader.platforms.platform import Platform, ResultContext
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,6 @@ class Job:
     traces: Traces
     path: Path | None = None
     out: Path | None = None
-    visibility: Visibility = "visible"
     trusted: bool = False
     min_score: float | None = None
     isolation_level: str | None = None
@@ -46,13 +44,6 @@ class Job:
     def hidden(self) -> bool:
         """Return whether the job grades on hidden scenarios."""
         return self.traces.name != "public"
-
-
-def visible(when: str) -> Visibility:
-    """Return the value of `--visibility`; refuse a word that Gradescope does not have."""
-    if when not in get_args(Visibility):
-        raise RequestError(f"--visibility {printable(when)}: there are {', '.join(get_args(Visibility))}")
-    return cast(Visibility, when)
 
 
 def named(name: str) -> Platform:
@@ -128,7 +119,7 @@ def run(job: Job) -> Result:
                 "leave --traces out, or add --trust-submissions"
             )
         result = marker.mark(submission)
-    handed = ResultContext(job.rubric.lab, submission, path, job.environ, job.hidden, job.visibility)
+    handed = ResultContext(job.rubric.lab, submission, path, job.environ, job.hidden)
     _write(job, respond(result, handed), result)
     if job.platform.aside is not None:
         _append(job.environ, job.platform.aside.variable, job.platform.aside.text(result, handed))

@@ -15,7 +15,7 @@ from grader.people.identity import Match, participant, spellings
 from grader.people.identity import Row as Who
 from grader.platforms.filled import Filled, Form, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
-from grader.platforms.platform import Help, Platform
+from grader.platforms.platform import Help, Platform, Template
 from grader.platforms.sheet import Row, Sheet, read_sheet
 from grader.report import words
 from grader.report.adjusted import explained
@@ -34,44 +34,36 @@ _NO = ("no", "nein", "non")
 _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
-def fill(
-    template: bytes,
-    source: str,
-    column: str | None,
-    final_grades: Mapping[str, FinalGrade],
-    *,
-    scaled: bool = False,
-    missing: str = "",
-) -> Filled:
-    """Fill grades and comments into a grading worksheet; keep teachers' comments and all other bytes. `column`: that of the grades.
+def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
+    """Fill grades and comments into a grading worksheet; keep teachers' comments and all other cells.
 
     Raises
     ------
     RequestError
         If it is no grading worksheet, or the maximum of the assignment differs from the rubric's.
     """
-    sheet = read_sheet(template, source)
-    grade = sheet.column(column or "Grade")
+    sheet, column = read_sheet(template.data, template.source), template.column or "Grade"
+    grade = sheet.column(column)
     if grade is None or len(sheet.titles) < 3:
-        why = f"no column {column or 'Grade'} in the template; download the grading worksheet, or name the column"
+        how = "download the grading worksheet, or name the column"
         raise RequestError(
-            f"{source}: has no column {column or 'Grade'}; download the grading worksheet, or name the column with --column",
+            f"{template.source}: has no column {column}; {how} with --column",
             option="column",
-            why=why,
+            why=f"no column {column} in the template; {how}",
         )
-    form = _form(sheet, grade, source)
+    form = _form(sheet, grade)
     teams = _teams(final_grades)
     matches = {
         number: match or teams.get(form.rows[number].value(sheet.column("Group")).strip().casefold())
         for number, match in form.matches(final_grades).items()
     }
-    filled = fill_in(form, matches, final_grades, scaled=scaled, missing=missing)
+    filled = fill_in(form, template, matches, final_grades)
     _comment_on(form, matches, final_grades)
     filled.data = sheet.data()
     return filled
 
 
-def _form(sheet: Sheet, grade: int, source: str) -> Form:
+def _form(sheet: Sheet, grade: int) -> Form:
     """Find the columns of a worksheet by title, or, on sites in other languages, by position and contents."""
     rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
     known = sheet.column(*_MOST)
@@ -87,7 +79,6 @@ def _form(sheet: Sheet, grade: int, source: str) -> Form:
             None,
         )
     return Form(
-        source,
         sheet,
         grade,
         rows,
@@ -206,7 +197,7 @@ PLATFORM = Platform(
     help=Help(
         read=("*Download all submissions*, both modes", "`Full name_number_assignsubmission_file`", "the number"),
         grades="""\
-download the grading worksheet, fill it, upload it. Grades and comments are filled in, and every other byte is as it
+download the grading worksheet, fill it, upload it. Grades and comments are filled in, and every other cell is as it
 was; a comment of your own is kept. Where the site speaks another language, name the column of grades with `--column`. The zip of
 `--feedback` goes to *Upload multiple feedback files in a zip*. Moodle takes no worksheet where a rubric of its own is in use.""",
     ),

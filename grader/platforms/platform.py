@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from grader.engine.lab import Lab
@@ -16,51 +16,34 @@ if TYPE_CHECKING:
     from grader.platforms.filled import Filled
     from grader.platforms.found import Shape
 
-Visibility = Literal["visible", "after_due_date", "after_published", "hidden"]
-"""When students see the tests, in the words of Gradescope."""
 
+@dataclass(frozen=True)
+class Template:
+    """A file that a platform exported, to fill in the grades. People without a grade keep their cell.
 
-class Fill(Protocol):
-    """Function that fills in a file exported by the platform. People without a grade keep their cell."""
+    Attributes
+    ----------
+    data, source
+        The bytes of the file, and its name in messages.
+    column
+        The column of the grades; None finds it.
+    scaled
+        Whether points are scaled if the maximum in the file differs from the rubric's. Otherwise such a file is refused.
+    missing
+        Grade of people without a submission whose cell is blank; "" leaves it blank. A row that may mean somebody who handed in
+        stays blank.
+    """
 
-    def __call__(
-        self,
-        template: bytes,
-        source: str,
-        column: str | None,
-        final_grades: Mapping[str, FinalGrade],
-        *,
-        scaled: bool = False,
-        missing: str = "",
-    ) -> Filled:
-        """Return the file with the final points.
-
-        Parameters
-        ----------
-        template
-            The bytes of the exported file.
-        source
-            Name of the file in messages.
-        column
-            The column of the grades; None finds it.
-        final_grades
-            Final grades by id of the submission.
-        scaled
-            Whether points are scaled if the maximum in the file differs from the rubric's.
-        missing
-            Grade of people without a submission; "" leaves their cells as they are.
-
-        Raises
-        ------
-        RequestError
-            If it is no such file, or its maximum differs and `scaled` is False.
-        """
-        ...
+    data: bytes
+    source: str
+    column: str | None = None
+    scaled: bool = False
+    missing: str = ""
 
 
 @dataclass(frozen=True)
 class ResultContext:
-    """Context of a result on a platform: the submission, its path, the environment, and how to report the result.
+    """Context of a result on a platform: the submission, its path and the environment.
 
     `hidden` says that the scenarios are secret. The result then holds no data of the scenarios.
     """
@@ -70,7 +53,6 @@ class ResultContext:
     path: Path
     environ: Mapping[str, str]
     hidden: bool = False
-    visibility: Visibility = "visible"
 
 
 @dataclass(frozen=True)
@@ -128,7 +110,8 @@ class Platform:
     read
         Function that reads the submissions of a download; it returns None for other downloads.
     fill
-        Function that fills the grades of a class into a file that the platform exported.
+        Function that fills the grades of a class into a file that the platform exported. It raises RequestError if it is no such
+        file, or its maximum is refused.
     write
         Function that writes the grades of a class as a file: final grades by id, the people of the roster without a submission, and
         their grade, "" for a blank cell.
@@ -147,6 +130,6 @@ class Platform:
     answer: str = ""
     keeps_secrets: bool = False
     read: Callable[[Download], Shape | None] | None = None
-    fill: Fill | None = None
+    fill: Callable[[Template, Mapping[str, FinalGrade]], Filled] | None = None
     write: Callable[[Mapping[str, FinalGrade], Sequence[Person], str], bytes] | None = None
     gradebook: str = ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 from grader.base.text import printable
@@ -17,12 +16,8 @@ LIMIT_BYTES = 1_000_000  # PrairieLearn refuses more
 
 def prairielearn(result: Result) -> str:
     """Return the text of PrairieLearn's `results.json` for a result."""
-    text = _text(_record(result))
-    return text if len(text.encode()) <= LIMIT_BYTES else _text({**_record(result), "tests": [], "output": ""})
-
-
-def _text(record: dict[str, Any]) -> str:
-    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = rows.as_json(_record(result))
+    return text if len(text.encode()) <= LIMIT_BYTES else rows.as_json({**_record(result), "tests": [], "output": ""})
 
 
 def _record(result: Result) -> dict[str, Any]:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
 
+from grader.base.errors import GraderError
 from grader.base.text import printable
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
 from grader.report import causes, words
@@ -18,6 +21,23 @@ def parts(result: Result) -> Iterator[Part]:
     """Yield the criteria, then the attempted extensions."""
     yield from result.criteria
     yield from (extension for extension in result.extensions if extension.attempted and extension.checks)
+
+
+def require_complete(result: Result) -> None:
+    """Refuse a result with a check that was not judged, for a format that has no word for it.
+
+    Raises
+    ------
+    GraderError
+        The platform then reports that the autograder failed, and the instructor runs it again.
+    """
+    if result.status == "incomplete":
+        raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
+
+
+def as_json(record: Mapping[str, Any]) -> str:
+    """Return the text of a JSON file with this record."""
+    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def title(part: Part) -> str:

@@ -21,7 +21,7 @@ from grader.engine.results import Result, to_json
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.platforms import registry
-from grader.platforms.platform import Platform, ResultContext
+from grader.platforms.platform import Platform, ResultContext, Template
 from grader.report import terminal
 from grader.report.pages import index_page, report_page
 from tests import fake_results
@@ -75,7 +75,7 @@ def _of_platform(platform: Platform) -> Iterator[tuple[str, Callable[[Result], s
 def _filled(platform: Platform, result: Result) -> str:
     assert platform.fill is not None
     final_grade = FinalGrade("one", result, HandIn((Person("Alice", "1", platform.name),)))
-    filled = platform.fill(TEMPLATES[platform.name], "template.csv", None, {"one": final_grade})
+    filled = platform.fill(Template(TEMPLATES[platform.name], "template.csv"), {"one": final_grade})
     assert {match.id for match in filled.placed} == {"one"}
     return filled.data.decode("utf-8-sig")
 

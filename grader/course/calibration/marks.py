@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -132,11 +131,9 @@ def _number(row: Mapping[str, str], column: str, most: float) -> float:
 
 def as_table(cells: Sequence[Cell], marks: Mapping[Cell, Mark], rubric: str) -> str:
     """Return the CSV of a person's marks of a sample, with blank points where there are none yet."""
-    stream = io.StringIO()
-    table = csv.writer(stream)
-    table.writerow(COLUMNS)
+    rows: list[Sequence[str]] = [COLUMNS]
     for cell in cells:
         mark = marks.get(cell)
         given = (f"{mark.points:g}", f"{mark.low:g}", f"{mark.high:g}", mark.comment) if mark else ("",) * 4
-        table.writerow(map(csv_cell, (*cell, *given, rubric)))
-    return stream.getvalue()
+        rows.append((*cell, *given, rubric))
+    return tables.written(rows)

@@ -19,8 +19,8 @@ from grader.course.record.store import Store
 from grader.intake.names import distinct_ids
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory
-from grader.platforms.filled import directory, reply_to
-from grader.platforms.platform import Fill, Platform
+from grader.platforms.filled import Filled, directory, reply_to
+from grader.platforms.platform import Platform, Template
 from grader.report import words
 
 BLANK_OR_ZERO = ("blank", "0")
@@ -211,13 +211,17 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
 
 
 def _filled(
-    fill: Fill, template: Path, order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]
+    fill: Callable[[Template, Mapping[str, FinalGrade]], Filled],
+    template: Path,
+    order: Export,
+    final_grades: Mapping[str, FinalGrade],
+    absent: Sequence[Person],
 ) -> Draft:
     """Return the platform's own file with the grades filled in, and the lists of people to review."""
     source = printable(str(template), 500)
     data = read_file(template, MAX_TEMPLATE, "give the file that the platform exports")
     missing = _grade_of_missing(order)
-    filled = fill(data, source, order.column, final_grades, scaled=order.scaled, missing=missing)
+    filled = fill(Template(data, source, order.column, order.scaled, missing), final_grades)
     known = directory(final_grades)
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
