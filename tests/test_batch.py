@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.markers.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
+from grader.course.markers.pool import Bounds, Ended, MarkerAnswer, Unmarked, mark_all
 from grader.course.run import unmarked
 from grader.course.run.grade_request import GradeRequest
 from grader.course.run.warnings import remarks
@@ -36,7 +36,7 @@ ON_LINUX = pytest.mark.skipif(
 NO_BOUNDS = Bounds()
 
 
-def grade(folder: Path, *ids: str, bounds: Bounds = NO_BOUNDS) -> dict[str, Outcome]:
+def grade(folder: Path, *ids: str, bounds: Bounds = NO_BOUNDS) -> dict[str, MarkerAnswer]:
     marked = mark_all(iter(map(submission, ids)), partial(fake_marker, folder), 2, bounds)
     return {each.id: outcome for each, outcome in marked}
 
@@ -81,7 +81,7 @@ def test_a_marker_that_does_not_answer_or_grows_without_end_is_ended_and_the_oth
     tmp_path: Path, id_: str, bounds: Bounds, reason: str
 ) -> None:
     outcomes = grade(tmp_path, "a", id_, "b", "c", bounds=bounds)
-    assert outcomes.pop(id_) == Stopped(reason)
+    assert outcomes.pop(id_) == Ended(reason)
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
     assert sorted(FakeMarker(tmp_path).marked()) == sorted(["a", "b", "c", id_, id_])
     assert multiprocessing.active_children() == []

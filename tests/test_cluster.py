@@ -19,7 +19,7 @@ from distributed import Client
 
 from grader.base.errors import GraderError, RequestError
 from grader.course.markers import cluster, cluster_worker
-from grader.course.markers.pool import KILLED, Bounds, Outcome, Unmarked
+from grader.course.markers.pool import KILLED, Bounds, MarkerAnswer, Unmarked
 from grader.course.record.store import Store
 from grader.course.run import classroom, submissions
 from grader.course.run.grade_request import GradeRequest
@@ -88,7 +88,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
         yield site
 
 
-def grade(site: Site, folder: Path, *ids: str) -> dict[str, Outcome]:
+def grade(site: Site, folder: Path, *ids: str) -> dict[str, MarkerAnswer]:
     marked = list(cluster.mark_all(iter(map(submission, ids)), partial(fake_marker, folder), site.address, Bounds()))
     assert len({each.id for each, _ in marked}) == len(marked), "a submission came back twice"
     return {each.id: outcome for each, outcome in marked}

@@ -29,7 +29,7 @@ import typer.main
 
 from grader import cli
 from grader.commands import checking, machine
-from grader.course.markers.pool import OpenMarker, Outcome
+from grader.course.markers.pool import MarkerAnswer, OpenMarker
 from grader.course.run import classroom
 from grader.engine import lab_sandbox
 from grader.engine.rubric import load, shipped
@@ -125,7 +125,9 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield place
 
 
-def _mark_all(submissions: Iterator[Submission], opener: OpenMarker, *_: Any) -> Iterator[tuple[Submission, Outcome]]:
+def _mark_all(
+    submissions: Iterator[Submission], opener: OpenMarker, *_: Any
+) -> Iterator[tuple[Submission, MarkerAnswer]]:
     """Mark in this process, as another one starts for seconds."""
     with opener() as marker:
         for submission in submissions:

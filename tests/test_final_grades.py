@@ -18,7 +18,7 @@ from grader.engine.rubric import LatePolicy
 from grader.people import final_grade as grades
 from grader.people import roster
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, points_by_check
-from grader.people.identity import Directory, Row
+from grader.people.identity import Directory, PersonRow
 from grader.people.late_policy import judged
 from grader.platforms.gradebook import gradebook
 from grader.report import adjusted
@@ -149,19 +149,19 @@ PEOPLE = Directory(
 @pytest.mark.parametrize(
     ("row", "id_"),
     [
-        (Row("canvas", "101"), "doejane_101"),
-        (Row(name="Jane Doe"), "doejane_101"),
-        (Row("canvas", "103", name="Doe, Jane"), None),
-        (Row("moodle", "101", name="Bob Roe"), "roe"),
-        (Row(numbers=("S2",)), "roe"),
-        (Row(numbers=("102",), name="Somebody Else"), None),
-        (Row(email="other@example.edu", name="Bob Roe"), None),
-        (Row(numbers=("s7",), name="Bob Roe"), None),
-        (Row(numbers=("group",)), "group"),
-        (Row(name="Tim Twin"), None),
+        (PersonRow("canvas", "101"), "doejane_101"),
+        (PersonRow(name="Jane Doe"), "doejane_101"),
+        (PersonRow("canvas", "103", name="Doe, Jane"), None),
+        (PersonRow("moodle", "101", name="Bob Roe"), "roe"),
+        (PersonRow(numbers=("S2",)), "roe"),
+        (PersonRow(numbers=("102",), name="Somebody Else"), None),
+        (PersonRow(email="other@example.edu", name="Bob Roe"), None),
+        (PersonRow(numbers=("s7",), name="Bob Roe"), None),
+        (PersonRow(numbers=("group",)), "group"),
+        (PersonRow(name="Tim Twin"), None),
     ],
 )  # fmt: skip
-def test_a_row_is_given_to_the_right_one_or_to_nobody(row: Row, id_: str | None) -> None:
+def test_a_row_is_given_to_the_right_one_or_to_nobody(row: PersonRow, id_: str | None) -> None:
     match = PEOPLE.find(row)
     assert (match and match.id) == id_
 
@@ -169,7 +169,7 @@ def test_a_row_is_given_to_the_right_one_or_to_nobody(row: Row, id_: str | None)
 # ---- the roster ----
 
 
-def read(tmp_path: Path, text: str, encoding: str = "utf-8") -> list[roster.Listed]:
+def read(tmp_path: Path, text: str, encoding: str = "utf-8") -> list[roster.RosterRow]:
     (tmp_path / "r.csv").write_text(text, encoding, newline="")
     return list(roster.load(tmp_path / "r.csv").people)
 
@@ -210,9 +210,11 @@ def test_what_platforms_export_is_a_roster_as_it_stands(tmp_path: Path) -> None:
         Person("Doe, Jane", "101", "canvas", "s1", "", "Tue, 10", ("jd",)),
     )
     moodle = 'Identifier;"Full name";"Email address";Status;Grade\n"Participant 12";Jürgen Doe;j@example.edu;-;\n'
-    assert read(tmp_path, moodle, "cp1252")[0].who == Row("moodle", "12", (), "j@example.edu", "Jürgen Doe")
+    assert read(tmp_path, moodle, "cp1252")[0].who == PersonRow("moodle", "12", (), "j@example.edu", "Jürgen Doe")
     gradescope = "First Name,Last Name,SID,Email,Sections\nJane,Doe,s1,j@example.edu,B\n"
-    assert read(tmp_path, gradescope) == [roster.Listed(Row("", "", ("s1",), "j@example.edu", "Jane Doe"), "B")]
+    assert read(tmp_path, gradescope) == [
+        roster.RosterRow(PersonRow("", "", ("s1",), "j@example.edu", "Jane Doe"), "B")
+    ]
 
 
 @pytest.mark.parametrize("dates", [("24", "26"), ("26", "24")])

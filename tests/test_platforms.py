@@ -96,7 +96,7 @@ PLATFORM = Platform(
 @pytest.fixture
 def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """A line of the registry for a platform that this module describes as a new one would be."""
-    monkeypatch.setitem(registry.LISTED, "made-up", registry.Listed(__name__, ("respond", "read", "write")))
+    monkeypatch.setitem(registry.LISTED, "made-up", registry.ListedPlatform(__name__, ("respond", "read", "write")))
 
 
 @pytest.mark.usefixtures("made_up")

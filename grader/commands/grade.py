@@ -17,7 +17,7 @@ from grader.platforms import registry
 
 if TYPE_CHECKING:
     from grader.course.record.class_settings import Change
-    from grader.course.run.classroom import Outcome
+    from grader.course.run.classroom import RunOutcome
     from grader.course.run.grade_request import GradeRequest
     from grader.course.run.submissions import Class
 
@@ -140,7 +140,7 @@ def grade(
     if changed is not None:
         request = replace(request, change=_confirmed(changed, change))
     screen = console()
-    with progress.Bar(screen) if screen.is_terminal else progress.Lines() as listener:
+    with progress.ProgressBar(screen) if screen.is_terminal else progress.ProgressLines() as listener:
         outcome = classroom.grade_class(request, found, listener)
     screen.print(Text("\n".join(_summary(outcome, shown_path(out / "index.html")))), soft_wrap=True)
     for line in (lab.blind_spot(bundle), *_notices(outcome, secret=seed is not None)):
@@ -150,7 +150,7 @@ def grade(
     return 3 if outcome.incomplete else int(below)
 
 
-def _summary(outcome: Outcome, index: str) -> Iterator[str]:
+def _summary(outcome: RunOutcome, index: str) -> Iterator[str]:
     """Yield the last lines of a run: counts, mean, submissions that were not graded, where the pages are."""
     import statistics  # noqa: PLC0415
 
@@ -171,7 +171,7 @@ def _summary(outcome: Outcome, index: str) -> Iterator[str]:
     yield f"Open {printable(index, 1000)}"
 
 
-def _notices(outcome: Outcome, *, secret: bool) -> Iterator[str]:
+def _notices(outcome: RunOutcome, *, secret: bool) -> Iterator[str]:
     """Yield what an instructor should know of a run: missing secret, regraded results, contradictions, warnings."""
     if not secret:
         yield "no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)"

@@ -24,7 +24,7 @@ from grader.desk import (
     submissions,
     web_requests,
 )
-from grader.desk.auth import Guard, Keys
+from grader.desk.auth import AccessControl, Keys
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import STATIC, page
 from grader.desk.web_requests import WebRequest
@@ -61,7 +61,7 @@ WRITES: dict[str, Handler] = {
 }
 
 
-def application(book: Classbook, keys: Keys, author: str) -> Guard:
+def application(book: Classbook, keys: Keys, author: str) -> AccessControl:
     """Return the desk over one class as an ASGI application.
 
     Parameters
@@ -109,7 +109,7 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
         *(Route(f"/static/{name}", _static(name), methods=["GET"]) for name in STATIC),
     ]
     nothing = {404: lambda request, problem: _refused("This page does not exist.", 404)}
-    return Guard(Starlette(routes=routes, exception_handlers=nothing), keys)
+    return AccessControl(Starlette(routes=routes, exception_handlers=nothing), keys)
 
 
 def _answered(handler: Handler, book: Classbook, web_request: WebRequest) -> Response:

@@ -53,7 +53,7 @@ class Keys:
         return f"imugrade-desk-{self.port}"
 
 
-class Guard:
+class AccessControl:
     """ASGI middleware that refuses foreign hosts, unknown browsers and cross-origin writes."""
 
     def __init__(self, app: ASGIApp, keys: Keys) -> None:

@@ -17,9 +17,9 @@ from functools import partial
 from typing import ClassVar
 
 from grader.base.errors import GraderError, RequestError
-from grader.course.markers.pool import Bounds, Pool, Stopped, Unmarked
+from grader.course.markers.pool import Bounds, Ended, Pool, Unmarked
 from grader.course.record.repair_log import sha256_of
-from grader.course.repairs.making import Grading, GradingSettings, Preview
+from grader.course.repairs.making import Grading, GradingSettings, RepairPreview
 from grader.engine.results import Result
 from grader.intake import Submission
 
@@ -66,7 +66,7 @@ class Job(ABC):
     form: RepairForm = RepairForm()
     number: int = 0
     step: str = ""
-    grades: Preview | None = None
+    grades: RepairPreview | None = None
     lines: list[str] = field(default_factory=list)
     problem: str = ""
     began: float = field(default_factory=time.monotonic)
@@ -161,7 +161,7 @@ class RepairJobs:
         if self._pool is None:
             self._pool = self._stack.enter_context(Pool(settings.open_marker, 1, _BOUNDS))
         for _, outcome in list(self._pool.run(iter([submission]), cpu_s)):
-            if isinstance(outcome, Unmarked | Stopped):
+            if isinstance(outcome, Unmarked | Ended):
                 raise RequestError(f"the edited copy could not be graded: {outcome.reason}")
             return outcome
         raise RequestError("the edited copy could not be graded")

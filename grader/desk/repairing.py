@@ -15,7 +15,7 @@ from grader.course.record.decisions import OvertakenError
 from grader.course.record.patches import diff_of
 from grader.course.record.repair_log import MAX_COMMENT, patched, sha256_of
 from grader.course.repairs import making
-from grader.course.repairs.making import Grading, Preview, RepairRequest
+from grader.course.repairs.making import Grading, RepairPreview, RepairRequest
 from grader.course.repairs.suggestions import MOST
 from grader.desk.classbook import Classbook
 from grader.desk.editing import as_bytes, editable
@@ -134,7 +134,7 @@ def editor(
     )
 
 
-def compared(grades: Preview) -> list[Compared]:
+def compared(grades: RepairPreview) -> list[Compared]:
     """Return each criterion now and with the edit, their sum, and the score after earlier repairs and before this deduction."""
     after = {part.id: part for part in grades.after.criteria}
     rows = [

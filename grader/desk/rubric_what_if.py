@@ -42,7 +42,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 
 
 @dataclass(frozen=True)
-class Preview:
+class RubricPreview:
     """Effect of a changed rubric: changed grades, largest first, both distributions, and grades above their maximum."""
 
     changes: tuple[GradeChange, ...]
@@ -50,7 +50,7 @@ class Preview:
     of: int
     means: tuple[str, str]
     above: tuple[str, ...]
-    bars: tuple[list[overview.Bar], list[overview.Bar]]
+    bars: tuple[list[overview.HistogramBar], list[overview.HistogramBar]]
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
@@ -212,13 +212,13 @@ def _number(text: str) -> float | int | str:
     return int(value) if value.is_integer() else value
 
 
-def _preview(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Preview:
+def _preview(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> RubricPreview:
     """Return the changed scores, the largest change first, and the means before and after."""
     changes = grade_changes(before, after)
     top = max((each.result.max_score for side in (before, after) for each in side.values()), default=100.0)
     scores = [graded(side.values()) for side in (before, after)]
     means = [words.number(round(statistics.fmean(side), 1)) if side else "–" for side in scores]
-    return Preview(
+    return RubricPreview(
         tuple(changes[:_SHOWN]),
         max(0, len(changes) - _SHOWN),
         len(after),

@@ -30,7 +30,7 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, automatic_points, maximum_points, summed
 from grader.report import charts, words
 from grader.report.adjusted import explained, is_composed, repaired_file
-from grader.report.pages import Figure
+from grader.report.pages import DrawnChart
 
 _MOST_COMMENTS = 30
 _WITHOUT = (
@@ -96,7 +96,7 @@ class Place:
 class Row:
     """One check: its feedback, its overrides, and the lines of code that it is about."""
 
-    row: words.Row
+    row: words.CheckText
     overrides: Overrides | None
     places: tuple[Place, ...]
 
@@ -107,13 +107,13 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Part:
+class PartView:
     id: str
     title: str
     points: str
     overrides: Overrides | None
     rows: tuple[Row, ...]
-    figures: tuple[Figure, ...]
+    figures: tuple[DrawnChart, ...]
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
@@ -270,11 +270,11 @@ def _part(
     code: _Code,
     shown: Sequence[Chart],
     extras: _PageExtras,
-) -> Part:
+) -> PartView:
     """Return one criterion or extension for the page: its checks, charts and overrides."""
     lab = final_grade.result.lab
     figures = tuple(
-        Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
+        DrawnChart(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
         for chart in shown
         if chart.part == part.id and ((views := charts.views(chart)) or chart.png)
     )
@@ -289,9 +289,9 @@ def _part(
     )
     if isinstance(part, CriterionResult):
         points = words.fraction(final_grade.points(part), part.max_points)
-        return Part(part.id, part.title, points, _overrides(final_grade, part.id, extras), rows, figures)
+        return PartView(part.id, part.title, points, _overrides(final_grade, part.id, extras), rows, figures)
     title = f"Extension: {part.id.replace('_', ' ')}"
-    return Part(part.id, title, words.extension_points(part), None, rows, figures)
+    return PartView(part.id, title, words.extension_points(part), None, rows, figures)
 
 
 def _overrides(final_grade: FinalGrade, target: str, extras: _PageExtras) -> Overrides:
@@ -322,7 +322,7 @@ def _effect(final_grade: FinalGrade, target: str) -> str:
     return f"A total is final: nothing automatic is added to it or deducted from it{said}."
 
 
-def _keys(parts: Sequence[Part], requests: Sequence[RegradeRequest]) -> dict[str, str]:
+def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict[str, str]:
     """Return the key of each form: ``m`` the total, ``o`` the bonus, ``b`` the most likely target.
 
     That is the target of an open regrade request, else the first check that lost points, else the total.

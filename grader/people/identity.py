@@ -23,7 +23,7 @@ _NO_WORD = re.compile(r"[\W_]+")
 
 
 @dataclass(frozen=True)
-class Row:
+class PersonRow:
     """One person's row of a roster or gradebook, to be matched with a submission.
 
     Attributes
@@ -64,14 +64,14 @@ class Directory:
                 for kind, word in _called(person):
                     self._add(kind, word, Match(id_, person))
 
-    def find(self, row: Row) -> Match | None:
+    def find(self, row: PersonRow) -> Match | None:
         """Return the submission and person that a row of a table names; None if nobody or more than one submission fits."""
         return self._best_match(row)[1]
 
-    def find_each(self, rows: Sequence[Row]) -> list[Match | None]:
+    def find_each(self, rows: Sequence[PersonRow]) -> list[Match | None]:
         """Return the match of each row of a table. Of two rows for one person the surer wins; equally sure ones match nobody."""
         found = [self._best_match(row) for row in rows]
-        claims: dict[Match, set[tuple[int, Row]]] = {}
+        claims: dict[Match, set[tuple[int, PersonRow]]] = {}
         for row, (sureness, match) in zip(rows, found, strict=True):
             if match is not None and match.person is not None:
                 claims.setdefault(match, set()).add((sureness, row))
@@ -80,7 +80,7 @@ class Directory:
             for row, (sureness, match) in zip(rows, found, strict=True)
         ]
 
-    def why_not(self, row: Row) -> str:
+    def why_not(self, row: PersonRow) -> str:
         """Return why a row matches nobody: several people fit, or a contradiction; "" if nobody resembles it."""
         refused = ""
         for kind, word in _asked(row):
@@ -94,7 +94,7 @@ class Directory:
             refused = refused or next((f"not {_match_in_words(m)}: {why}" for m, why in contradictions.items()), "")
         return refused
 
-    def _best_match(self, row: Row) -> tuple[int, Match | None]:
+    def _best_match(self, row: PersonRow) -> tuple[int, Match | None]:
         """Return the rank of the kind of word that matched, lowest surest, and the match."""
         for kind, word in _asked(row):
             matches = [
@@ -126,7 +126,7 @@ class PersonLookup:
         """
         if word in self._ids:
             return word
-        asked = (Row(numbers=(word,)), Row(email=word), Row(name=word))
+        asked = (PersonRow(numbers=(word,)), PersonRow(email=word), PersonRow(name=word))
         for row in asked:
             match = self._directory.find(row)
             if match is not None:
@@ -139,7 +139,7 @@ class PersonLookup:
         return word
 
 
-def _is_best_claim(claim: tuple[int, Row], claims: set[tuple[int, Row]]) -> bool:
+def _is_best_claim(claim: tuple[int, PersonRow], claims: set[tuple[int, PersonRow]]) -> bool:
     return all(claim[0] < sureness or row == claim[1] for sureness, row in claims)
 
 
@@ -151,7 +151,7 @@ def _called(person: Person) -> Iterator[tuple[str, str]]:
     yield from (("name", spelling) for spelling in spellings(person.name))
 
 
-def _asked(row: Row) -> Iterator[tuple[str, str]]:
+def _asked(row: PersonRow) -> Iterator[tuple[str, str]]:
     """Yield the words to look up, surest first. A number of unknown kind may be a platform's; the names must then agree."""
     yield row.platform, row.key.strip()
     yield from (("number", number.strip()) for number in row.numbers)
@@ -160,7 +160,7 @@ def _asked(row: Row) -> Iterator[tuple[str, str]]:
     yield from (("name", spelling) for spelling in spellings(row.name))
 
 
-def _contradiction(row: Row, person: Person | None, kind: str) -> str:
+def _contradiction(row: PersonRow, person: Person | None, kind: str) -> str:
     """Return the contradiction between a row and a person who share a word of this kind; "" if there is none."""
     if person is None:
         return ""

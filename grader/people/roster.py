@@ -16,7 +16,7 @@ from grader.base.files import read_file
 from grader.base.stamps import read_stamp, stamp
 from grader.base.text import printable
 from grader.people.final_grade import HandIn, Person
-from grader.people.identity import Directory, Match, Row, participant
+from grader.people.identity import Directory, Match, PersonRow, participant
 from grader.people.worksheet_times import LATE, local_time
 
 MAX_BYTES = 16_000_000
@@ -55,13 +55,13 @@ _NOBODY = ("Points Possible", "Student, Test")
 
 
 @dataclass(frozen=True)
-class Listed:
+class RosterRow:
     """One person of the roster. `due` is None and `submitted` is "" if the roster has none; `place` is file and line.
 
     `marked_late` says that Moodle's worksheet calls the submission late.
     """
 
-    who: Row
+    who: PersonRow
     section: str = ""
     due: datetime | None = None
     submitted: str = ""
@@ -91,14 +91,14 @@ class Listed:
             ids=tuple(number for number in numbers if number not in (sid, person.key)),
         )
 
-    def merged(self, other: Listed) -> Listed:
+    def merged(self, other: RosterRow) -> RosterRow:
         """Return this row with the facts that count of two rows, of one person or of two members of a group."""
         return replace(
             self, **{fact: of_two(getattr(self, fact), getattr(other, fact)) for fact, of_two in _FACTS.items()}
         )
 
 
-NO_FACTS = Listed(Row())
+NO_FACTS = RosterRow(PersonRow())
 
 
 _FACTS: Mapping[str, Callable[[Any, Any], Any]] = {
@@ -120,7 +120,7 @@ class Roster:
     `has_local_times` says that it has times without an offset, and no zone was given by which to read them.
     """
 
-    people: tuple[Listed, ...] = ()
+    people: tuple[RosterRow, ...] = ()
     text: str = ""
     source: str = ""
     has_local_times: bool = False
@@ -157,7 +157,7 @@ def parse(data: bytes, source: str, zone: tzinfo | None = None) -> Roster:
         raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
-def _rows(data: bytes, source: str, zone: tzinfo | None) -> Iterator[Listed]:
+def _rows(data: bytes, source: str, zone: tzinfo | None) -> Iterator[RosterRow]:
     table = tables.reader(data)
     titles = [title.strip().casefold() for title in next(table, [])]
     known = {**COLUMNS, **_titled(titles)}
@@ -179,7 +179,7 @@ def _titled(titles: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
     return {}
 
 
-def _listed(values: Mapping[str, Sequence[str]], place: str, zone: tzinfo | None) -> Listed:
+def _listed(values: Mapping[str, Sequence[str]], place: str, zone: tzinfo | None) -> RosterRow:
     def first(kind: str) -> str:
         return next(filter(None, values[kind]), "")
 
@@ -194,10 +194,10 @@ def _listed(values: Mapping[str, Sequence[str]], place: str, zone: tzinfo | None
     if not _DAYS.fullmatch(first("grace") or "0"):
         raise RequestError(f"{place}: grace days must be a whole number, not {printable(first('grace'), 60)}")
     numbers = tuple(dict.fromkeys(filter(None, (*values["sid"], *values["id"]))))
-    who = Row(platform, key, numbers, first("email"), name)
+    who = PersonRow(platform, key, numbers, first("email"), name)
     until, days = read_stamp(due) if due else None, int(first("grace") or 0)
     marked_late = bool(LATE.search(first("status")))
-    return Listed(who, first("section"), until, stamp(submitted), first("group"), days, marked_late, place)
+    return RosterRow(who, first("section"), until, stamp(submitted), first("group"), days, marked_late, place)
 
 
 def _with_offset(text: str, zone: tzinfo | None) -> str:
@@ -217,8 +217,8 @@ class RosterMatch:
     """
 
     hand_ins: Mapping[str, HandIn]
-    rows: Mapping[str, Listed]
-    absent: tuple[Listed, ...]
+    rows: Mapping[str, RosterRow]
+    absent: tuple[RosterRow, ...]
     doubtful: tuple[str, ...] = ()
 
     @property
@@ -227,7 +227,7 @@ class RosterMatch:
         return tuple(id_ for id_ in self.hand_ins if id_ not in self.rows)
 
 
-def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
+def place(roster: Sequence[RosterRow], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
     """Match the roster with the hand-ins, and add its names, sections and dates to them.
 
     Parameters
@@ -239,8 +239,8 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
     """
     placed = {id_: _with_login(hand_in, roster) for id_, hand_in in hand_ins.items()}
     directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
-    rows: dict[str, Listed] = {}
-    absent: list[Listed] = []
+    rows: dict[str, RosterRow] = {}
+    absent: list[RosterRow] = []
     roster, doubtful = _told_once(roster)
     matches = directory.find_each([listed.who for listed in roster])
     shared = _shared(roster, matches, directory)
@@ -257,7 +257,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> RosterMat
     return RosterMatch(placed, rows, tuple(absent), tuple(doubtful))
 
 
-def _lost_zeros(who: Row, hand_ins: Mapping[str, HandIn]) -> str:
+def _lost_zeros(who: PersonRow, hand_ins: Mapping[str, HandIn]) -> str:
     """Return that a number of a row equals that of a submission but for zeros at its start; "" if none does."""
     numbers = {number.lstrip("0"): number for number in who.numbers if number.isdecimal()}
     for id_, hand_in in hand_ins.items():
@@ -268,12 +268,12 @@ def _lost_zeros(who: Row, hand_ins: Mapping[str, HandIn]) -> str:
     return ""
 
 
-def _told_once(roster: Sequence[Listed]) -> tuple[list[Listed], list[str]]:
+def _told_once(roster: Sequence[RosterRow]) -> tuple[list[RosterRow], list[str]]:
     """Return one row for each person, and a line on each person whose rows contradict each other.
 
     Of several rows of a person the later dates, the most grace days and the first section and group count.
     """
-    rows: dict[Row, Listed] = {}
+    rows: dict[PersonRow, RosterRow] = {}
     told = []
     for listed in roster:
         known = rows.setdefault(listed.who, listed)
@@ -287,23 +287,25 @@ def _told_once(roster: Sequence[Listed]) -> tuple[list[Listed], list[str]]:
     return list(rows.values()), told
 
 
-def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
+def _shared(roster: Sequence[RosterRow], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
     """Return the hand-in of each group: the only one of its members, or else one with the name of the group."""
     members: dict[str, set[str]] = {}
     for listed, match in zip(roster, matches, strict=True):
         members.setdefault(listed.group.casefold(), set()).update({match.id} if match else ())
     members.pop("", None)
-    called = {group: directory.find(Row(numbers=(group,), name=group)) for group, ids in members.items() if not ids}
+    called = {
+        group: directory.find(PersonRow(numbers=(group,), name=group)) for group, ids in members.items() if not ids
+    }
     own = {group: Match(next(iter(ids)), None) for group, ids in members.items() if len(ids) == 1}
     return own | {group: match for group, match in called.items() if match}
 
 
-def _joined(hand_in: HandIn, stand_in: Person | None, listed: Listed) -> HandIn:
+def _joined(hand_in: HandIn, stand_in: Person | None, listed: RosterRow) -> HandIn:
     """Return the hand-in with one more member of the group, in place of the group's name."""
     return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), listed.person))
 
 
-def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
+def _with_login(hand_in: HandIn, roster: Sequence[RosterRow]) -> HandIn:
     """Set the user name of a clone `<assignment>-<user>`: the longest one of the roster that its folder name ends with."""
     if [person.platform for person in hand_in.people] != ["git"]:
         return hand_in
@@ -313,6 +315,6 @@ def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
     return replace(hand_in, people=(replace(person, key=max(fits, key=len, default=person.key)),))
 
 
-def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
+def _enriched(hand_in: HandIn, meant: Person | None, listed: RosterRow) -> HandIn:
     """Return the hand-in with the roster's facts on a person."""
     return replace(hand_in, people=tuple(listed.completed(p) if p == meant else p for p in hand_in.people))

@@ -12,12 +12,11 @@ from grader.base.text import printable
 from grader.intake.downloads import Download, Sources
 from grader.intake.names import ARCHIVES, CODE, FOREIGN_ARCHIVES, has_suffix, original
 from grader.people.final_grade import FinalGrade, HandIn, Person
-from grader.people.identity import Row as Who
-from grader.people.identity import spellings
+from grader.people.identity import PersonRow, spellings
 from grader.platforms.filled import Filled, Form, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform, Template
-from grader.platforms.sheet import Row, Sheet, read_sheet
+from grader.platforms.sheet import Sheet, SheetRow, read_sheet
 
 # --- the gradebook, filled in -----------------------------------------------------------------------------------------
 
@@ -91,13 +90,13 @@ def _form(sheet: Sheet, grade: int) -> Form:
     )
 
 
-def _who(sheet: Sheet, row: Row) -> Who:
+def _who(sheet: Sheet, row: SheetRow) -> PersonRow:
     numbers = tuple(filter(None, (row.value(sheet.column(title)) for title in _NUMBERS)))
     login = row.value(sheet.column("SIS Login ID"))
-    return Who("canvas", row.value(sheet.column("ID")), numbers, login if "@" in login else "", _name(sheet, row))
+    return PersonRow("canvas", row.value(sheet.column("ID")), numbers, login if "@" in login else "", _name(sheet, row))
 
 
-def _name(sheet: Sheet, row: Row) -> str:
+def _name(sheet: Sheet, row: SheetRow) -> str:
     """Read the name from Canvas's one default column, or from the two that an instructor can choose."""
     return (
         f"{row.value(sheet.column('FirstName'))} {row.value(0)}".strip()

@@ -10,10 +10,9 @@ from grader.base.errors import RequestError
 from grader.base.text import decimal
 from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, Person
-from grader.people.identity import Directory, Match
-from grader.people.identity import Row as Who
+from grader.people.identity import Directory, Match, PersonRow
 from grader.platforms.platform import Template
-from grader.platforms.sheet import Row, Sheet
+from grader.platforms.sheet import Sheet, SheetRow
 from grader.report import words
 
 _COMMA = re.compile(r"-?\d+,\d+")
@@ -42,7 +41,7 @@ class Filled:
     data: bytes = b""
     grades: int = 0
     placed: set[Match] = field(default_factory=set)
-    unmatched: list[tuple[Who, str]] = field(default_factory=list)
+    unmatched: list[tuple[PersonRow, str]] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)
     kept: list[str] = field(default_factory=list)
     replaced: list[str] = field(default_factory=list)
@@ -76,12 +75,12 @@ class Form:
 
     sheet: Sheet
     grade: int
-    rows: Mapping[int, Row]
-    who: Callable[[Row], Who]
-    name: Callable[[Row], str]
-    out_of: Callable[[Row], str]
-    locked: Callable[[Row], bool]
-    is_student: Callable[[Row], bool] = lambda _: True
+    rows: Mapping[int, SheetRow]
+    who: Callable[[SheetRow], PersonRow]
+    name: Callable[[SheetRow], str]
+    out_of: Callable[[SheetRow], str]
+    locked: Callable[[SheetRow], bool]
+    is_student: Callable[[SheetRow], bool] = lambda _: True
 
     def matches(self, final_grades: Mapping[str, FinalGrade]) -> dict[int, Match | None]:
         """Return the submission or person that each row belongs to, by row number; None without an unambiguous match."""
@@ -123,13 +122,13 @@ def fill_in(
     return filled
 
 
-def _is_missing(form: Form, row: Row, known: Directory) -> bool:
+def _is_missing(form: Form, row: SheetRow, known: Directory) -> bool:
     """Return whether a row without a match belongs to a student who handed in nothing and has no grade yet."""
     blank = row.value(form.grade).strip() in ("", "-") and not form.locked(row)
     return blank and form.is_student(row) and not known.why_not(form.who(row))
 
 
-def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
+def _set(form: Form, row: SheetRow, points: str, filled: Filled) -> None:
     """Write points into a row; list the row as replaced if it held another grade."""
     before = row.value(form.grade).strip()
     known = decimal(before)
@@ -139,7 +138,7 @@ def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
     filled.grades += 1
 
 
-def _scale(form: Form, template: Template, row: Row, final_grade: FinalGrade) -> float:
+def _scale(form: Form, template: Template, row: SheetRow, final_grade: FinalGrade) -> float:
     """Return the factor from the rubric's points to those of the file; refuse a different maximum unless points are scaled."""
     most, ours = decimal(form.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:
@@ -180,7 +179,7 @@ def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
     return Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
 
 
-def matched(rows: Iterable[tuple[int, Who]], known: Directory) -> dict[int, Match | None]:
+def matched(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
     """Return the match of each row, by row number. Two rows that match the same person both get None."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}

@@ -11,12 +11,11 @@ from grader.base.errors import RequestError
 from grader.intake.downloads import Download
 from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, HandIn, Person
-from grader.people.identity import Match, participant, spellings
-from grader.people.identity import Row as Who
+from grader.people.identity import Match, PersonRow, participant, spellings
 from grader.platforms.filled import Filled, Form, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform, Template
-from grader.platforms.sheet import Row, Sheet, read_sheet
+from grader.platforms.sheet import Sheet, SheetRow, read_sheet
 from grader.report import words
 from grader.report.adjusted import explained
 
@@ -121,11 +120,11 @@ def comment(final_grade: FinalGrade) -> str:
     return html.escape(_OURS + "; ".join(parts), quote=False)
 
 
-def _who(sheet: Sheet, row: Row) -> Who:
+def _who(sheet: Sheet, row: SheetRow) -> PersonRow:
     number = participant(row.value(0))
     mail = row.value(sheet.column("Email address", "Email"))
     ids = tuple(filter(None, (row.value(sheet.column("ID number")), row.value(sheet.column("Username")))))
-    return Who("moodle", number, ids, mail, row.value(sheet.column("Full name")))
+    return PersonRow("moodle", number, ids, mail, row.value(sheet.column("Full name")))
 
 
 def _teams(final_grades: Mapping[str, FinalGrade]) -> dict[str, Match]:

@@ -25,25 +25,25 @@ FOLDERS = "folders"  # value of `--from` for folders of no platform
 
 
 @dataclass(frozen=True)
-class Listed:
+class ListedPlatform:
     """A platform's module, which holds its record as `PLATFORM`, and what the platform supports."""
 
     module: str
     does: tuple[Deed, ...]
 
 
-LISTED: dict[str, Listed] = {
+LISTED: dict[str, ListedPlatform] = {
     # Classroom 50 runs inside GitHub Actions, and its downloads are git clones; it has to be recognised before both
-    "classroom50": Listed("grader.platforms.classroom50", ("respond", "read")),
-    "github": Listed("grader.platforms.github", ("respond",)),
-    "gradescope": Listed("grader.platforms.gradescope", ("respond", "read", "write")),
-    "prairielearn": Listed("grader.platforms.prairielearn", ("respond",)),
-    "moodle": Listed("grader.platforms.moodle", ("read", "fill")),
-    "canvas": Listed("grader.platforms.canvas", ("read", "fill")),
-    "git": Listed("grader.platforms.git", ("read",)),
-    "csv": Listed("grader.platforms.gradebook", ("write",)),
-    "json": Listed("grader.platforms.result_json", ("respond",)),
-    "junit": Listed("grader.platforms.junit", ("respond",)),  # the default if no platform is recognised
+    "classroom50": ListedPlatform("grader.platforms.classroom50", ("respond", "read")),
+    "github": ListedPlatform("grader.platforms.github", ("respond",)),
+    "gradescope": ListedPlatform("grader.platforms.gradescope", ("respond", "read", "write")),
+    "prairielearn": ListedPlatform("grader.platforms.prairielearn", ("respond",)),
+    "moodle": ListedPlatform("grader.platforms.moodle", ("read", "fill")),
+    "canvas": ListedPlatform("grader.platforms.canvas", ("read", "fill")),
+    "git": ListedPlatform("grader.platforms.git", ("read",)),
+    "csv": ListedPlatform("grader.platforms.gradebook", ("write",)),
+    "json": ListedPlatform("grader.platforms.result_json", ("respond",)),
+    "junit": ListedPlatform("grader.platforms.junit", ("respond",)),  # the default if no platform is recognised
 }
 
 

@@ -13,7 +13,7 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 
 
-class Row(list[str]):
+class SheetRow(list[str]):
     """The cells of one row."""
 
     def value(self, column: int | None) -> str:
@@ -25,7 +25,7 @@ class Row(list[str]):
 class Sheet:
     """Rows of a CSV file, the first one with the titles, and how the file is written: delimiter, line end, byte order mark."""
 
-    rows: list[Row]
+    rows: list[SheetRow]
     delimiter: str
     end: str
     marked: bool
@@ -39,7 +39,7 @@ class Sheet:
         known = [title.casefold() for title in self.titles]
         return next((known.index(title.casefold()) for title in titles if title.casefold() in known), None)
 
-    def set(self, row: Row, column: int, text: str) -> None:
+    def set(self, row: SheetRow, column: int, text: str) -> None:
         row += [""] * (column + 1 - len(row))
         row[column] = text
 
@@ -64,7 +64,7 @@ def read_sheet(data: bytes, source: str) -> Sheet:
     """
     try:
         table = tables.reader(data)
-        rows = [Row(cells) for cells in table]
+        rows = [SheetRow(cells) for cells in table]
     except (UnicodeDecodeError, csv.Error) as error:
         raise RequestError(f"{printable(source)}: is not a CSV file; export it again, as UTF-8 CSV") from error
     if not rows:

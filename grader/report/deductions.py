@@ -17,7 +17,7 @@ class DeductedCheck:
     """A check of a deduction, with the lines that no earlier check of the deduction has."""
 
     anchor: str
-    row: words.Row
+    row: words.CheckText
     points: str
     lines: tuple[words.Line, ...]
 

@@ -75,7 +75,7 @@ class Filter:
 
 
 @dataclass(frozen=True)
-class Bar:
+class HistogramBar:
     """One bar of the histogram: its count, and its length in percent of the longest."""
 
     tag: str
@@ -263,15 +263,16 @@ def figures(grades: list[float]) -> list[tuple[str, str]]:
     ]
 
 
-def bars(grades: list[float], top: float) -> list[Bar]:
+def bars(grades: list[float], top: float) -> list[HistogramBar]:
     """Return the histogram of the grades in bins of equal width, highest first."""
     counts = Counter(_bin(grade, top) for grade in grades)
     tallest = max(counts.values(), default=1)
     edges = [words.number(round(place * top / _BINS, 2)) for place in range(_BINS + 1)]
     labels = [f"{low}–{high}" for low, high in itertools.pairwise(edges)]
-    return [Bar(f"score:{i}", label, counts[i], round(100 * counts[i] / tallest, 1)) for i, label in enumerate(labels)][
-        ::-1
-    ]
+    return [
+        HistogramBar(f"score:{i}", label, counts[i], round(100 * counts[i] / tallest, 1))
+        for i, label in enumerate(labels)
+    ][::-1]
 
 
 def _bin(grade: float, top: float) -> int:

@@ -39,7 +39,7 @@ _LIBRARIES = ("Python", "MuJoCo", "NumPy", "SciPy", "matplotlib")
 
 
 @dataclass(frozen=True)
-class Figure:
+class DrawnChart:
     """A chart as SVG, ready for the template of a report."""
 
     title: str
@@ -50,12 +50,12 @@ class Figure:
     png: str
 
 
-Rows = tuple[tuple[str, words.Row], ...]
+Rows = tuple[tuple[str, words.CheckText], ...]
 """Formatted checks, each with its anchor."""
 
 
 @dataclass(frozen=True)
-class Part:
+class PartOnPage:
     """A criterion or an extension on the page; `share` is the percentage of its points.
 
     `folded` is the HTML of the closed lists: checks that were not graded, and checks that passed.
@@ -81,7 +81,7 @@ def drawn(shown: Iterable[Chart]) -> Drawn:
     found: dict[str, str] = {}
     for chart in shown:
         if (views := charts.views(chart)) or chart.png:
-            set_ = Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
+            set_ = DrawnChart(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
             found[chart.part] = found.get(chart.part, Markup()) + macros.figure(set_)
     return found
 
@@ -229,7 +229,7 @@ def _inlined(*names: str) -> tuple[Markup, str]:
     return Markup(text), f"sha256-{digest}"
 
 
-def _criterion(criterion: CriterionResult, final_grade: FinalGrade, figures: Drawn) -> Part:
+def _criterion(criterion: CriterionResult, final_grade: FinalGrade, figures: Drawn) -> PartOnPage:
     """Return a criterion with its final points, overrides included."""
     points = final_grade.points(criterion)
     share = 100 * (criterion.points if points is None else points) / (criterion.max_points or 1.0)
@@ -237,15 +237,15 @@ def _criterion(criterion: CriterionResult, final_grade: FinalGrade, figures: Dra
     shown_points = words.fraction(points, criterion.max_points)
     title = printable(criterion.title, 300)
     set_ = Markup(figures.get(criterion.id, ""))
-    return Part(criterion.id, title, shown_points, round(share, 1), points is None, rows, folded, set_)
+    return PartOnPage(criterion.id, title, shown_points, round(share, 1), points is None, rows, folded, set_)
 
 
-def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part:
+def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> PartOnPage:
     share = round(100 * extension.points / extension.max_points, 1) if extension.max_points else 0.0
     rows, folded = _rows(extension.checks, extension.id, lab)
     title = printable(extension.id.replace("_", " ").capitalize(), 300)
     set_ = Markup(figures.get(extension.id, ""))
-    return Part(extension.id, title, words.extension_points(extension), share, False, rows, folded, set_)
+    return PartOnPage(extension.id, title, words.extension_points(extension), share, False, rows, folded, set_)
 
 
 def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, Markup]:

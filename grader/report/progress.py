@@ -18,14 +18,14 @@ def result_line(id_: str, result: Result) -> str:
     return f"{printable(id_, words.NAME_LIMIT)} {score}{status}"
 
 
-class Lines:
+class ProgressLines:
     """Print ``12/300 alice 87.5`` for each submission graded in this run. Resumed results count but print no line."""
 
     def __init__(self) -> None:
         self._total = 0
         self._count = 0
 
-    def __enter__(self) -> Lines:
+    def __enter__(self) -> ProgressLines:
         return self
 
     def __exit__(self, *problem: object) -> None:
@@ -40,7 +40,7 @@ class Lines:
             print(f"{self._count}/{self._total} {result_line(id_, result)}", flush=True)
 
 
-class Bar:
+class ProgressBar:
     """Progress of a run on a terminal: a bar with count, rate and time left."""
 
     def __init__(self, console: Console) -> None:
@@ -55,7 +55,7 @@ class Bar:
         )
         self._task = self._progress.add_task("", total=None)
 
-    def __enter__(self) -> Bar:
+    def __enter__(self) -> ProgressBar:
         self._progress.start()
         return self
 

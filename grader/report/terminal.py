@@ -14,7 +14,7 @@ from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
 from grader.report import causes, words
 from grader.report.causes import Cause
-from grader.report.change import Change
+from grader.report.earlier_points import EarlierPoints
 from grader.report.lines import LABEL, Setting
 
 WIDTH = 100
@@ -65,7 +65,7 @@ def screen(
     parts = causes.parts_of(result, only)
     checks = [check for part in parts for check in part.checks]
     found = causes.causes_of(checks)
-    change = Change(before or {})
+    change = EarlierPoints(before or {})
     broken = [cause for cause in found if cause.does_not_run]
     others = [cause for cause in found if not cause.does_not_run]
     whole = others if verbose or only is not None else others[: 0 if broken else 1]
@@ -94,7 +94,7 @@ def _totals(
     result: Result,
     parts: Sequence[CriterionResult | ExtensionResult],
     setting: Setting,
-    change: Change,
+    change: EarlierPoints,
     only: str | None,
 ) -> list[Text]:
     """Return a line for each part, and the score below them. There is no total when only one criterion is shown."""
@@ -119,7 +119,7 @@ class _Total:
     changed: str
 
 
-def _total_of(part: CriterionResult | ExtensionResult, change: Change) -> _Total:
+def _total_of(part: CriterionResult | ExtensionResult, change: EarlierPoints) -> _Total:
     if isinstance(part, ExtensionResult):
         earned = sum(check.outcome == "passed" for check in part.checks) / len(part.checks)
         title, points = f"Extension: {part.id.replace('_', ' ')}", words.extension_points(part)
@@ -169,7 +169,7 @@ def _passed(checks: Sequence[CheckResult], setting: Setting, *, verbose: bool) -
     return setting.head(_outcome(passed[0]), f"{len(passed)} check{'s' * (len(passed) > 1)}", points)
 
 
-def _gained(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, change: Change) -> list[Text]:
+def _gained(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, change: EarlierPoints) -> list[Text]:
     """Return the checks that have passed since the last run. A complete part needs none: its total says so."""
     open_ = [part for part in parts if part.points < part.max_points]
     gained = [check for part in open_ for check in part.checks if check.outcome == "passed" and change.was(check)]
@@ -185,7 +185,7 @@ def _outcome(check: CheckResult) -> Text:
     return Text(f" {outcome.sign} {outcome.word}", _STYLE[outcome.kind])
 
 
-def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change, *, read: bool = True) -> list[Text]:
+def _cause(cause: Cause, lab: LabName, setting: Setting, change: EarlierPoints, *, read: bool = True) -> list[Text]:
     """Return the checks with what came, the points of several together, then what to try and, if `read`, to read."""
     lines: list[Text] = []
     for check, news in causes.lines_by_check(cause):

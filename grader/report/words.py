@@ -60,7 +60,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Row:
+class CheckText:
     """The feedback of one check as text for a page or the terminal."""
 
     outcome: Word
@@ -71,10 +71,10 @@ class Row:
     again: str
 
 
-def row(check: CheckResult, part: str, lab: LabName) -> Row:
+def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
     """Format one check of the criterion or extension `part` of a lab."""
     lost = tells(check)
-    return Row(
+    return CheckText(
         outcome=_WORDS[_outcome(check)],
         title=printable(check.title or check.id, 300),
         points=fraction(check.points, check.max_points) if check.max_points else "",

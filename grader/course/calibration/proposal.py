@@ -26,7 +26,7 @@ _STEP = 0.5
 
 
 @dataclass(frozen=True)
-class Change:
+class ChangedDeduction:
     """Deduction that the proposal changes, before and after, and the number of marked cells that it follows."""
 
     fault: str
@@ -55,7 +55,7 @@ class Proposal:
         Whose final grade would change, the largest change first: name, present grade, future grade.
     """
 
-    changes: tuple[Change, ...]
+    changes: tuple[ChangedDeduction, ...]
     rubric: Rubric
     before: float
     after: float
@@ -115,7 +115,7 @@ def propose(rubric: Rubric, cells: Sequence[ComparedCell], final_grades: Mapping
     )
 
 
-def _with(rubric: Rubric, changes: Sequence[Change]) -> Rubric:
+def _with(rubric: Rubric, changes: Sequence[ChangedDeduction]) -> Rubric:
     return replace(rubric, faults={**rubric.faults, **{each.fault: each.after for each in changes}})
 
 
@@ -126,7 +126,7 @@ def _distance(cells: Sequence[ComparedCell], final_grades: Mapping[str, FinalGra
     return sum(abs(points[cell.key] - cell.mean) for cell in cells)
 
 
-def _changes(rubric: Rubric, cells: Sequence[ComparedCell]) -> list[Change]:
+def _changes(rubric: Rubric, cells: Sequence[ComparedCell]) -> list[ChangedDeduction]:
     """Return the deductions that change.
 
     A fault of any file, such as one that does not run, keeps its deduction: it costs whatever needs the file.
@@ -139,7 +139,7 @@ def _changes(rubric: Rubric, cells: Sequence[ComparedCell]) -> list[Change]:
     return [change for fault, its in alone.items() if (change := _change(rubric, fault, its))]
 
 
-def _change(rubric: Rubric, fault: str, cells: Sequence[ComparedCell]) -> Change | None:
+def _change(rubric: Rubric, fault: str, cells: Sequence[ComparedCell]) -> ChangedDeduction | None:
     """Return what the marks of the cells change of the deduction of a fault.
 
     None where it moves by less than a step, and for a fault that deducts more in one submission than in another, such as a fault of
@@ -153,4 +153,8 @@ def _change(rubric: Rubric, fault: str, cells: Sequence[ComparedCell]) -> Change
     before = min(rubric.faults.get(fault, round(statistics.median(deducted), 2)), most)
     wanted = before + sum(cell.difference for cell in cells) / (len(cells) + _PRESENT)
     after = min(max(round(wanted / _STEP) * _STEP, min(_STEP, before)), most)
-    return Change(fault, before, after, len(cells)) if min(abs(wanted - before), abs(after - before)) >= _STEP else None
+    return (
+        ChangedDeduction(fault, before, after, len(cells))
+        if min(abs(wanted - before), abs(after - before)) >= _STEP
+        else None
+    )

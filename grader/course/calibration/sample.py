@@ -30,7 +30,7 @@ _MOST_PICTURES = 4
 
 
 @dataclass(frozen=True)
-class Unmarked:
+class BlindSubmission:
     """A submission as its marker sees it: numbered code, submitted pictures, drawn figures, and nothing that we think of it.
 
     `files` are pairs of path and text with line numbers, `pictures` pairs of path and PNG in base64.
@@ -73,12 +73,12 @@ def _shuffled(id_: str) -> str:
     return hashlib.sha256(f"calibrate {id_}".encode("utf-8", "replace")).hexdigest()
 
 
-def to_mark(store: Store, lab: Lab, results: Mapping[str, Result], ids: Sequence[str]) -> list[Unmarked]:
+def to_mark(store: Store, lab: Lab, results: Mapping[str, Result], ids: Sequence[str]) -> list[BlindSubmission]:
     """Return the submissions of a sample as the marker sees them, the files that the lab asks for first."""
     return [_to_mark(store, lab.files, id_, results[id_]) for id_ in ids]
 
 
-def _to_mark(store: Store, first: Sequence[str], id_: str, result: Result) -> Unmarked:
+def _to_mark(store: Store, first: Sequence[str], id_: str, result: Result) -> BlindSubmission:
     kept = unpack(store.files(str(result.provenance.get("submission_sha256", "")))).files
     kept = {path: kept[path] for path in (*(name for name in first if name in kept), *sorted(kept.keys() - set(first)))}
     files = tuple(
@@ -87,7 +87,7 @@ def _to_mark(store: Store, first: Sequence[str], id_: str, result: Result) -> Un
     pictures = [(path, content) for path, content in kept.items() if not unshowable(content)][:_MOST_PICTURES]
     encoded = tuple((printable(path), base64.b64encode(content).decode()) for path, content in pictures)
     figures = drawn(filter(None, map(_without_remarks, store.charts(id_))))
-    return Unmarked(id_, files, encoded, Markup().join(map(Markup, figures.values())))
+    return BlindSubmission(id_, files, encoded, Markup().join(map(Markup, figures.values())))
 
 
 def _numbered(text: str) -> str:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from grader.base.errors import GraderError, RequestError, fault_text
 from grader.base.text import printable
-from grader.course.markers.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked
+from grader.course.markers.pool import KILLED, Backlog, Bounds, MarkerAnswer, OpenMarker, Task, Unmarked
 from grader.engine.chart_data import Evidence
 from grader.engine.lab_registry import chosen_lab
 from grader.engine.results import Result, from_dict
@@ -43,7 +43,7 @@ _SETTINGS = {
 
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, address: str, bounds: Bounds
-) -> Generator[tuple[Submission, Outcome], None, None]:
+) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
     """Mark every submission on a cluster and yield each as it is done, in no particular order.
 
     Parameters
@@ -178,7 +178,7 @@ class _Tasks:
         self._done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
         self._sent = 0
 
-    def run(self) -> Iterator[tuple[Submission, Outcome]]:
+    def run(self) -> Iterator[tuple[Submission, MarkerAnswer]]:
         """Send submissions to the workers; yield each with its outcome as it is done."""
         while self._hand_out():
             future = self._next_done()
@@ -224,7 +224,7 @@ class _Tasks:
         with _reporting_lost_scheduler(self._address):
             return len(self._client.nthreads())
 
-    def _outcome(self, future: Future[Any], task: Task) -> Outcome | None:
+    def _outcome(self, future: Future[Any], task: Task) -> MarkerAnswer | None:
         """Return the outcome of a task; None if it will be retried."""
         from distributed import KilledWorker  # noqa: PLC0415
 

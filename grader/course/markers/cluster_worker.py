@@ -18,7 +18,7 @@ from distributed import Worker, WorkerPlugin, get_worker
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
-from grader.course.markers.pool import Pool, Stopped, Unmarked
+from grader.course.markers.pool import Ended, Pool, Unmarked
 from grader.engine.results import Result, to_record
 from grader.intake import Submission
 
@@ -101,8 +101,8 @@ class GradingPlugin(WorkerPlugin):
         except (RequestError, GraderError) as problem:
             self._leave()
             raise type(problem)(f"worker {self._address}: {problem}") from problem
-        if isinstance(outcome, Stopped | Unmarked):
-            return {"trouble": outcome.reason, "stopped": outcome.reason if isinstance(outcome, Stopped) else ""}
+        if isinstance(outcome, Ended | Unmarked):
+            return {"trouble": outcome.reason, "stopped": outcome.reason if isinstance(outcome, Ended) else ""}
         return plain(outcome)
 
     def _agree(self) -> None:

@@ -2,7 +2,7 @@
 
 If a marker dies, a fresh one marks its submission again. A submission that two markers failed on is returned as `Unmarked` with
 the reason, which is not a zero. A marker that exceeds the time or memory of any sound work is ended; a submission on which
-two markers were ended is returned as `Stopped`.
+two markers were ended is returned as `Ended`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Unmarked:
 
 
 @dataclass(frozen=True)
-class Stopped:
+class Ended:
     """Outcome of a submission whose marking exceeded the limits on time or memory, with the reason."""
 
     reason: str
@@ -62,7 +62,7 @@ class Bounds:
 
 
 _BOUNDS = Bounds()
-Outcome: TypeAlias = "Result | Unmarked | Stopped"
+MarkerAnswer: TypeAlias = "Result | Unmarked | Ended"
 
 
 @dataclass
@@ -88,18 +88,18 @@ class Backlog:
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
-    def failed(self, task: Task, reason: str) -> Unmarked | Stopped | None:
+    def failed(self, task: Task, reason: str) -> Unmarked | Ended | None:
         """Queue a failed task again and return None, or return its outcome after the last attempt."""
         task.reasons.append(reason)
         if len(task.reasons) < self._attempts:
             self._again.append(task)
             return None
-        return Stopped(task.stopped) if task.stopped else Unmarked(reason)
+        return Ended(task.stopped) if task.stopped else Unmarked(reason)
 
 
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int, bounds: Bounds = _BOUNDS
-) -> Generator[tuple[Submission, Outcome], None, None]:
+) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
     """Mark every submission and yield each as it is done, in no particular order.
 
     Parameters
@@ -156,7 +156,7 @@ class Pool:
 
     def run(
         self, submissions: Iterator[Submission], cpu_s: float | None = None
-    ) -> Iterator[tuple[Submission, Outcome]]:
+    ) -> Iterator[tuple[Submission, MarkerAnswer]]:
         """Mark submissions as `mark_all` does; `cpu_s` may lower the rubric's limit on the CPU time of each submission."""
         backlog = Backlog(submissions, self._attempts)
         while self._hand_out(backlog, cpu_s):
@@ -178,7 +178,7 @@ class Pool:
             self._busy.append(process)
         return bool(self._busy)
 
-    def _received(self, process: _MarkerProcess, backlog: Backlog) -> Outcome | None:
+    def _received(self, process: _MarkerProcess, backlog: Backlog) -> MarkerAnswer | None:
         """Return the outcome that a process has sent; None if it has only opened its marker, or if its task will be retried.
 
         Raises

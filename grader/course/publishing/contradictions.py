@@ -9,7 +9,7 @@ from typing import Literal
 from grader.base.text import printable, some
 from grader.course.record.class_settings import ClassSettings
 from grader.people.final_grade import Adjustment, FinalGrade, maximum_points
-from grader.people.identity import Directory, Row
+from grader.people.identity import Directory, PersonRow
 from grader.report import words
 from grader.report.adjusted import explained
 
@@ -78,7 +78,7 @@ def _two_grades(final_grades: Mapping[str, FinalGrade]) -> Iterator[Contradictio
     for each in given:
         (person,) = each.people
         numbers = tuple(filter(None, (person.sid, *person.ids)))
-        match = handed_in.find(Row(person.platform, person.key, numbers, person.email, person.name))
+        match = handed_in.find(PersonRow(person.platform, person.key, numbers, person.email, person.name))
         if match is not None:
             points, theirs = (_points(final_grades[id_]) for id_ in (each.id, match.id))
             two = (

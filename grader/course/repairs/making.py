@@ -118,7 +118,7 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
 
 
 @dataclass(frozen=True)
-class Preview:
+class RepairPreview:
     """The grades of a submission without and with a repair that is not recorded.
 
     `problem` says why this repair could not be recorded; "" if it could.
@@ -129,7 +129,7 @@ class Preview:
     problem: str = ""
 
 
-def preview(out: Path, request: RepairRequest, grading: Grading) -> Preview:
+def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPreview:
     """Grade a submission with a repair in the sandbox. Nothing is recorded.
 
     Raises
@@ -145,10 +145,10 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> Preview:
         made = validated_repair(complete, final_grade, patched(handed_in.files, before), handed_in, "")
         original = _original(final_grade, handed_in, grading, store)
         result = _graded(handed_in, original, [*before, made], grading)
-        return Preview(final_grade.result, result, _refusal(final_grade.id, result, original))
+        return RepairPreview(final_grade.result, result, _refusal(final_grade.id, result, original))
 
 
-def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggestion | None]:
+def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Suggestion | None]:
     """Search for a repair of one place of the files with the repairs in force; nothing is recorded.
 
     Returns
@@ -162,7 +162,7 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggesti
         before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
     now = replace(handed_in, files=patched(handed_in.files, before))
     found = suggest(now, present, grading.rubric.lab, grading.mark)
-    return Preview(present, found.result if found else present), found
+    return RepairPreview(present, found.result if found else present), found
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:

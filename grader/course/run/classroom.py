@@ -14,8 +14,7 @@ from typing import Protocol
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
 from grader.course.markers import cluster
-from grader.course.markers.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
-from grader.course.markers.pool import Outcome as Marked
+from grader.course.markers.pool import Bounds, Ended, MarkerAnswer, Marking, OpenMarker, Unmarked, mark_all
 from grader.course.publishing.contradictions import contradictions
 from grader.course.publishing.out_files import publish, publish_class
 from grader.course.record import class_settings
@@ -57,7 +56,7 @@ class ProgressListener(Protocol):
 
 
 @dataclass
-class Outcome:
+class RunOutcome:
     """Outcome of a run: results by id, how many are from the record, unplaced files and warnings.
 
     `grades` holds the final grades of the graded submissions. `remarks` holds replaced submissions, outdated overrides and the
@@ -157,7 +156,7 @@ def _key(submission: Submission, request: GradeRequest) -> Key:
     return Key(submission.id, submission.sha256, request.rubric.sha256, request.traces.sha256, __version__)
 
 
-def grade_class(request: GradeRequest, found: Class, progress: ProgressListener) -> Outcome:
+def grade_class(request: GradeRequest, found: Class, progress: ProgressListener) -> RunOutcome:
     """Grade every submission that is not recorded yet and write `request.out`.
 
     Each result is committed and its files are written as it arrives; the gradebook and the index are written at the
@@ -176,7 +175,7 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
         raise RequestError(
             f"{changed.in_words()}; add --change to allow it, or choose another folder with -o. Nothing was changed"
         )
-    outcome = Outcome(leftovers=found.leftovers)
+    outcome = RunOutcome(leftovers=found.leftovers)
     with Store(request.out) as store:
         was, before = store.settings(), store.final_grades()
         store.keep_settings(replace(request.settings, isolation=was.isolation if was else ""), keep_before=moves)
@@ -222,7 +221,7 @@ def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> Non
 class _Run:
     """One pass over the class."""
 
-    def __init__(self, request: GradeRequest, store: Store, progress: ProgressListener, outcome: Outcome) -> None:
+    def __init__(self, request: GradeRequest, store: Store, progress: ProgressListener, outcome: RunOutcome) -> None:
         self._request = request
         self._store = store
         self._progress = progress
@@ -281,7 +280,7 @@ class _Run:
             self._count(final_grade)
             self._publish(final_grade)
 
-    def _marked(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[tuple[Submission, Marked]]:
+    def _marked(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[tuple[Submission, MarkerAnswer]]:
         request, submissions = self._request, self._submissions_to_mark(entries, reader)
         bounds = Bounds(wall_s=_WALL_PER_CPU * request.rubric.limits.submission_cpu_s)
         if request.cluster is not None:
@@ -370,7 +369,7 @@ def guarded_marker(
         yield marker
 
 
-def _result(submission: Submission, request: GradeRequest, marked: Marked) -> Result:
+def _result(submission: Submission, request: GradeRequest, marked: MarkerAnswer) -> Result:
     if isinstance(marked, Unmarked):
         return unjudged(submission, request, marked.reason)
-    return stopped(submission, request, marked.reason) if isinstance(marked, Stopped) else marked
+    return stopped(submission, request, marked.reason) if isinstance(marked, Ended) else marked

@@ -10,7 +10,7 @@ from grader.report.words import number
 
 
 @dataclass(frozen=True)
-class Change:
+class EarlierPoints:
     """Points of each check in the previous run, to show what changed since."""
 
     before: Mapping[str, float]
