@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from grader.base.errors import Crashed, TimedOut
-from grader.engine.load_report import DeadlyStatements
+from grader.engine.findings import StudentError
+from grader.engine.load_report import DeadlyStatements, not_handed_in
 from grader.engine.submission_session import SubmissionSession
 from grader.labs.imu.lab import LAB
 from grader.sandbox.process import WallClock
@@ -161,3 +162,16 @@ def test_a_place_that_a_process_wrote_down_after_it_saw_data_is_not_used(
     with pytest.raises(TimedOut):
         session.ask("load", {"path": "lab.py"})
     assert [where[:2] for where in session._endings.to_skip(())] == skipped
+
+
+@pytest.mark.parametrize(
+    ("type_", "message", "told"),
+    [
+        ("FileNotFoundError", "[Errno 2] No such file or directory: 'a.csv'", " (hand in a.csv, too)"),
+        ("FileNotFoundError", "a.csv not found.", " (hand in a.csv, too)"),
+        ("ValueError", "ParseXML: Error opening file 'a.xml'", " (hand in a.xml, too)"),
+        ("ValueError", "torso not found", ""),
+    ],
+)
+def test_a_file_that_code_reads_and_nobody_handed_in_is_asked_for(type_: str, message: str, told: str) -> None:
+    assert not_handed_in(StudentError(type_, message, None, None, None)) == told

@@ -20,8 +20,11 @@ from grader.sandbox.wire import Frame
 
 _OVERRAN = "it had not ended when its time was up"
 _ENDED = "it ends the process"
-_NO_FILE = re.compile(r"No such file or directory: '([^']+)'|^(\S+) not found")
-"""File that does not exist, as Python and NumPy name it."""
+_NO_FILE = {
+    "FileNotFoundError": re.compile(r"No such file or directory: '([^']+)'|^(\S+) not found"),
+    "ValueError": re.compile(r"Error opening file '([^']+)'"),
+}
+"""File that does not exist, as Python and NumPy name it, and as MuJoCo does, by the type of the exception."""
 _MOST = 24  # most statements to record per submission as ending their process
 
 
@@ -118,8 +121,9 @@ def _stepped_over(frame: Frame) -> list[SteppedOver]:
 
 def not_handed_in(error: StudentError) -> str:
     """Return what to do about a file that the code reads and that was not handed in; "" for any other exception."""
-    name = _NO_FILE.search(error.message) if error.type == "FileNotFoundError" else None
-    return f" (hand in {printable(name[1] or name[2], 80)}, too)" if name else ""
+    known = _NO_FILE.get(error.type)
+    name = known.search(error.message) if known else None
+    return f" (hand in {printable(name[name.lastindex or 0], 80)}, too)" if name else ""
 
 
 def fault_of_statement(each: SteppedOver) -> str:

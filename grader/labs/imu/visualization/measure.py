@@ -24,6 +24,7 @@ from grader.engine.findings import (
     Skipped,
     StudentError,
 )
+from grader.engine.load_report import not_handed_in
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.collection import KEYS, SENSORS, Collection
@@ -113,7 +114,7 @@ class Comparison:
         """The exception that stopped a program, with its file and line; "" if none did."""
         if self.error is None:
             return ""
-        said = printable(f"{self.error.type}: {self.error.message}", 300)
+        said = printable(f"{self.error.type}: {self.error.message}", 300) + not_handed_in(self.error)
         return f"{said} at {self.error.where}" if self.error.where else said
 
 
