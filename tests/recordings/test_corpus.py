@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Hashable, Iterator
 from typing import Any
 
@@ -10,8 +10,6 @@ import pytest
 
 from grader.engine.faults import catalogue
 from grader.labs.imu.lab import LAB
-from tests.corpus.cases import of
-from tests.corpus.pieces import BASES, read
 from tests.judging.fake_students import faults_shown
 from tests.recordings.losses import disagreements, pinned, pins
 from tests.recordings.marker import recorded_corpus, verdict
@@ -71,38 +69,6 @@ def test_the_corpus_is_as_large_as_it_was() -> None:
     assert sum(parts[part] for part in FAULTY) >= 350
     assert parts["broken"] >= 150
     assert parts["extensions"] >= 50
-
-
-DIFFER = {
-    "wrong-length",
-    "not-finite",
-    "name-missing",
-    "never-returns",
-    "other-parameters",
-    "sensor-not-found",
-    "bias-argument-ignored",
-}
-"""Faults whose rows break other things in each hand."""
-
-
-def _hand(table: str, name: str) -> str:
-    """Return the base that a row is made of in the end."""
-    rows = {row: keys for group in read(table).values() for row, keys in group.items()}
-    base = str(rows.get(name, {}).get("base", ""))
-    return base if base in ("", *BASES) else _hand(*(base.split("/") if "/" in base else (table, base)))
-
-
-@pytest.mark.quick
-def test_a_fault_costs_the_same_in_two_hands() -> None:
-    hands: dict[str, set[str]] = defaultdict(set)
-    costs: dict[tuple[str, str], set[str]] = defaultdict(set)
-    for case in of("faulty"):
-        if case.criterion not in ("", "visualization") and (hand := _hand(case.criterion, case.name)):
-            hands[case.fault].add(hand)
-            costs[case.fault, repr(sorted(pinned().get(case.id, {}).items()))].add(hand)
-    alike = {fault for (fault, _), found in costs.items() if len(found) > 1}
-    assert {fault for fault, found in hands.items() if len(found) > 1} - alike - {""} == DIFFER
-    assert len(alike) > 55
 
 
 @pytest.mark.quick
