@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ast
 from collections import defaultdict
-from collections.abc import Callable
 
 import pytest
 
@@ -13,7 +11,6 @@ from grader.intake import Submission
 from tests.corpus.cases import Case, of
 from tests.corpus.cases import case as case_of
 from tests.corpus.pieces import LAYOUTS, edit, steps, tidy, verbatim
-from tests.corpus.writing import Files, notebook
 from tests.recordings import Marking
 from tests.scoreboard import Verdict, graded_by, look_at_edit
 from tests.single_faults import lost_by, marked, submission_of, thinned
@@ -186,70 +183,3 @@ def test_who_waits_is_told_for_what(marker: Marker) -> None:
     said: list[str] = []
     marker.mark(in_layout(case, "three-files"), only="sensor_access", waiting=said.append)
     assert said == ["Waiting for imu_reader.py to be imported: 10 s of CPU time at most."]
-
-
-# --- what a submission defines, below a main guard, at module level and in the cells of a notebook ---
-
-GUARDED = {
-    "sound": ("noise_in_blocks", "split_by_dimensions"),
-    "faulty": (
-        "state-of-the-class", "method-under-another-name", "first-reading-kept", "ids-looked-up-again", "own-timestep",
-        "labels-of-panels-exchanged", "drawn-in-the-constructor", "noise-into-the-simulator", "z-axis-only",
-    ),
-    "lookalikes": ("head-not-off-by-some",),
-}  # fmt: skip
-AT_MODULE_LEVEL = {
-    "faulty": ("bias-drawn-in-read", "reset-forgotten", "plot-raises"),
-    "lookalikes": ("half-of-the-steps", "zero-start-not-wrong-alpha"),
-}
-"""Cases that call something below a main guard, and cases that have none, by their part of the corpus."""
-
-
-def statements(code: object) -> list[ast.stmt]:
-    """Return the statements of a file, in place of a main guard those below it, and in place of a call there those of the function."""
-    tree = ast.parse(str(code))
-    guards = [part for part in tree.body if isinstance(part, ast.If) and "__name__" in ast.unparse(part.test)]
-    called = {ast.unparse(each) for guard in guards for each in guard.body}
-    functions = {f"{part.name}()": part for part in tree.body if isinstance(part, ast.FunctionDef)}
-    bodies = {call: [*defaults(function), *function.body] for call, function in functions.items() if call in called}
-    flat: list[ast.stmt] = []
-    for part in tree.body:
-        if part in guards:
-            for each in part.body:  # type: ignore[attr-defined]
-                flat += bodies.get(ast.unparse(each), [each])
-        elif f"{getattr(part, 'name', '')}()" not in bodies:
-            flat.append(part)
-    return flat
-
-
-def defaults(function: ast.FunctionDef) -> list[ast.stmt]:
-    pairs = zip(function.args.args, function.args.defaults, strict=True)
-    return ast.parse("\n".join(f"{name.arg} = {ast.unparse(value)}" for name, value in pairs)).body
-
-
-def at_module_level(files: Files) -> Files:
-    return {name: "\n\n".join(map(ast.unparse, statements(code))) + "\n" for name, code in files.items()}
-
-
-def as_notebook(files: Files) -> Files:
-    parts = [part for name in ("imu_reader.py", "noisy_imu.py", "filters.py") for part in statements(files[name])]
-    own = ("imu_reader", "noisy_imu", "filters")
-    cells = [part for part in parts if not (isinstance(part, ast.ImportFrom) and part.module in own)]
-    return {"lab.ipynb": notebook(*map(ast.unparse, cells))}
-
-
-@pytest.mark.parametrize(
-    ("part", "name", "layout"),
-    [
-        (part, name, layout)
-        for layout, parts in ((at_module_level, (GUARDED,)), (as_notebook, (GUARDED, AT_MODULE_LEVEL)))
-        for names in parts
-        for part in names
-        for name in names[part]
-    ],
-)
-def test_what_a_submission_defines_has_the_same_marks_in_every_layout(
-    part: str, name: str, layout: Callable[[Files], Files], player: Marking
-) -> None:
-    case = case_of(part, name)
-    assert lost_by(marked(player, layout(case.files))) == lost_by(marked(player, case.files))

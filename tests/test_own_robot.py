@@ -144,7 +144,7 @@ def refusal(rubric_file: Path, cache: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("name", "seed"),
     [
-        pytest.param("humanoid", None, id="humanoid-public"),
+        pytest.param("humanoid", None, id="humanoid-public", marks=pytest.mark.weekly),
         pytest.param("ant", None, id="ant-public", marks=pytest.mark.weekly),
         pytest.param("dog", SECRET, id="dog-secret", marks=pytest.mark.weekly),
         pytest.param("boxhead", SECRET, id="boxhead-secret"),

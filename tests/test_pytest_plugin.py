@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import subprocess
@@ -139,9 +140,13 @@ WAYS = {
 }
 
 
-@pytest.mark.parametrize("where", ["inside", "beside"])
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("file", SETTINGS)
+@pytest.mark.parametrize(
+    ("file", "way", "where"),
+    [
+        pytest.param(*row, marks=[pytest.mark.weekly] if n % 5 else [])  # each file, way and place on every change
+        for n, row in enumerate(itertools.product(SETTINGS, WAYS, ("inside", "beside")))
+    ],
+)
 def test_the_settings_of_a_submission_are_not_read(lab: Path, file: str, way: str, where: str) -> None:
     quoted = "\n".join(f'{key} = "{value}"' for key, value in (line.split(" = ") for line in WAYS[way].splitlines()))
     (lab / file).write_text(SETTINGS[file].format(quoted if file == "pyproject.toml" else WAYS[way]))

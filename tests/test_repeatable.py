@@ -81,7 +81,9 @@ def busy_machine() -> Iterator[None]:
             other.wait()
 
 
-@pytest.mark.parametrize("name", [*SOUND, *ODD])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.weekly] if n % 3 else []) for n, name in enumerate([*SOUND, *ODD])]
+)
 def test_a_submission_gets_the_same_result_twice_once_under_load(name: str, marker: Marker) -> None:
     submission = noisy({**SOUND, **ODD}[name])
     first = settled(marker.mark(submission, only="noise_model"))

@@ -15,7 +15,7 @@ from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_gra
 from tests.corpus import pieces
 from tests.corpus.cases import Case, of
 from tests.sandboxes import Opened
-from tests.single_faults import lost_by, marked
+from tests.single_faults import lost_by, marked, thinned
 
 COLLECT = pieces.part("steps", "recorder")
 MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
@@ -36,7 +36,7 @@ def lost(result: Result) -> set[str]:
     return {check.partition(".")[2] for check in lost_by(result)}
 
 
-@pytest.mark.parametrize("case", of("replays"), ids=lambda case: case.name)
+@pytest.mark.parametrize("case", thinned(of("replays"), 3))
 def test_what_was_recorded_earns_its_form_alone(marker: Marker, case: Case) -> None:
     result = marked(marker, case.files, case.criterion)
     assert result.criteria[0].points <= MOST

@@ -36,8 +36,8 @@ raise ImportError("a student's {name}")
     ("program", "words", "but"),
     [
         ([COMMAND], ["check", "../lab"], frozenset()),
-        ([COMMAND], ["grade", "../lab", "-o", "../out"], frozenset()),
-        ([COMMAND], ["traces", "list"], frozenset()),
+        pytest.param([COMMAND], ["grade", "../lab", "-o", "../out"], frozenset(), marks=pytest.mark.weekly),
+        pytest.param([COMMAND], ["traces", "list"], frozenset(), marks=pytest.mark.weekly),
         ([sys.executable, "-m", "grader"], ["grade", "../lab", "-o", "../out"], READ_BEFORE),
     ],
     ids=["check", "grade", "traces", "python -m grader"],

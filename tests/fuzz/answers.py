@@ -1,8 +1,7 @@
-"""Answers of the sandbox, mangled or made up on their way to the checks.
+"""Answers of the sandbox, mangled on their way to the checks.
 
 A sound submission with all extensions is marked once and its answers are kept; then it is marked again and again without a sandbox:
-with one to three of the answers mangled, or with answers that are drawn from the rules. Whatever comes back, every check must be
-judged, and no exception raised.
+with one to three of the answers mangled. Whatever comes back, every check must be judged, and no exception raised.
 """
 
 from __future__ import annotations
@@ -25,14 +24,12 @@ from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.labs.imu.replies import RULES
 from grader.sandbox.isolation_levels import NO_ISOLATION
 from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files
 from tests.examples import files
-from tests.fuzz.drawing import drawn
 from tests.fuzz.mangling import mangled_array, mangled_value
 from tests.recordings.answers import history_after
 from tests.sandboxes import opened
@@ -156,25 +153,6 @@ class Bench:
 
         return self._marked(answer)
 
-    def mark_drawn(self, seed: int) -> Result:
-        """Mark with answers that are drawn from the rules."""
-        chance = random.Random(seed)
-        made_up = chance.choice((0.2, 0.6, 1.0, 1.0))  # of the answers; the others are sound, so that what follows them is asked, too
-
-        def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-            leads = op in _LEADING
-            known = self._leading[op, fields.get("path")] if leads else self._answers.get(_key(op, fields, arrays))
-            if known is not None and chance.random() > (0.01 if leads else made_up):
-                return known
-            if op == "replay":
-                return Frame({}, {"sensordata": self._sensors(fields["steps"], chance)})
-            frame = drawn(op, fields, arrays, RULES, chance, known if chance.random() < 0.3 else None)
-            if frame is None:
-                raise Crashed("chance made no answer")
-            return frame
-
-        return self._marked(answer)
-
     def points(self, lie: Callable[[str, Frame], Frame] = lambda op, frame: frame) -> dict[str, float]:
         """Points of each check where one claim of the process is replaced; what is asked beyond the record gets no answer."""
 
@@ -189,11 +167,6 @@ class Bench:
         result = self._marked(answer)
         assert self.troubles == []
         return {check.id: float(check.points or 0.0) for criterion in result.criteria for check in criterion.checks}
-
-    def _sensors(self, steps: int, chance: random.Random) -> np.ndarray:
-        """As a sandbox that runs nothing of a student's may answer: what is replayed is drawn, and its run may be anything finite."""
-        width = next((frame.arrays["sensordata"].shape[1] for key, frame in self._answers.items() if key.startswith("replay ")), 40)
-        return np.random.default_rng(chance.randrange(99)).normal(size=(steps, width)) * 10.0 ** chance.randint(-9, 9)
 
     def _marked(self, answer: Ask) -> Result:
         self.troubles.clear()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from grader.base.errors import RequestError
 from grader.engine import rubric
-from grader.engine.results import Result
 from grader.labs.imu.lab import LAB
 from grader.worker import notebooks
 from tests.corpus.writing import notebook
@@ -101,14 +100,10 @@ def bench() -> Iterator[Bench]:
         yield bench
 
 
-@pytest.mark.parametrize("mark", [Bench.mark, Bench.mark_drawn])
-@settings(max_examples=4, deadline=None, derandomize=True)
+@settings(SHORT, max_examples=40)
 @given(seed=SEEDS)
-def test_no_answer_of_the_box_leaves_a_check_without_a_verdict(
-    bench: Bench, mark: Callable[[Bench, int], Result], seed: int
-) -> None:
-    """Neither mangled answers nor some 300 drawn ones, which keep their rules, to every question there is."""
-    result = mark(bench, seed)
+def test_no_answer_of_the_box_leaves_a_check_without_a_verdict(bench: Bench, seed: int) -> None:
+    result = bench.mark(seed)
     assert bench.troubles == []
     assert result.status == "graded"
     assert 0 <= result.score <= result.max_score

@@ -1,5 +1,5 @@
 """Mutants of the reference, handed in and graded: `python -m tests.mutants [--file NAME] [--only TEXT] [--jobs 2]`; with `--judging`,
-mutants of checks, diagnosis, findings and rubric, tested without a sandbox: `--judging [--sample N] [--seed S] [--matrix FILE]`.
+mutants of checks, diagnosis, findings and rubric, tested without a sandbox: `--judging [--sample N] [--seed S]`.
 
 A mutant is killed when it loses points, or when a test or a case of the corpus says that it judges otherwise. One that is not must stand in
 `equivalent.yaml` or `judging.yaml` with the reason why it is as good as the original; a survivor without one, and a reason without a
@@ -13,9 +13,8 @@ import difflib
 import random
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
 
-from tests.mutants import grading, judging, matrix
+from tests.mutants import grading, judging
 from tests.mutants.grading import FILES, SHEET, Reasons
 from tests.mutants.operators import Mutant
 
@@ -35,18 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--sample", type=int, help=f"so many of them, drawn by chance; of those that judge, {_SAMPLE}")
     parser.add_argument("--seed", type=int, default=0, help="of what is drawn")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument(
-        "--matrix", type=Path, help="append what killed each mutant of the judging; those on record are not tried again"
-    )
-    parser.add_argument(
-        "--cover",
-        action="store_true",
-        help="show a small set of tests that kills what the corpus does not, by --matrix",
-    )
     options = parser.parse_args(arguments)
-    if options.cover:
-        print("\n".join(f"{adds:>5} {test}" for test, adds in matrix.cover(options.matrix).items()))
-        return 0
     there = judging.files() if options.judging else FILES
     files = [file for file in there if file.endswith(tuple(options.file))] if options.file else None
     if files == []:
@@ -57,13 +45,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         drawn = random.Random(options.seed).sample(chosen, min(size, len(chosen)))
         chosen = sorted(drawn, key=chosen.index)
     if options.judging:
-        every, known = judging.judging_mutants(there), matrix.read(options.matrix) if options.matrix else {}
-        tried = [mutant for mutant in chosen if judging.is_python(mutant) and mutant.key not in known]
+        every = judging.judging_mutants(there)
+        tried = [mutant for mutant in chosen if judging.is_python(mutant)]
         told: list[int] = []
 
         def tell(ended: Iterator[tuple[Mutant, judging.End]]) -> None:
-            kept = matrix.written(ended, options.matrix) if options.matrix else ended
-            as_text = ((mutant, str(end)) for mutant, end in kept)
+            as_text = ((mutant, str(end)) for mutant, end in ended)
             told.append(_report(as_text, judging.reasons(), every, said=True))
 
         judging.ends(tried, options.jobs, tell)
