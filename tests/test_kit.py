@@ -178,7 +178,7 @@ def test_the_wheel_is_as_pip_wants_it_and_the_same_each_time(students: Path) -> 
 def test_the_wheel_carries_the_rubric_that_is_named(tmp_path: Path) -> None:
     other = tmp_path / "rubric.yaml"
     other.write_text((ROOT / "rubric.yaml").read_text().replace("matches_truth: 6", "matches_truth: 7", 1))
-    give.classroom50(LAB, tmp_path / "kit", other)
+    give.job("classroom50", LAB, tmp_path / "kit", other)
     packed = unpacked((tmp_path / "kit" / wheel.name()).read_bytes())
     assert packed["grader/labs/imu/rubric.yaml"] == other.read_bytes()
 
@@ -251,9 +251,9 @@ def test_nothing_that_is_there_is_overwritten(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["filters.py"]
     with pytest.raises(RequestError, match="it is there already"):
         give.gradescope(LAB, tmp_path / "filters.py")
-    give.github(LAB, tmp_path / "repository")
+    give.job("github", LAB, tmp_path / "repository")
     with pytest.raises(RequestError, match=r"imugrade\.yml: it is there already"):
-        give.github(LAB, tmp_path / "repository")
+        give.job("github", LAB, tmp_path / "repository")
 
 
 # --- platforms --------------------------------------------------------------------------------------------------------
@@ -263,8 +263,8 @@ def test_nothing_that_is_there_is_overwritten(tmp_path: Path) -> None:
 def workflows(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A repository with the kit's workflow, the documented one for hidden scenarios, and the kit's pipeline."""
     out = tmp_path_factory.mktemp("repository")
-    give.github(LAB, out)
-    give.gitlab(LAB, out)
+    give.job("github", LAB, out)
+    give.job("gitlab", LAB, out)
     (block,) = re.findall(r"^    name: Lab 04-01, hidden.*\n(?:    .*\n)*", github.PLATFORM.help.respond, re.MULTILINE)
     (out / ".github/workflows/hidden.yml").write_text(textwrap.dedent(block), encoding="utf-8")
     return out
@@ -299,7 +299,7 @@ def test_what_a_ci_reads_is_what_its_schema_allows(platform: str, files: str, wo
     ("kit", "folder"), [("github", ".github/imugrade"), ("gitlab", ".gitlab/imugrade"), ("classroom50", "")]
 )
 def test_a_platform_installs_the_versions_of_the_class(kit: str, folder: str, tmp_path: Path) -> None:
-    getattr(give, kit)(LAB, tmp_path / "kit")
+    give.job(kit, LAB, tmp_path / "kit")
     files = [
         path.read_text(encoding="utf-8") for path in (tmp_path / "kit").rglob("*") if path.suffix in (".py", ".yml")
     ]

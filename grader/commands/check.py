@@ -82,9 +82,8 @@ def check(
         if differing := class_versions.line(lab.folder):
             print(differing, flush=True)
         _keep_versions(lab, path)
-        from grader.commands import checking  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
-        from grader.engine.grader import Stopped  # noqa: PLC0415
+        from grader.engine.grader import Marker, Stopped  # noqa: PLC0415
         from grader.report import terminal  # noqa: F401, PLC0415
 
         bundle = lab.truth(None, chosen.settings)
@@ -92,9 +91,8 @@ def check(
             print(opening.waiting(submission, chosen, bundle, only, secret=_has_secret()) + "\n", flush=True)
         printed = Prints()
         try:
-            result = checking.check(
-                submission, chosen, bundle, sandbox, only=only, waiting=partial(print, flush=True), listen=printed.add
-            )
+            with Marker(chosen, bundle, sandbox=sandbox) as marker:
+                result = marker.mark(submission, only=only, waiting=partial(print, flush=True), listen=printed.add)
         except Stopped as stopped:
             print()  # below the terminal's own ^C
             _show(stopped.result, arguments, printed)

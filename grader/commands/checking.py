@@ -1,4 +1,4 @@
-"""One submission on one's own machine: checked once, or again whenever a file in it is saved."""
+"""One submission on one's own machine, checked again whenever a file in it is saved."""
 
 from __future__ import annotations
 
@@ -14,9 +14,7 @@ from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.session import Listener
 from grader.engine.traces import Traces
-from grader.intake import Submission
 from grader.intake.names import is_litter
-from grader.sandbox.sandbox import Sandbox
 
 PAUSE_S = 0.2
 STILL_S = 1.0
@@ -25,21 +23,6 @@ STILL_S = 1.0
 
 def _nothing() -> None:
     pass
-
-
-def check(
-    submission: Submission,
-    rubric: Rubric,
-    traces: Traces,
-    sandbox: Sandbox,
-    *,
-    only: str | None = None,
-    waiting: Callable[[str], None] | None = None,
-    listen: Listener | None = None,
-) -> Result:
-    """Mark one submission once, in a sandbox that may still be warming up; `waiting` is called with what marking waits for."""
-    with Marker(rubric, traces, sandbox=sandbox) as marker:
-        return marker.mark(submission, only=only, waiting=waiting, listen=listen)
 
 
 def check_on_save(

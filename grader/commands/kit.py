@@ -50,6 +50,10 @@ def kit(
     lab = chosen_lab()
     settings = rubrics.load(lab, rubric).settings
     hidden = lab.truth(seed, settings) if gradescope and seed is not None else None
-    for each in give.kits(give.KitRequest(lab, out, gradescope, classroom50, github, gitlab, rubric, hidden)):
+    kits = [give.student(lab, out, rubric)] if out else []
+    kits += [give.gradescope(lab, gradescope, rubric, hidden)] if gradescope else []
+    jobs = {"classroom50": classroom50, "github": github, "gitlab": gitlab}
+    kits += [give.job(platform, lab, place, rubric) for platform, place in jobs.items() if place]
+    for each in kits:
         print(f"{each.place}  for {each.title}; {each.scenarios}")
     return 0

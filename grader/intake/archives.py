@@ -40,7 +40,6 @@ MAX_HEADER_WORK = 2_100_000_000
 MAX_IN_VAIN = 100  # reads behind the end of a tar: tarfile looks there for the next file, block by block, wherever it is said to be
 
 _UTF8 = 0x800  # flag: the name is UTF-8
-_TRAILING_BACKSLASH = ("cp932", "gbk", "big5")  # code pages with characters that end in the byte of a backslash
 _HEADERS = (
     tarfile.GNUTYPE_LONGNAME,
     tarfile.GNUTYPE_LONGLINK,
@@ -206,23 +205,10 @@ def _take_member(
 def zip_name(entry: zipfile.ZipInfo) -> str:
     """Return the path of a zip's entry. `orig_filename` still has the NUL at which `filename` ends."""
     name = entry.orig_filename
-    if not entry.flag_bits & _UTF8:  # zipfile takes these names for code page 437
-        name = _decoded(name.encode("cp437"), name)
-    return name.replace("\\", "/")  # whatever tool made it: students have no file with a backslash in its name
-
-
-def _decoded(data: bytes, otherwise: str) -> str:
-    """Decode a name that does not state its encoding.
-
-    Finder writes UTF-8. East Asian Windows writes its code page, in which the second byte of a character may be that of a
-    backslash (0x5c). Such a page is tried only where a backslash would remain, and taken only if none remains in it.
-    """
-    for page in ("utf-8", *(_TRAILING_BACKSLASH if b"\\" in data else ())):
+    if not entry.flag_bits & _UTF8:  # zipfile takes these names for code page 437; Finder writes UTF-8
         with suppress(UnicodeError):
-            text = data.decode(page)
-            if page == "utf-8" or "\\" not in text:
-                return text
-    return otherwise
+            name = name.encode("cp437").decode("utf-8")
+    return name.replace("\\", "/")  # whatever tool made it: students have no file with a backslash in its name
 
 
 def _zip_objection(entry: zipfile.ZipInfo) -> str:

@@ -13,14 +13,12 @@ from pathlib import Path
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.archives import gather_members, zip_name
-from grader.intake.file_budget import LINK, UNSAFE, FileBudget
-from grader.intake.folders import gather_places, is_link, status_of
+from grader.intake.file_budget import LINK, REFUSED, UNSAFE, FileBudget
+from grader.intake.folders import entries_of, gather_places, is_link, status_of
 from grader.intake.names import archive_parts, is_litter
 
 Sources = tuple[tuple[str, str], ...]
 """Files and folders of a download, and their paths in the submission ("" for the contents of a folder)."""
-
-REFUSED = "the system refused it"
 
 
 @dataclass(frozen=True)
@@ -88,19 +86,14 @@ def _folder(path: Path, root: str) -> Download:
     """Return the names at the top of a download that is a folder."""
     top: dict[str, bool] = {}
     left: list[tuple[str, str]] = []
-    try:
-        with os.scandir(path / root) as entries:
-            for entry in sorted(entries, key=lambda e: e.name):
-                status = status_of(entry)
-                if entry.name.startswith(".") or is_litter((entry.name,)):
-                    continue
-                if status is None or is_link(status):
-                    left.append((entry.name, REFUSED if status is None else LINK))
-                else:
-                    top[entry.name] = entry.is_dir()
-    except OSError as error:
-        shown = printable(str(path / root), 500)
-        raise RequestError(f"{shown}: the folder cannot be listed ({error.strerror}); check its permissions") from error
+    for entry in entries_of(path / root):
+        status = status_of(entry)
+        if entry.name.startswith(".") or is_litter((entry.name,)):
+            continue
+        if status is None or is_link(status):
+            left.append((entry.name, REFUSED if status is None else LINK))
+        else:
+            top[entry.name] = entry.is_dir()
     return Download(path, root, top, tuple(left))
 
 

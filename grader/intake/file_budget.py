@@ -19,6 +19,7 @@ MAX_BYTES = 32 * MB
 MAX_NAMED = 3  # names in one note
 MAX_OPENINGS = 2
 
+REFUSED = "the system refused it"
 LINK = "links are never followed"
 SPECIAL = "devices, pipes and sockets are never opened"
 UNSAFE = "the path leads out of the archive or names a drive"

@@ -8,7 +8,9 @@ from collections.abc import Collection, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
-from grader.intake.file_budget import LINK, LONG, MAX_FILE, SPECIAL, FileBudget
+from grader.base.errors import RequestError
+from grader.base.text import printable
+from grader.intake.file_budget import LINK, LONG, MAX_FILE, REFUSED, SPECIAL, FileBudget
 from grader.intake.names import HOME_VERSIONS, MAX_PARTS, is_litter
 
 MAX_ENTRIES = 50_000
@@ -51,7 +53,7 @@ def _take(budget: FileBudget, parts: tuple[str, ...], path: str, size: int) -> N
     try:
         budget.take(parts, size, lambda: _read(path))
     except OSError as error:
-        budget.leave("/".join(parts), f"the system refused it ({error.strerror})")
+        budget.leave("/".join(parts), f"{REFUSED} ({error.strerror})")
         budget.broken = True
 
 
@@ -76,7 +78,7 @@ def _listed(root: Path, budget: FileBudget) -> Iterator[tuple[tuple[str, ...], s
                 continue
             status = status_of(entry)
             if status is None:
-                budget.leave("/".join(parts), "the system refused it")
+                budget.leave("/".join(parts), REFUSED)
             elif is_link(status):
                 budget.leave("/".join(parts), LINK)
             elif stat.S_ISREG(status.st_mode):
@@ -95,9 +97,25 @@ def _entries(folder: str, above: tuple[str, ...], budget: FileBudget) -> list[os
         with os.scandir(folder) as entries:
             return sorted(islice(entries, MAX_ENTRIES + 1), key=lambda entry: entry.name)
     except OSError as error:
-        budget.leave("/".join(above) or ".", f"the system refused it ({error.strerror})")
+        budget.leave("/".join(above) or ".", f"{REFUSED} ({error.strerror})")
         budget.broken = True
         return []
+
+
+def entries_of(folder: Path) -> list[os.DirEntry[str]]:
+    """Return the entries of an instructor's folder, sorted by name.
+
+    Raises
+    ------
+    RequestError
+        If the folder cannot be listed.
+    """
+    try:
+        with os.scandir(folder) as entries:
+            return sorted(entries, key=lambda entry: entry.name)
+    except OSError as error:
+        shown = printable(str(folder), 500)
+        raise RequestError(f"{shown}: the folder cannot be listed ({error.strerror}); check its permissions") from error
 
 
 def status_of(entry: os.DirEntry[str]) -> os.stat_result | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +20,6 @@ from grader.kit import guide, wheel
 from grader.platforms.github import CHECKOUT, SETUP_PYTHON
 from grader.report import truth
 
-_READABLE = "public scenarios: the job runs in the student's repository"
 _FIELDS = {"wheel": wheel.name(), "version": __version__, "checkout": CHECKOUT, "setup_python": SETUP_PYTHON}
 _EDITORS = {
     ".devcontainer/devcontainer.json": "devcontainer.json.txt",
@@ -38,32 +37,30 @@ class Kit:
     scenarios: str
 
 
-@dataclass(frozen=True)
-class KitRequest:
-    """The kits to write, each with its folder, or None if it is not wanted. `hidden` traces go into the Gradescope kit alone."""
-
-    lab: Lab
-    student: Path | None = None
-    gradescope: Path | None = None
-    classroom50: Path | None = None
-    github: Path | None = None
-    gitlab: Path | None = None
-    rubric: Path | None = None
-    hidden: Traces | None = None
+_JOBS = {
+    "classroom50": ("Classroom 50", "autograder.py", "platforms/autograder.py.txt", ""),
+    "github": ("GitHub Actions", ".github/workflows/imugrade.yml", "platforms/imugrade.yml.txt", ".github/imugrade/"),
+    "gitlab": ("GitLab CI", ".gitlab-ci.yml", "platforms/gitlab.yml.txt", ".gitlab/imugrade/"),
+}
+"""Platforms whose job runs in the student's repository: title, file of the job, its template, folder of the wheel."""
 
 
-def kits(request: KitRequest) -> Iterator[Kit]:
-    """Write the requested kits one after the other."""
-    if request.student is not None:
-        yield student(request.lab, request.student, request.rubric)
-    if request.gradescope is not None:
-        yield gradescope(request.lab, request.gradescope, request.rubric, request.hidden)
-    if request.classroom50 is not None:
-        yield classroom50(request.lab, request.classroom50, request.rubric)
-    if request.github is not None:
-        yield github(request.lab, request.github, request.rubric)
-    if request.gitlab is not None:
-        yield gitlab(request.lab, request.gitlab, request.rubric)
+def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
+    """Write a platform's job, the wheel and the versions of the class into a folder that may hold other files.
+
+    Raises
+    ------
+    RequestError
+        If one of the files exists; nothing is written then.
+    """
+    title, path, template, folder = _JOBS[platform]
+    files = {path: _text(template).encode(), f"{folder}{wheel.name()}": _wheel(lab, rubric)}
+    files[f"{folder}{class_versions.FILE}"] = _constraints(lab)
+    for each in files:
+        if (out / each).exists():
+            raise RequestError(f"{printable(str(out / each))}: it is there already; remove it or choose another folder")
+    _write(out, files)
+    return Kit(out, title, "public scenarios: the job runs in the student's repository")
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
@@ -86,29 +83,6 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     return Kit(out, "students", "public scenarios")
 
 
-def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write `autograder.py` and the wheel, for ``CLASSROOM/autograders/ASSIGNMENT``."""
-    _refuse_full(out)
-    program = _text("platforms/autograder.py.txt").encode()
-    files = {"autograder.py": program, class_versions.FILE: _constraints(lab), wheel.name(): _wheel(lab, rubric)}
-    _write(out, files)
-    return Kit(out, "Classroom 50", _READABLE)
-
-
-def github(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Return the kit for GitHub: a workflow and the wheel, for the root of the repository that students start from."""
-    workflow = _text("platforms/imugrade.yml.txt").encode()
-    _beside_others(out, {".github/workflows/imugrade.yml": workflow, **_installed(".github/imugrade", lab, rubric)})
-    return Kit(out, "GitHub Actions", _READABLE)
-
-
-def gitlab(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Return the kit for GitLab: a pipeline and the wheel, for the root of the repository that students start from."""
-    pipeline = _text("platforms/gitlab.yml.txt").encode()
-    _beside_others(out, {".gitlab-ci.yml": pipeline, **_installed(".gitlab/imugrade", lab, rubric)})
-    return Kit(out, "GitLab CI", _READABLE)
-
-
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
     """Write `autograder.zip`: `setup.sh` and `run_autograder` at its root, the wheel, and hidden traces if they are given."""
     traces = {} if hidden is None else _bundle(hidden)
@@ -124,11 +98,6 @@ def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces |
         raise RequestError(f"{printable(str(out))}: it is there already; remove it or choose another name")
     _write(out.parent, {out.name: wheel.pack(files, ("setup.sh", "run_autograder"))})
     return Kit(out, "Gradescope", "hidden scenarios" if traces else "public scenarios: no seed was given")
-
-
-def _installed(folder: str, lab: Lab, rubric: Path | None) -> dict[str, bytes]:
-    """Return what a platform installs from a folder: the wheel, and the versions of the class."""
-    return {f"{folder}/{wheel.name()}": _wheel(lab, rubric), f"{folder}/{class_versions.FILE}": _constraints(lab)}
 
 
 def _constraints(lab: Lab) -> bytes:
@@ -182,14 +151,6 @@ def _refuse_full(out: Path) -> None:
         raise RequestError(
             f"{printable(str(out))}: the folder is not empty; choose a new one, so nothing is overwritten"
         )
-
-
-def _beside_others(out: Path, files: Mapping[str, bytes]) -> None:
-    """Write files into a folder that may hold others; RequestError, and nothing written, if one of them exists."""
-    for path in files:
-        if (out / path).exists():
-            raise RequestError(f"{printable(str(out / path))}: it is there already; remove it or choose another folder")
-    _write(out, files)
 
 
 def _write(out: Path, files: Mapping[str, bytes]) -> None:

@@ -12,8 +12,8 @@ from types import MappingProxyType
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.downloads import Download, Sources, open_download
-from grader.intake.file_budget import LINK
-from grader.intake.folders import is_link, status_of
+from grader.intake.file_budget import LINK, REFUSED
+from grader.intake.folders import entries_of, is_link, status_of
 from grader.intake.layout import MAX_LEVELS
 from grader.intake.names import (
     ARCHIVES,
@@ -207,19 +207,10 @@ def _found_at(path: Path, required: Collection[str]) -> Iterator[tuple[Path, str
     if _is_submission(path, required):
         yield path, ""
         return
-    for entry in _listed(path):
+    for entry in entries_of(path):
         place = path / entry.name
         if not _is_ignored(entry):
             yield place, _objection(entry)
-
-
-def _listed(folder: Path) -> list[os.DirEntry[str]]:
-    try:
-        with os.scandir(folder) as entries:
-            return sorted(entries, key=lambda entry: entry.name)
-    except OSError as error:
-        shown = printable(str(folder), 500)
-        raise RequestError(f"{shown}: the folder cannot be listed ({error.strerror}); check its permissions") from error
 
 
 def _is_ignored(entry: os.DirEntry[str]) -> bool:
@@ -236,7 +227,7 @@ def _objection(entry: os.DirEntry[str]) -> str:
     """Return why this entry of a class folder is no submission, or ""."""
     status = status_of(entry)
     if status is None or is_link(status):
-        return "the system refused it" if status is None else LINK
+        return REFUSED if status is None else LINK
     if entry.is_dir() or (entry.is_file() and has_suffix(entry.name, (*ARCHIVES, *FOREIGN_ARCHIVES))):
         return ""  # an archive of an unsupported kind is a submission, too
     return UNPLACED
@@ -244,7 +235,7 @@ def _objection(entry: os.DirEntry[str]) -> str:
 
 def _is_submission(folder: Path, required: Collection[str]) -> bool:
     """Return whether a folder is one submission: it holds a required file, or code and no submissions."""
-    entries = [entry for entry in _listed(folder) if not _is_ignored(entry)]
+    entries = [entry for entry in entries_of(folder) if not _is_ignored(entry)]
     names = [entry.name for entry in entries if entry.is_file(follow_symlinks=False)]
     asked = set(map(folded, required))
     if any(folded(name) in asked for name in names):

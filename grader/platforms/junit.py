@@ -40,26 +40,32 @@ def junit(result: Result, at: datetime) -> str:
 
 
 def _suite(root: Element, part: rows.Part, result: Result, at: datetime) -> None:
-    suite = SubElement(root, "testsuite", name=part.id, timestamp=at.isoformat(timespec="seconds"))
-    properties = SubElement(suite, "properties")
-    for name, value in _facts(part):
-        SubElement(properties, "property", name=name, value=value)
+    suite = _new_suite(root, part.id, at, _facts(part))
     for check in part.checks:
         _case(suite, check, part, result)
+    _count(suite, part.checks)
+
+
+def _new_suite(root: Element, name: str, at: datetime, facts: Iterable[tuple[str, str]] = ()) -> Element:
+    """Add a suite with properties."""
+    suite = SubElement(root, "testsuite", name=name, timestamp=at.isoformat(timespec="seconds"))
+    properties = SubElement(suite, "properties")
+    for key, value in facts:
+        SubElement(properties, "property", name=key, value=value)
+    return suite
+
+
+def _count(suite: Element, checks: Iterable[CheckResult] = ()) -> None:
+    """Set the numbers of cases of a suite, by their end, and the time that they took."""
     for name, path in {**_COUNTED, "skipped": "testcase/skipped"}.items():
         suite.set(name, str(len(suite.findall(path))))
-    suite.set("time", _seconds(check.duration_s for check in part.checks))
+    suite.set("time", _seconds(check.duration_s for check in checks))
 
 
 def _repairs(root: Element, result: Result, at: datetime) -> None:
     """Add a suite without cases for the repairs; its negative score is their deduction."""
-    suite = SubElement(root, "testsuite", name="repairs", timestamp=at.isoformat(timespec="seconds"), time="0")
-    properties = SubElement(suite, "properties")
-    SubElement(properties, "property", name="score", value=words.number(-result.repair_deduction))
-    for number, line in enumerate(words.repairs(result), 1):
-        SubElement(properties, "property", name=f"repair.{number}", value=line)
-    for name in (*_COUNTED, "skipped"):
-        suite.set(name, "0")
+    lines = ((f"repair.{number}", line) for number, line in enumerate(words.repairs(result), 1))
+    _count(_new_suite(root, "repairs", at, [("score", words.number(-result.repair_deduction)), *lines]))
 
 
 def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:
@@ -100,12 +106,11 @@ def _faults(check: CheckResult) -> list[str]:
 
 def _nothing_to_grade(root: Element, result: Result, at: datetime) -> None:
     """Add the one failing case of an empty or unreadable submission."""
-    suite = SubElement(root, "testsuite", name="submission", timestamp=at.isoformat(timespec="seconds"))
-    for name, count in {"tests": "1", "failures": "1", "errors": "0", "skipped": "0", "time": _seconds([])}.items():
-        suite.set(name, count)
+    suite = _new_suite(root, "submission", at)
     case = SubElement(suite, "testcase", classname="imugrade.submission", name="can_be_graded", time=_seconds([]))
     failure = SubElement(case, "failure", message=words.STATUS[result.status], type=result.status)
     failure.text = "\n".join([words.STATUS[result.status], *words.notes(result)])
+    _count(suite)
 
 
 def _verdict(check: CheckResult) -> str:

@@ -38,22 +38,25 @@ class Cell:
     key: float
 
 
+_BLANK = Cell("–", -1.0)
+
+
 @dataclass(frozen=True)
 class Entry:
-    """One row of the class table; `tags` are the filters that it matches, and `id` is "" without a submission."""
+    """One row of the class table; `tags` are the filters that it matches. Of a person without a submission most is blank."""
 
-    id: str
     name: str
     section: str
-    href: str
-    criteria: tuple[Cell, ...]
-    score: Cell
-    bonus: Cell
-    late: Cell
-    final: Cell
-    explained: str
     status: str
     tags: tuple[str, ...]
+    criteria: tuple[Cell, ...]
+    id: str = ""
+    href: str = ""
+    score: Cell = _BLANK
+    bonus: Cell = _BLANK
+    late: Cell = Cell("", -1.0)
+    final: Cell = _BLANK
+    explained: str = ""
 
 
 @dataclass(frozen=True)
@@ -144,27 +147,13 @@ def entries(
     """
     known = list(final_grades)
     names = words.absentees(absent, (each.hand_in for each in known))
-    rows = [_nobody(name, person, criteria) for name, person in zip(names, absent, strict=True)]
+    nobody, blank = words.NO_SUBMISSION, (_BLANK,) * len(criteria)
+    rows = [
+        Entry(printable(name, words.NAME_LIMIT), printable(person.section, 80), nobody, (f"status:{nobody}",), blank)
+        for name, person in zip(names, absent, strict=True)
+    ]
     rows += [_entry(each, criteria, top) for each in known]
     return sorted(rows, key=lambda each: (by_name(each.name), each.id))
-
-
-def _nobody(name: str, person: Person, criteria: Collection[str]) -> Entry:
-    blank = _cell(None)
-    return Entry(
-        id="",
-        name=printable(name, words.NAME_LIMIT),
-        section=printable(person.section, 80),
-        href="",
-        criteria=(blank,) * len(criteria),
-        score=blank,
-        bonus=blank,
-        late=Cell("", -1.0),
-        final=blank,
-        explained="",
-        status=words.NO_SUBMISSION,
-        tags=(f"status:{words.NO_SUBMISSION}",),
-    )
 
 
 def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry:
@@ -195,7 +184,7 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
 
 
 def _cell(points: float | None) -> Cell:
-    return Cell("–", -1.0) if points is None else Cell(words.number(points), points)
+    return _BLANK if points is None else Cell(words.number(points), points)
 
 
 def _tags(final_grade: FinalGrade) -> Iterable[str]:
