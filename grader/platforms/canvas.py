@@ -76,7 +76,7 @@ def _form(sheet: Sheet, grade: int) -> Form:
     students = {
         number: row
         for number, row in enumerate(sheet.rows[1:], 1)
-        if row.value(0).strip() and len(row) > 1 and "Points Possible" not in row.value(0)
+        if row.value(0).strip() and len(row.cells) > 1 and "Points Possible" not in row.value(0)
     }
     return Form(
         sheet,

@@ -1,4 +1,4 @@
-"""Filling in of a file that a platform exported: grades go into one column, and all other cells are kept."""
+"""Filling in of a file that a platform exported: grades go into one column, and all other bytes are kept."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Fill grades and comments into a grading worksheet; keep teachers' comments and all other cells.
+    """Fill grades and comments into a grading worksheet; keep teachers' comments and all other bytes.
 
     Raises
     ------
@@ -196,7 +196,7 @@ PLATFORM = Platform(
     help=Help(
         read=("*Download all submissions*, both modes", "`Full name_number_assignsubmission_file`", "the number"),
         grades="""\
-download the grading worksheet, fill it, upload it. Grades and comments are filled in, and every other cell is as it
+download the grading worksheet, fill it, upload it. Grades and comments are filled in, and every other byte is as it
 was; a comment of your own is kept. Where the site speaks another language, name the column of grades with `--column`. The zip of
 `--feedback` goes to *Upload multiple feedback files in a zip*. Moodle takes no worksheet where a rubric of its own is in use.""",
     ),

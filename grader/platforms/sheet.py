@@ -1,38 +1,43 @@
-"""Editor of a CSV file that another program wrote and will read again: setting a cell keeps all other cells."""
+"""Editor of a CSV file that another program wrote and will read again: setting a cell keeps all other bytes."""
 
 from __future__ import annotations
 
-import codecs
-import csv
-import io
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 
-from grader.base import tables
 from grader.base.errors import RequestError
 from grader.base.text import printable
 
+BOM = b"\xef\xbb\xbf"
+_QUOTED = r'"(?:[^"]|"")*"'
 
-class SheetRow(list[str]):
-    """The cells of one row."""
+
+@dataclass
+class SheetRow:
+    """One row of a CSV file as raw cells with its line ending, so that unchanged cells are written back byte by byte."""
+
+    cells: list[str]
+    end: str
 
     def value(self, column: int | None) -> str:
         """Return a cell's text; "" for a missing one."""
-        return self[column] if column is not None and column < len(self) else ""
+        if column is None or column >= len(self.cells):
+            return ""
+        raw = self.cells[column]
+        return raw[1:-1].replace('""', '"') if raw.startswith('"') else raw
 
 
 @dataclass
 class Sheet:
-    """Rows of a CSV file, the first one with the titles, and how the file is written: delimiter, line end, byte order mark."""
+    """Rows of a CSV file; the first one holds the titles. `marked` says that the file starts with a byte order mark."""
 
-    rows: list[SheetRow]
     delimiter: str
-    end: str
-    marked: bool
+    rows: list[SheetRow] = field(default_factory=list)
+    marked: bool = False
 
     @property
     def titles(self) -> list[str]:
-        return [title.strip() for title in self.rows[0]]
+        return [self.rows[0].value(i).strip() for i in range(len(self.rows[0].cells))]
 
     def column(self, *titles: str) -> int | None:
         """Return the column with the first of these titles that occurs, regardless of case; None if none does."""
@@ -40,34 +45,60 @@ class Sheet:
         return next((known.index(title.casefold()) for title in titles if title.casefold() in known), None)
 
     def set(self, row: SheetRow, column: int, text: str) -> None:
-        row += [""] * (column + 1 - len(row))
-        row[column] = text
+        """Set a cell, in quotes only if it needs them."""
+        row.cells += [""] * (column + 1 - len(row.cells))
+        needs = any(sign in text for sign in (self.delimiter, '"', "\n", "\r", " "))
+        row.cells[column] = '"{}"'.format(text.replace('"', '""')) if needs else text
 
-    def keep(self, columns: Sequence[int]) -> None:
+    def keep(self, columns: list[int]) -> None:
         """Remove all columns of the table except these."""
         for row in self.rows:
-            row[:] = [row[i] for i in columns if i < len(row)]
+            row.cells = [row.cells[i] for i in columns if i < len(row.cells)]
 
     def data(self) -> bytes:
-        stream = io.StringIO()
-        csv.writer(stream, delimiter=self.delimiter, lineterminator=self.end).writerows(self.rows)
-        return stream.getvalue().encode("utf-8-sig" if self.marked else "utf-8")
+        text = "".join(self.delimiter.join(row.cells) + row.end for row in self.rows)
+        return (BOM if self.marked else b"") + text.encode()
 
 
 def read_sheet(data: bytes, source: str) -> Sheet:
-    """Parse the bytes of a CSV file; messages call it `source`.
+    """Parse a CSV file.
+
+    Parameters
+    ----------
+    data
+        The bytes of the file, UTF-8, with commas, semicolons or tabs.
+    source
+        Name of the file in messages.
 
     Raises
     ------
     RequestError
-        If it is no CSV file.
+        If it is no UTF-8 CSV file.
     """
     try:
-        table = tables.reader(data)
-        rows = [SheetRow(cells) for cells in table]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{printable(source)}: is not a CSV file; export it again, as UTF-8 CSV") from error
-    if not rows:
+        text = data.removeprefix(BOM).decode()
+    except UnicodeDecodeError as error:
+        raise RequestError(f"{source}: is not UTF-8; export it again as UTF-8 CSV") from error
+    head = re.sub(_QUOTED, "", text.partition("\n")[0])
+    sheet = Sheet(max(",;\t", key=head.count), marked=data.startswith(BOM))
+    cell = re.compile(
+        rf'({_QUOTED}|[^"{sheet.delimiter}\r\n][^{sheet.delimiter}\r\n]*|)({sheet.delimiter}|\r\n|\n|\r|\Z)'
+    )
+    cells: list[str] = []
+    at = 0
+    while at < len(text):
+        found = cell.match(text, at)
+        if found is None:
+            raise RequestError(f"{source}:{text.count(chr(10), 0, at) + 1}: is not CSV here; export the file again")
+        cells.append(found[1])
+        at = found.end()
+        if found[2] != sheet.delimiter:
+            sheet.rows.append(SheetRow(cells, found[2]))
+            cells = []
+        elif at == len(text):
+            cells.append("")
+    if cells:
+        sheet.rows.append(SheetRow(cells, ""))
+    if not sheet.rows:
         raise RequestError(f"{printable(source)}: is empty; give the file that the platform exports")
-    end = "\r\n" if b"\r\n" in data else "\n"
-    return Sheet(rows, table.dialect.delimiter, end, data.startswith(codecs.BOM_UTF8))
+    return sheet
