@@ -185,6 +185,7 @@ def test_an_error_stands_beside_its_field_and_what_was_typed_stays(desk: Desk, o
 
 def test_an_unchanged_file_and_a_worse_one_are_not_saved(desk: Desk) -> None:
     assert "Nothing in the file has changed." in previewed(desk, text="stops\n")
+    assert "The form does not say what to do. Nothing was saved" in saved(desk, previewed(desk), do="")
     page = previewed(desk, "cyd", "# 0.25\n")
     assert "cyd earns 95.5 points repaired, and 97 as it was handed in. This edit cannot be saved." in words(page)
     assert 'value="save"' not in page

@@ -57,7 +57,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
     shared = book.shared(first.id, second.id)
     pair = next((each for each in book.similar().pairs if {each.first, each.second} == {first.id, second.id}), None)
     kept = [book.kept(each).files for each in (first, second)]
-    sides = [(each, excerpts(files, shared), bool(files)) for each, files in zip((first, second), kept, strict=True)]
+    sides = [(each, excerpts(files, shared)) for each, files in zip((first, second), kept, strict=True)]
     same = any(equal((first, second)))
     return framed(book, web_request, "pair.html.j2", sides=sides, pair=pair, same=same)
 

@@ -199,8 +199,10 @@ def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) ->
         return book.jobs.start(SuggestJob(id=id_, file=file, form=form, out=book.out))
     if request.fixed == content:
         return {"text": "Nothing in the file has changed."}
-    if do != "save":
+    if do == "preview":
         return book.jobs.start(PreviewJob(id=id_, file=file, form=form, out=book.out, request=request))
+    if do != "save":
+        raise RequestError("The form does not say what to do. Nothing was saved")
     if wrong := _wrong(book, form, book.jobs.get(web_request.number("seen"))):
         return wrong
     known = {each.id for each in same_error_in(book, final_grade, file)}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter, deque
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -135,9 +135,7 @@ def forecast(request: GradeRequest, found: Class) -> list[str]:
                 again, present = installed_since(store, request.rubric.lab), store.present()
                 for _, each in reader.each(found.entries):
                     given.setdefault(each.id, set()).add(each.sha256)
-                    kept.append(
-                        not request.force and each.id not in again and store.has(_key(each, request), request.rubric)
-                    )
+                    kept.append(_is_on_record(store, _key(each, request), request, again))
     others = [id_ for id_ in given if id_ in present and present[id_].provenance["submission_sha256"] not in given[id_]]
     return [
         f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record",
@@ -150,6 +148,11 @@ def installed_since(store: Store, lab: Lab) -> set[str]:
     failed = {id_: missing_packages.failed(each.result) for id_, each in store.final_grades().items()}
     there = missing_packages.available(lab) if any(failed.values()) else set()
     return {id_ for id_, names in failed.items() if names.keys() & there}
+
+
+def _is_on_record(store: Store, key: Key, request: GradeRequest, again: Collection[str]) -> bool:
+    """Return whether a run need not mark a submission; `again` holds the ids that it marks in any case."""
+    return not request.force and key.id not in again and store.has(key, request.rubric)
 
 
 def _key(submission: Submission, request: GradeRequest) -> Key:
@@ -228,6 +231,7 @@ class _Run:
         self._outcome = outcome
         self._adjustments, self._reviews = store.adjustments(), store.reviews()
         self._attempts: dict[Key, _Attempt] = {}
+        self._on_record: deque[Key] = deque()
         self._installed_since = installed_since(store, request.rubric.lab)
         self.lost_repairs: list[str] = []
 
@@ -262,11 +266,27 @@ class _Run:
         """Grade all submissions; record, publish and report each result as it arrives."""
         with ReadingProcess() as reader:
             for submission, marked in self._marked(entries, reader):
-                result = _result(submission, self._request, marked)
-                self._store.keep(_key(submission, self._request), result)
+                self._resume()
+                result, key = _result(submission, self._request, marked), _key(submission, self._request)
+                self._store.keep_files(submission.sha256, partial(pack, submission.files))
+                self._store.keep(key, result)
                 slim = replace(result, evidence=Evidence())  # charts of a large class would fill the memory
-                self._keep_and_report(_key(submission, self._request), slim, resumed=False)
+                self._keep_and_report(key, slim, resumed=False)
+        self._resume()
         self._choose_best_attempt()
+
+    def _resume(self) -> None:
+        """Make the results on record count that were found so far, marked by the present rubric."""
+        while self._on_record:
+            key = self._on_record.popleft()
+            known = self._store.recall(key)
+            if known is None:
+                known = self._store.remark(key, self._request.rubric)
+                self._outcome.remarked += 1
+            if known is None:
+                raise GraderError(f"{key.id}: its result is not on record any more; give the same command again")
+            self._outcome.resumed += 1
+            self._keep_and_report(key, known, resumed=True)
 
     def _choose_best_attempt(self) -> None:
         """Choose the best attempt after late deductions, the first of equal ones; an attempt with open points comes before all."""
@@ -289,23 +309,16 @@ class _Run:
         return mark_all(submissions, opener(request), jobs, bounds)
 
     def _submissions_to_mark(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[Submission]:
-        """Yield the submissions to mark, and report those that are on record."""
+        """Yield the submissions to mark, and list those on record. Nothing is written here, because the pool decides when it runs."""
         for entry, submission in reader.each(entries):
             key = _key(submission, self._request)
-            self._store.keep_files(submission.sha256, partial(pack, submission.files))
             if key in self._attempts:  # the same files were handed in twice: the first hand-in counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            again = self._request.force or submission.id in self._installed_since
-            known = None if again else self._store.recall(key)
-            if known is None and not again:
-                known = self._store.remark(key, self._request.rubric)
-                self._outcome.remarked += known is not None
-            if known is None:
-                yield submission
+            if _is_on_record(self._store, key, self._request, self._installed_since):
+                self._on_record.append(key)
             else:
-                self._outcome.resumed += 1
-                self._keep_and_report(key, known, resumed=True)
+                yield submission
 
     def _keep_and_report(self, key: Key, result: Result, *, resumed: bool) -> None:
         """Record, publish and report a result."""
