@@ -309,7 +309,7 @@ class _Run:
         return mark_all(submissions, opener(request), jobs, bounds)
 
     def _submissions_to_mark(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[Submission]:
-        """Yield the submissions to mark, and list those on record. Nothing is written here, because the pool decides when it runs."""
+        """Yield the submissions to mark, and list those on record; nothing is written here, as the pool decides when it runs."""
         for entry, submission in reader.each(entries):
             key = _key(submission, self._request)
             if key in self._attempts:  # the same files were handed in twice: the first hand-in counts
