@@ -176,7 +176,7 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     assert "Cy Moe B – – – – – – no submission" in words(Path("out/index.html").read_text(encoding="utf-8"))
     with desk_over(Path("out").absolute()) as desk:
         page = words(desk.get("/class?find=Cy").text)
-        assert "Bob Roe bob A – – empty 1 Cy Moe cy B – – no submission" in page
+        assert "Bob Roe bob A – – – – – – empty 1 Cy Moe cy B – – – – – – no submission" in page
         assert "no submission (1)" in page
     for more, empty in ((), ""), (("--unreadable", "0"), "0"):
         assert run("export", "out", "-f", "csv", "-o", "marks.csv", *more)[0] == 0
@@ -265,10 +265,10 @@ def test_the_desk_gives_points_to_a_person_without_a_submission_and_withdraws_th
         assert cells("out/gradebook.csv", "id", "final") == [("ann", "100"), ("s5", "61")]
         assert "No submission Bob Roe" not in words(desk.get("/").text)
         assert "another rubric" not in words(desk.get("/what-if").text)
-        assert "Bob Roe s5 – 61 no submission, adjusted" in words(desk.get("/class").text)
+        assert "Bob Roe s5 – – – – – – 61 no submission, adjusted" in words(desk.get("/class").text)
         assert desk.post("/submission/s5/override", {"target": "total", "do": "withdraw", "seen": 1}).status == 303
         desk.book.settled()
-        assert "Bob Roe s5 – – no submission" in words(desk.get("/class").text)
+        assert "Bob Roe s5 – – – – – – no submission" in words(desk.get("/class").text)
         assert desk.book.trouble == ""
     assert cells("out/gradebook.csv", "id", "status") == [("ann", "graded"), ("s5", "no submission")]
     assert (

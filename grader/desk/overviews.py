@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
@@ -14,10 +15,11 @@ from grader.course.repairs import making
 from grader.desk import drafts
 from grader.desk import review_queue as queue_of
 from grader.desk.classbook import Classbook
-from grader.desk.rendering import page
+from grader.desk.rendering import address, page
 from grader.desk.review_queue import KINDS, Item
 from grader.desk.web_requests import WebRequest
 from grader.report import overview
+from grader.report.pages import AT_ONCE
 
 
 def queue(book: Classbook) -> list[Item]:
@@ -57,20 +59,15 @@ def review_queue(book: Classbook, web_request: WebRequest) -> Response:
 def class_page(book: Classbook, web_request: WebRequest) -> Response:
     """Return the desk's page of all submissions, with search, filters and sorting."""
     waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
-    everybody = book.final_grades().values()
-    results = [each.result for each in everybody]
-    top = max((result.max_score for result in results), default=100.0)
-    entries = overview.entries([*everybody, *book.absent().values()], (), (), top)
-    checks = overview.checks(results, overview.columns(results))
+    table = overview.class_table([*book.final_grades().values(), *book.absent().values()])
     return framed(
         book,
         web_request,
         "class.html.j2",
-        entries=entries,
+        table=replace(table, entries=[replace(each, href=address(each.id)) for each in table.entries]),
+        at_once=AT_ONCE,
         waiting=waiting,
         find=printable(web_request.text("find"), 200),
-        filters=overview.filters(entries, overview.common_faults(everybody), checks),
-        numbers=overview.numbers(entries),
         contradictions=contradictions(book.final_grades(), book.store.settings()),
     )
 

@@ -111,6 +111,45 @@ class CheckRow:
 
 
 @dataclass(frozen=True)
+class ClassTable:
+    """The table of a class with its filters, and the faults and checks that they name.
+
+    Attributes
+    ----------
+    columns
+        Titles of the criteria by id.
+    top
+        The maximum score.
+    numbers
+        A short number for each filter tag: full names would make a page of thousands much larger.
+    """
+
+    entries: Sequence[Entry]
+    columns: Mapping[str, str]
+    top: float
+    faults: Sequence[CommonFault]
+    checks: Sequence[CheckRow]
+    filters: Sequence[Filter]
+    numbers: Mapping[str, int]
+
+    @property
+    def sections(self) -> bool:
+        return any(entry.section for entry in self.entries)
+
+    @property
+    def bonuses(self) -> bool:
+        return any(entry.bonus.key >= 0 for entry in self.entries)
+
+    @property
+    def lates(self) -> bool:
+        return any(entry.late.text for entry in self.entries)
+
+    @property
+    def finals(self) -> bool:
+        return any(entry.final != entry.score for entry in self.entries)
+
+
+@dataclass(frozen=True)
 class SimilarPair:
     first: Link
     second: Link
@@ -127,6 +166,19 @@ def href(id_: str) -> str:
 
 def link(final_grade: FinalGrade) -> Link:
     return Link(words.distinct(final_grade), href(final_grade.id))
+
+
+def class_table(final_grades: Collection[FinalGrade], absent: Sequence[Person] = ()) -> ClassTable:
+    """Return the table of a class: submissions, and people of the roster without one."""
+    results = [each.result for each in final_grades]
+    titles, top = columns(results), max((result.max_score for result in results), default=100.0)
+    rows, faults, listed = (
+        entries(final_grades, absent, titles, top),
+        common_faults(final_grades),
+        checks(results, titles),
+    )
+    numbers = {tag: number for number, tag in enumerate(dict.fromkeys(tag for each in rows for tag in each.tags))}
+    return ClassTable(rows, titles, top, faults, listed, filters(rows, faults, listed), numbers)
 
 
 def columns(results: Iterable[Result]) -> dict[str, str]:
@@ -234,11 +286,6 @@ def filters(entries: Iterable[Entry], faults: Iterable[CommonFault], checks: Ite
         for (id_, title), tags in wanted.items()
     ]
     return [each for each in found if each.choices]
-
-
-def numbers(entries: Iterable[Entry]) -> dict[str, int]:
-    """Return a short number for each filter tag: full names would make a page of thousands much larger."""
-    return {tag: number for number, tag in enumerate(dict.fromkeys(tag for each in entries for tag in each.tags))}
 
 
 def figures(grades: list[float]) -> list[tuple[str, str]]:

@@ -22,7 +22,7 @@ from grader.report import adjusted, charts, overview, words
 from grader.report.deductions import anchor, deductions
 
 _TEMPLATES = beside(__package__, "templates")
-_AT_ONCE = 200
+AT_ONCE = 200
 """Rows of the class table that are shown before "Show all": laying out thousands takes a browser seconds."""
 _TOLD = {  # without the seed and without a digest of traces, with which guesses of a secret could be tested
     "grader": "imugrade",
@@ -156,28 +156,16 @@ def index_page(
     """
     results = [final_grade.result for final_grade in final_grades.values()]
     grades = graded(final_grades.values())
-    columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
-    entries = overview.entries(final_grades.values(), absent, columns, top)
-    faults = overview.common_faults(final_grades.values())
-    checks = overview.checks(results, columns)
+    table = overview.class_table(final_grades.values(), absent)
     return rendered(
         "index.html.j2",
         "table.js",
         next((result.lab for result in results), LabName()),
         count=words.submissions(final_grades.values()),
         figures=overview.figures(grades),
-        bars=overview.bars(grades, top),
-        columns=columns,
-        entries=entries,
-        at_once=_AT_ONCE,
-        sections=any(entry.section for entry in entries),
-        bonuses=any(result.extra_credit_cap is not None for result in results),
-        finals=any(entry.final != entry.score for entry in entries),
-        lates=any(entry.late.text for entry in entries),
-        filters=overview.filters(entries, faults, checks),
-        numbers=overview.numbers(entries),
-        faults=faults,
-        checks=checks,
+        bars=overview.bars(grades, table.top),
+        table=table,
+        at_once=AT_ONCE,
         alike=overview.similar_pairs(final_grades, fingerprints or {}, given),
         isolation=overview.isolation(final_grades.values()),
         mixtures=overview.mixtures(results),
