@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
 import zipfile
 from pathlib import Path
 
@@ -265,10 +266,31 @@ def test_work_on_another_branch_of_a_clone_is_named(tmp_path: Path) -> None:
     write({"README.md": "# Lab\n", **refs, ".git/refs/heads/ann/filters": "2" * 40}, tmp_path / "lab-ann", "folder")
     (entry,) = read_class([tmp_path], LAB.files).entries
     said = (
-        "The checked-out branch main of this git clone has no files of the lab. Its other branches: ann/filters, dev. "
-        "If one of them has the files, check it out, and grade again."
+        "The checked-out branch main of this git clone has no files of the lab. Its other branches: ann/filters, dev."
     )
     assert (entry.read().status, entry.read().notes[-1]) == ("empty", said)
+
+
+def test_a_branch_with_the_files_is_named_without_reading_the_settings_of_the_clone(tmp_path: Path) -> None:
+    clone, ran = tmp_path / "class" / "lab-ann", tmp_path / "ran"
+    write({"README.md": "# Lab\n"}, clone, "folder")
+    for branch, name in (("main", "README.md"), ("dev", "lab/Filters.py"), ("notes", "notes.txt")):
+        write({name: "x = 1\n"}, clone, "folder")
+        for command in (
+            ["init", "-q", "-b", "main"],
+            ["checkout", "-q", "-B", branch],
+            ["add", name],
+            ["commit", "-qm", name],
+        ):
+            who = ["-c", "user.name=Ann", "-c", "user.email=ann@example.edu"]
+            subprocess.run(["git", *who, *command], cwd=clone, check=True, capture_output=True)
+        if branch == "dev":
+            subprocess.run(["git", "checkout", "-q", "main"], cwd=clone, check=True)
+    subprocess.run(["git", "checkout", "-q", "main"], cwd=clone, check=True)
+    subprocess.run(["git", "config", "core.fsmonitor", f"touch {ran}"], cwd=clone, check=True)
+    (entry,) = read_class([tmp_path / "class"], LAB.files).entries
+    said = "The checked-out branch main of this git clone has no files of the lab. dev has them: check it out, and grade again."
+    assert (entry.read().notes[-1], ran.exists()) == (said, False)
 
 
 def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Path) -> None:

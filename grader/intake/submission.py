@@ -114,7 +114,7 @@ def read_submission(
     layout = lay_out(budget, required)
     if layout is None:
         status, notes = _nothing_found(budget)
-        branches = branches_note(path / sources[0][0] if sources else path)
+        branches = branches_note(path / sources[0][0] if sources else path, required)
         return _nothing_to_mark(id, name, status, (*notes, *filter(None, [branches])), budget.files)
     if broken := _broken_notebooks(budget):
         return _nothing_to_mark(id, name, "empty", (broken, *budget.notes()), budget.files)
