@@ -6,23 +6,54 @@ import codecs
 import csv
 import io
 import re
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
 
+from grader.base.errors import RequestError
 from grader.base.text import csv_cell, decimal
 
 
-def reader(data: bytes) -> Any:
-    """Return a `csv.reader` for a table with commas, semicolons or tabs, in UTF-8, UTF-16 with a byte order mark, or Windows-1252.
+@dataclass(frozen=True)
+class Table:
+    """The rows of a CSV table, each with the number of its last line, and the sign between its cells."""
+
+    rows: list[tuple[int, list[str]]]
+    delimiter: str
+
+
+def read(data: bytes, source: str) -> Table:
+    """Read a table with commas, semicolons or tabs, in UTF-8, UTF-16 with a byte order mark, or Windows-1252.
 
     Raises
     ------
-    UnicodeDecodeError
-        If it is none of these.
+    RequestError
+        If it is none of these; the message begins with `source`.
     """
-    text = _text(data)
-    head = re.sub('"[^"]*"', "", text.partition("\n")[0])
-    return csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=head.count))
+    try:
+        text = _text(data)
+        head = re.sub('"[^"]*"', "", text.partition("\n")[0])
+        delimiter = max(",;\t", key=head.count)
+        reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+        return Table([(reader.line_num, cells) for cells in reader], delimiter)
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
+
+
+def titled(
+    data: bytes, source: str, needed: Collection[str], columns: Collection[str]
+) -> list[tuple[int, dict[str, str]]]:
+    """Read a table whose first line names its columns, in any order; return each row that is not blank, with its line number.
+
+    Raises
+    ------
+    RequestError
+        If it is no table, or lacks a column that is `needed`; the message lists all `columns`.
+    """
+    (_, titles), *rows = read(data, source).rows or [(1, [])]
+    titles = [title.strip().casefold() for title in titles]
+    if missing := [name for name in needed if name not in titles]:
+        raise RequestError(f"{source}:1: no column {', '.join(missing)}; the columns are {', '.join(columns)}")
+    return [(line, dict(zip(titles, cells, strict=False))) for line, cells in rows if any(cells)]
 
 
 def written(rows: Iterable[Iterable[str]]) -> str:

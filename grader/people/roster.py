@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -148,26 +147,23 @@ def parse(data: bytes, source: str, zone: tzinfo | None = None) -> Roster:
     RequestError
         As `load` does.
     """
-    try:
-        people = tuple(_rows(data, source, zone))
-        text = data.decode("utf-8", "surrogateescape")
-        local = zone is None and any(local_time(cell) for cells in tables.reader(data) for cell in cells)
-        return Roster(people, text, source, local)
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
+    table = tables.read(data, source).rows
+    people = tuple(_rows(table, source, zone))
+    local = zone is None and any(local_time(cell) for _, cells in table for cell in cells)
+    return Roster(people, data.decode("utf-8", "surrogateescape"), source, local)
 
 
-def _rows(data: bytes, source: str, zone: tzinfo | None) -> Iterator[RosterRow]:
-    table = tables.reader(data)
-    titles = [title.strip().casefold() for title in next(table, [])]
+def _rows(table: Sequence[tuple[int, Sequence[str]]], source: str, zone: tzinfo | None) -> Iterator[RosterRow]:
+    (_, first), *others = table or [(1, [])]
+    titles = [title.strip().casefold() for title in first]
     known = {**COLUMNS, **_titled(titles)}
     places = {kind: [titles.index(name) for name in names if name in titles] for kind, names in known.items()}
     if not any(places[kind] for kind in ("canvas", "moodle", "sid", "id", "name", "first", "email")):
         raise RequestError(f"{source}:1: no column id, name or email; the first line has to name the columns")
-    for cells in table:
+    for line, cells in others:
         values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
         if any(cells) and not cells[0].strip().startswith(_NOBODY):
-            yield _listed(values, f"{source}:{table.line_num}", zone)
+            yield _listed(values, f"{source}:{line}", zone)
 
 
 def _titled(titles: Sequence[str]) -> Mapping[str, tuple[str, ...]]:

@@ -6,15 +6,14 @@ remainder, so that the parts always sum to it.
 
 from __future__ import annotations
 
-import csv
 import datetime
-import io
 import math
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from grader.base import tables
 from grader.base.errors import RequestError
 from grader.engine.results import Result
 from grader.intake.downloads import Download
@@ -154,12 +153,10 @@ _COLUMNS = {"username", "first_name", "last_name", "submission_tag"}
 def read(download: Download) -> Shape | None:
     """Read the clones beside a `scores.csv` of Classroom 50; None if there is no such file."""
     data = download.read(SCORES, MAX_SCORES) if SCORES in download.top else None
-    table = csv.DictReader(io.StringIO("" if data is None else data.decode("utf-8-sig", "replace"), newline=""))
     try:
-        if _COLUMNS - set(table.fieldnames or ()):
-            return None
-        rows = {row["username"].casefold(): row for row in table if row["username"]}
-    except csv.Error:
+        table = tables.titled(data or b"", SCORES, _COLUMNS, _COLUMNS)
+        rows = {row["username"].casefold(): row for _, row in table if row.get("username")}
+    except RequestError:
         return None
     folders = [name for name, is_folder in download.top.items() if is_folder]
     found = (clone(download, name, _row(name, rows)) for name in folders)

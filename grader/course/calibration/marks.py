@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,24 +65,19 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
         With file and line of the first wrong row.
     """
     source = printable(str(path), 500)
-    try:
-        table = tables.reader(read_file(path, _MOST_BYTES, "give the path of a CSV file with marks"))
-        titles = [title.strip().casefold() for title in next(table, [])]
-        rows = [(dict(zip(titles, map(_plain, cells), strict=False)), table.line_num) for cells in table if any(cells)]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
-    if missing := [name for name in NEEDED if name not in titles]:
-        raise RequestError(f"{source}:1: no column {', '.join(missing)}; the columns are {', '.join(COLUMNS)}")
+    data = read_file(path, _MOST_BYTES, "give the path of a CSV file with marks")
+    table = tables.titled(data, source, NEEDED, COLUMNS)
+    rows = [(line, {title: _plain(cell) for title, cell in row.items()}) for line, row in table]
     found: dict[Cell, Mark] = {}
-    for row, line in rows:
+    for line, row in rows:
         try:
             if row.get("points"):
                 cell = _cell(row, find, most, found)
                 found[cell] = mark_of(row, most[cell])
         except RequestError as problem:
             raise RequestError(f"{source}:{line}: {problem}") from problem
-    rubrics = frozenset(filter(None, (row.get("rubric") for row, _ in rows)))
-    return Marks(printable(path.stem, 60), found, tuple(dict.fromkeys(row.get("id", "") for row, _ in rows)), rubrics)
+    rubrics = frozenset(filter(None, (row.get("rubric") for _, row in rows)))
+    return Marks(printable(path.stem, 60), found, tuple(dict.fromkeys(row.get("id", "") for _, row in rows)), rubrics)
 
 
 def _plain(text: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -65,19 +64,12 @@ def read_overrides(path: Path) -> list[OverrideRequest]:
     Blank points withdraw an override. The word `comment` in place of points adds a comment only.
     """
     source = printable(str(path), 500)
-    try:
-        table = tables.reader(read_file(path, MAX_TABLE, "give the path of a CSV file"))
-        titles = [title.strip().casefold() for title in next(table, [])]
-        if not set(COLUMNS) <= set(titles):
-            raise RequestError(f"{source}:1: the first line must name the columns {', '.join(COLUMNS)}")
-        rows = ((dict(zip(titles, cells, strict=False)), table.line_num) for cells in table if any(cells))
-        return [_request({column: row.get(column) for column in COLUMNS}, f"{source}:{line}") for row, line in rows]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
+    rows = tables.titled(read_file(path, MAX_TABLE, "give the path of a CSV file"), source, COLUMNS, COLUMNS)
+    return [_request(row, f"{source}:{line}") for line, row in rows]
 
 
-def _request(row: Mapping[str, str | None], place: str) -> OverrideRequest:
-    id_, criterion, points, comment = ((row[column] or "").strip() for column in COLUMNS)
+def _request(row: Mapping[str, str], place: str) -> OverrideRequest:
+    id_, criterion, points, comment = (row.get(column, "").strip() for column in COLUMNS)
     return OverrideRequest(id_, criterion, points, comment, place, alone=points == ALONE)
 
 
