@@ -43,6 +43,7 @@ CommentOption = Annotated[str, typer.Option("--comment", metavar="TEXT", help="T
 AuthorOption = Annotated[
     str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
 ]
+TrustOption = Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")]
 LevelOption = Annotated[str | None, typer.Option("--isolation", hidden=True)]
 
 

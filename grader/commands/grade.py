@@ -12,7 +12,17 @@ import typer
 
 from grader.base.errors import RequestError
 from grader.base.text import enumerated
-from grader.commands.common import LevelOption, RubricOption, SeedOption, as_points, console, one_of, say, shown_path
+from grader.commands.common import (
+    LevelOption,
+    RubricOption,
+    SeedOption,
+    TrustOption,
+    as_points,
+    console,
+    one_of,
+    say,
+    shown_path,
+)
 from grader.platforms import registry
 
 if TYPE_CHECKING:
@@ -76,7 +86,7 @@ def grade(
         bool, typer.Option("--anyway", help="Grade although packages are missing that many submissions import.")
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Grade recorded submissions again.")] = False,
-    trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
+    trust: TrustOption = False,
     weak_secret: Annotated[
         bool, typer.Option("--weak-secret", help="Grade with a secret that can be guessed.")
     ] = False,

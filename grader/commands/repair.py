@@ -14,6 +14,7 @@ from grader.commands.common import (
     OutArgument,
     SeedOption,
     StudentArgument,
+    TrustOption,
     as_points,
     login,
 )
@@ -38,7 +39,7 @@ def repair(
     ] = False,
     list_: Annotated[bool, typer.Option("--list", help="List all repairs with their diffs.")] = False,
     seed: SeedOption = None,
-    trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
+    trust: TrustOption = False,
     author: AuthorOption = None,
 ) -> int:
     """Repair a submitted file, grade the repaired copy, and deduct points for that.

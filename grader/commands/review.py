@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import AuthorOption, OutArgument, RubricOption, SeedOption, login
+from grader.commands.common import AuthorOption, OutArgument, RubricOption, SeedOption, TrustOption, login
 
 
 def review(
@@ -23,13 +23,12 @@ def review(
         list[Path] | None,
         typer.Option(
             "--requests",
-            "--appeals",
             metavar="PATH",
             help="Regrade requests to add: a .json, .csv or .txt file, or a folder of them.",
         ),
     ] = None,
     seed: SeedOption = None,
-    trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade repaired files without isolation.")] = False,
+    trust: TrustOption = False,
     author: AuthorOption = None,
 ) -> int:
     """Review a graded class in a browser: review queue, code beside reports, repairs, overrides, regrade requests.

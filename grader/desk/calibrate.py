@@ -73,7 +73,7 @@ def _page(book: Classbook, web_request: WebRequest, known: _Calibration, errors:
         "calibrate.html.j2",
         400 if errors else 200,
         sample=[(each, n, each in marked) for n, each in enumerate(known.ids, 1)],
-        shown=sample.to_mark(book.store, book.lab, known.results, [id_])[0] if id_ else None,
+        shown=sample.to_mark(book.store, book.lab, id_, known.results[id_]) if id_ else None,
         criteria=known.results[id_ or known.ids[0]].criteria,
         marks=known.own,
         errors=errors,

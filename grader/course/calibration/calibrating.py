@@ -66,10 +66,11 @@ def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
         ids = sample.draw(results, size)
         rubric = short_digest(class_settings.rubric_of(lab, store.settings()))
         criteria = results[ids[0]].criteria
-        page = rendered(
-            "marking.html.j2", "marking.js", results[ids[0]].lab, more_style="marking.css",
-            sample=sample.to_mark(store, lab, results, ids), criteria=criteria, rubric=rubric, columns=",".join(COLUMNS),
-        )  # fmt: skip
+        unmarked = [sample.to_mark(store, lab, id_, results[id_]) for id_ in ids]
+    page = rendered(
+        "marking.html.j2", "marking.js", LabName(lab.label, lab.title), more_style="marking.css",
+        sample=unmarked, criteria=criteria, rubric=rubric, columns=",".join(COLUMNS),
+    )  # fmt: skip
     write_whole(folder / MARKING, page)
     write_whole(folder / BLANK, as_table([(id_, part.id) for id_ in ids for part in criteria], {}, rubric))
     return [

@@ -70,10 +70,19 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
     rows = [(line, {title: _plain(cell) for title, cell in row.items()}) for line, row in table]
     found: dict[Cell, Mark] = {}
     for line, row in rows:
+        word, criterion, points = (row.get(name, "") for name in NEEDED)
+        if not points:
+            continue
         try:
-            if row.get("points"):
-                cell = _cell(row, find, most, found)
-                found[cell] = mark_of(row, most[cell])
+            cell = find(word), criterion
+            criteria = [name for id_, name in most if id_ == cell[0]]
+            if not criteria:
+                raise RequestError(f"no submission {printable(word)} in this class; give an id, a name or an address")
+            if criterion not in criteria:
+                raise RequestError(f"no criterion {printable(criterion)}; the criteria are {', '.join(criteria)}")
+            if cell in found:
+                raise RequestError(f"a second mark for {printable(word)} in {criterion}; remove one of the two rows")
+            found[cell] = mark_of(row, most[cell])
         except RequestError as problem:
             raise RequestError(f"{source}:{line}: {problem}") from problem
     rubrics = frozenset(filter(None, (row.get("rubric") for _, row in rows)))
@@ -83,22 +92,6 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
 def _plain(text: str) -> str:
     """Return a cell without spaces around it and the apostrophe that keeps a spreadsheet from taking it for a formula."""
     return (text[1:] if text[1:] and csv_cell(text[1:]) == text else text).strip()
-
-
-def _cell(
-    row: Mapping[str, str], find: Callable[[str], str], most: Mapping[Cell, float], known: Mapping[Cell, Mark]
-) -> Cell:
-    """Return the cell that a row names."""
-    word, criterion = row.get("id", ""), row.get("criterion", "")
-    cell = find(word), criterion
-    criteria = [name for id_, name in most if id_ == cell[0]]
-    if not criteria:
-        raise RequestError(f"no submission {printable(word)} in this class; give an id, a name or an address")
-    if criterion not in criteria:
-        raise RequestError(f"no criterion {printable(criterion)}; the criteria are {', '.join(criteria)}")
-    if cell in known:
-        raise RequestError(f"a second mark for {printable(word)} in {criterion}; remove one of the two rows")
-    return cell
 
 
 def mark_of(row: Mapping[str, str], most: float) -> Mark:

@@ -6,7 +6,7 @@ import base64
 import hashlib
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from markupsafe import Markup
@@ -73,14 +73,11 @@ def _shuffled(id_: str) -> str:
     return hashlib.sha256(f"calibrate {id_}".encode("utf-8", "replace")).hexdigest()
 
 
-def to_mark(store: Store, lab: Lab, results: Mapping[str, Result], ids: Sequence[str]) -> list[BlindSubmission]:
-    """Return the submissions of a sample as the marker sees them, the files that the lab asks for first."""
-    return [_to_mark(store, lab.files, id_, results[id_]) for id_ in ids]
-
-
-def _to_mark(store: Store, first: Sequence[str], id_: str, result: Result) -> BlindSubmission:
+def to_mark(store: Store, lab: Lab, id_: str, result: Result) -> BlindSubmission:
+    """Return a submission of a sample as the marker sees it, the files that the lab asks for first."""
     kept = unpack(store.files(str(result.provenance.get("submission_sha256", "")))).files
-    kept = {path: kept[path] for path in (*(name for name in first if name in kept), *sorted(kept.keys() - set(first)))}
+    first = [name for name in lab.files if name in kept]
+    kept = {path: kept[path] for path in (*first, *sorted(kept.keys() - set(first)))}
     files = tuple(
         (printable(path), _numbered(source(path, content))) for path, content in kept.items() if is_code(path)
     )
