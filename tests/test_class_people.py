@@ -258,6 +258,7 @@ def test_the_desk_gives_points_to_a_person_without_a_submission_and_withdraws_th
         for page in ("/", "/class"):
             assert '<a href="/submission/s5">Bob Roe</a>' in desk.get(page).text
         assert "No submission. Points that you give here" in words(desk.get("/submission/s5").text)
+        assert desk.get("/find?who=s5").headers["location"] == "/submission/s5"
         assert desk.book.on_thread(desk.book.store.present).keys() == {"ann"}  # looking records nothing
         oral = {"target": "total", "points": 61, "comment": "oral exam", "seen": 0}
         assert desk.post("/submission/s5/override", oral).status == 303

@@ -270,6 +270,8 @@ def test_every_reason_is_told_with_its_sentence_and_can_be_ticked(tmp_path: Path
         desk.post("/reviewed", {"look": key, "done": "no"})
         assert "Empty 1" in words(desk.get("/").text)
         assert desk.post("/reviewed", {"look": "empty/0/void", "done": "yes"}).status == 400
+        assert desk.post("/reviewed", [("look", key), ("look", "gone"), ("done", "yes")]).status == 400
+        assert desk.get("/find?who=void").headers["location"] == "/submission/void"
 
 
 def main(page: str) -> str:

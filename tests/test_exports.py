@@ -193,7 +193,7 @@ def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_colu
     rows = ['"Participant 12",J,,,"Team Red",,100,Yes,-,', '"Participant 4",K,,,"Team Blue",,100,Yes,-,']
     filled = moodle.fill(Template(worksheet(*rows), "w.csv"), team)
     assert [line.split(",")[5] for line in filled.data.decode().splitlines()[1:2]] == ["87.5"]
-    german = 'ID;"Vollständiger Name";Bewertung;Bestwertung\nTeilnehmer/in12;"Jürgen Müßig";;100,00\n'
+    german = 'ID;"Vollständiger Name";Bewertung;Bestwertung;Gruppe\nTeilnehmer/in12;"Jürgen Müßig";;100,00;\n'
     filled = moodle.fill(Template(german.encode(), "w.csv", "Bewertung"), class_of(final_grade("a", MOODLE)))
     assert filled.data.decode() == german.replace('";;', '";87,5;')
     with pytest.raises(RequestError, match=r"^w.csv: has no column Grade; download the grading worksheet, or name the"):
@@ -208,6 +208,7 @@ def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
         Person("Lee, Ann", sid="s1", email="ann@example.edu", section="B"),
         Person("Jane Doe"),
         Person('=CMD("x")', sid="s2"),
+        Person("Martin King, Jr."),
     )
     when = "2026-11-20T21:00:00+00:00"
     group = final_grade("g", *people, number="77", submitted=when, late=Lateness("x", 3725, 1, 8.0))
@@ -218,6 +219,7 @@ def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
         ["Ann", "Lee", "s1", "ann@example.edu", "B", *shared],
         ["Jane", "Doe", "", "", "", *shared],
         ["", '\'=CMD("x")', "s2", "", "", *shared],
+        ["Martin", "King, Jr.", "", "", "", *shared],
     ]
 
 

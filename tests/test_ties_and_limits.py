@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from grader.base.errors import RequestError
+from grader.desk import regrade_requests
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import CheckRun, Judgement
 from grader.engine.feedback import Feedback
@@ -20,7 +22,7 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import HandIn, Person
 from grader.people.late_policy import judged
 from grader.platforms import canvas
-from grader.platforms.found import AMBIGUOUS
+from grader.platforms.found import AMBIGUOUS, at_least_half
 
 DUE = datetime(2026, 11, 20, 12, tzinfo=timezone.utc)
 
@@ -56,6 +58,19 @@ def test_the_newest_attachment_is_told_by_all_of_its_digits(tmp_path: Path) -> N
     shape = canvas.read(Download(tmp_path, "", dict.fromkeys(names, False)))
     assert shape is not None
     assert [each.sources for each in shape.found] == [((names[0], "filters.py"),)]
+
+
+@pytest.mark.parametrize(
+    ("answers", "enough"), [([True, False], True), ([True, False, False], False), ([], False)], ids=str
+)
+def test_half_of_the_names_make_a_download_and_nothing_makes_none(answers: list[bool], enough: bool) -> None:
+    assert at_least_half(answers) is enough
+
+
+def test_a_regrade_request_has_the_longest_length_at_most() -> None:
+    assert [each.text for each in regrade_requests.read("x" * regrade_requests.LONGEST, "ann", "")] == ["x" * 8000]
+    with pytest.raises(RequestError, match="is longer than 8000 characters"):
+        list(regrade_requests.read("x" * (regrade_requests.LONGEST + 1), "ann", ""))
 
 
 class _Student:
