@@ -37,7 +37,7 @@ from tests.recordings.marker import COMPARED, Counts, RecordedMarker, recorded_c
 from tests.sandboxes import Opened
 
 HERE = Path(__file__).parent
-settings.register_profile("short", max_examples=10, deadline=None, derandomize=True)
+settings.register_profile("short", max_examples=6, deadline=None, derandomize=True)
 settings.register_profile("long", max_examples=750, deadline=None)
 settings.load_profile("short")
 SECRET = "a secret that must not leave 4711"
@@ -45,13 +45,13 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
 SLOW = (
     *FIRST, "browser", "fuzz", "hostile", "labs", "mutants", "sandbox",
-    "test_adjusting", "test_advice", "test_agreement", "test_batch", "test_budgets", "test_calibrate", "test_chance", "test_charts",
+    "test_absent", "test_adjusting", "test_advice", "test_agreement", "test_batch", "test_budgets", "test_calibrate", "test_chance", "test_charts",
     "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_compat", "test_desk_repairs",
     "test_docs", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
     "test_hidden_feedback", "test_kit", "test_marking", "test_not_running", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading",
-    "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repro",
-    "test_shadowing_modules", "test_statements", "test_traces",
+    "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repository", "test_repro",
+    "test_shadowing_modules", "test_statements", "test_styles", "test_traces", "test_two_faults",
     "test_variants",
 )  # fmt: skip
 """Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
@@ -59,7 +59,8 @@ LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_ex
 """Files that `pytest -m quick` leaves out, too: they judge hundreds of made-up students."""
 QUICK = "quick and not slow and not longer and not weekly"
 ALL = "not delivered and not weekly"
-"""The marker expressions of `-m quick`, and of a run without `-m`."""
+EVERYDAY = f"{ALL} and not slow"
+"""The marker expressions of `-m quick`, of a run of named tests, and of one without arguments."""
 
 
 @pytest.hookimpl(optionalhook=True)  # mutants are tested without xdist
@@ -69,18 +70,23 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Do not import files without such a test for `-m quick` and `-m delivered`."""
+    """Do not import files without a test for this run: each test worker would take seconds for it."""
+    if config.option.markexpr == EVERYDAY:
+        return _is_slow(collection_path) or None
     mark = {QUICK: "mark.quick", "delivered": "mark.delivered"}.get(config.option.markexpr)
     if mark is None or collection_path.suffix != ".py":
         return None
     return None if mark in collection_path.read_text(encoding="utf-8") else True
 
 
+def _is_slow(path: Path) -> bool:
+    return bool({path.stem, *path.relative_to(HERE).parts[:1]} & {*SLOW})
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.stem not in FIRST)
     for item in items:
-        place = item.path.relative_to(HERE)
-        if item.path.stem in SLOW or place.parts[0] in SLOW:
+        if _is_slow(item.path):
             item.add_marker("slow")
         if item.path.stem in LONGER:
             item.add_marker("longer")
@@ -111,9 +117,7 @@ def _choose(config: pytest.Config) -> None:
     """
     option = config.option
     whole_run = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not option.keyword
-    more = {"full": ALL, "quick": QUICK, "slow": f"slow and {ALL}"} | (
-        {ALL: f"{ALL} and not slow"} if whole_run else {}
-    )
+    more = {"full": ALL, "quick": QUICK, "slow": f"slow and {ALL}"} | ({ALL: EVERYDAY} if whole_run else {})
     if option.markexpr == ALL and option.keyword in {case.name for case in recorded_corpus()}:
         more = {ALL: "not delivered"}
     option.markexpr = more.get(option.markexpr, option.markexpr)
@@ -157,7 +161,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
             f"{counted['recorded']} submissions recorded in {store.FOLDER}, {counted['compared']} compared with a real sandbox: "
             f"{counted['seconds']:.0f} s of the test workers' time"
         )
-    if config.option.markexpr == f"{ALL} and not slow":
+    if config.option.markexpr == EVERYDAY:
         terminalreporter.write_line("slow tests were left out; all tests: python -m pytest -m full")
 
 

@@ -13,7 +13,6 @@ from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.fuzz.answers import Bench
 
-pytestmark = pytest.mark.slow
 EMPTIED: Mapping[tuple[str, tuple[str, ...]], set[str]] = {
     ("read", ("arrays",)): {
         "sensor_access.matches_truth", "sensor_access.follows_address", "sensor_access.reading_is_a_copy",

@@ -11,7 +11,6 @@ from tests.recordings.marker import verdict
 CRITERIA = {"read": "sensor_access", "collect": "data_collection", "noise": "noise_model", "low_pass": "filtering"}
 SPREAD = 0.5
 """Points: a rounding of shares to two decimals stays far below it, one more lost property is above it."""
-pytestmark = [pytest.mark.slow]
 EVERYDAY = 14
 """Each fourteenth fault is written in all styles with `-m full`; the others with `-m weekly`."""
 

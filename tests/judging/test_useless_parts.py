@@ -273,7 +273,7 @@ def earned(part: str, made: Any) -> dict[str, float]:
     return kept(Restarting(part, made), PARTS[part][0])
 
 
-_EVERY = 6
+_EVERY = 12
 """One of so many useless parts runs on each change, all of them each week."""
 
 
