@@ -36,7 +36,7 @@ ROOT = Path(__file__).resolve().parent.parent
 def test_every_module_that_ends_in_a_record_is_listed() -> None:
     modules = (f"grader.platforms.{each.name}" for each in pkgutil.iter_modules(platforms.__path__))
     assert {name for name in modules if hasattr(import_module(name), "PLATFORM")} == {
-        listed.module for listed in registry.LISTED.values()
+        module for module, _ in registry.LISTED.values()
     }
 
 
@@ -96,7 +96,7 @@ PLATFORM = Platform(
 @pytest.fixture
 def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """A line of the registry for a platform that this module describes as a new one would be."""
-    monkeypatch.setitem(registry.LISTED, "made-up", registry.ListedPlatform(__name__, ("respond", "read", "write")))
+    monkeypatch.setitem(registry.LISTED, "made-up", (__name__, ("respond", "read", "write")))
 
 
 @pytest.mark.usefixtures("made_up")

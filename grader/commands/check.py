@@ -88,17 +88,23 @@ def check(
 
         bundle = lab.truth(None, chosen.settings)
         if ready:
-            print(opening.waiting(submission, chosen, bundle, only, secret=_has_secret()) + "\n", flush=True)
+            print(
+                opening.waiting(
+                    submission, chosen, bundle, only, secret=bool(os.environ.get(SECRET_VARIABLE, "").strip())
+                )
+                + "\n",
+                flush=True,
+            )
         printed = Prints()
         try:
             with Marker(chosen, bundle, sandbox=sandbox) as marker:
                 result = marker.mark(submission, only=only, waiting=partial(print, flush=True), listen=printed.add)
         except Stopped as stopped:
             print()  # below the terminal's own ^C
-            _show(stopped.result, arguments, printed)
+            _show(stopped.result, lab, arguments, printed)
             raise
-    _show(result, arguments, printed)
-    _write(result, arguments)
+    _show(result, lab, arguments, printed)
+    _write(result, lab, arguments)
     return 3 if result.status == "incomplete" else 0
 
 
@@ -190,9 +196,10 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
             begins=begins, waits=view.refit,
             waiting=view.tell, listen=printed.add,
         ):  # fmt: skip
-            prints = printed.lines(chosen_lab()) if arguments.prints else []
-            view.show(partial(_lines, result, arguments, screen, before, prints), _checked_at())
-            _write(result, arguments)
+            prints = printed.lines(lab) if arguments.prints else []
+            at = f"checked at {time.strftime('%H:%M:%S')}; again on every save, Ctrl-C ends"
+            view.show(partial(_lines, result, lab, arguments, screen, before, prints), at)
+            _write(result, lab, arguments)
             checks = [check for part in result.parts for check in part.checks]
             before = before | {check.id: check.points for check in checks if check.points is not None}
     except KeyboardInterrupt:  # it is how one ends it
@@ -200,54 +207,44 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
     return 0
 
 
-def _checked_at() -> str:
-    return f"checked at {time.strftime('%H:%M:%S')}; again on every save, Ctrl-C ends"
-
-
-def _has_secret() -> bool:
-    return bool(os.environ.get(SECRET_VARIABLE, "").strip())
-
-
-def _show(result: Result, arguments: _Arguments, printed: Prints) -> None:
-    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
+def _show(result: Result, lab: Lab, arguments: _Arguments, printed: Prints) -> None:
     from grader.report import terminal  # noqa: PLC0415
 
     screen = console()
-    for line in _lines(result, arguments, screen, {}, printed.lines(chosen_lab()) if arguments.prints else []):
+    for line in _lines(result, lab, arguments, screen, {}, printed.lines(lab) if arguments.prints else []):
         terminal.show_line(line, screen)
 
 
 def _lines(
-    result: Result, arguments: _Arguments, screen: Console, before: Mapping[str, float], prints: Sequence[Text]
+    result: Result,
+    lab: Lab,
+    arguments: _Arguments,
+    screen: Console,
+    before: Mapping[str, float],
+    prints: Sequence[Text],
 ) -> list[Text]:
     """Return the lines of the report for the terminal, with what the student's code printed."""
-    from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
     lines = terminal.screen(
-        result, screen, chosen_lab(), only=arguments.only, before=before, command=arguments.command, repeat=arguments.repeat,
+        result, screen, lab, only=arguments.only, before=before, command=arguments.command, repeat=arguments.repeat,
         verbose=arguments.verbose,
     )  # fmt: skip
     return [*lines, *prints]
 
 
-def _write(result: Result, arguments: _Arguments) -> None:
+def _write(result: Result, lab: Lab, arguments: _Arguments) -> None:
     """Write the files of `--html` and `--json`, if given."""
     from grader.base.files import write_whole  # noqa: PLC0415
 
     if arguments.html is not None:
         from grader.engine.chart_data import unpacked  # noqa: PLC0415
         from grader.engine.faults import catalogue  # noqa: PLC0415
-        from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
         from grader.people.final_grade import FinalGrade  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
-        write_whole(
-            arguments.html,
-            report_page(
-                FinalGrade("", result, reviewed=True), unpacked(result.evidence.charts), catalogue(chosen_lab())
-            ),
-        )
+        whole = FinalGrade("", result, reviewed=True)
+        write_whole(arguments.html, report_page(whole, unpacked(result.evidence.charts), catalogue(lab)))
     if arguments.json is not None:
         from grader.engine.results import to_json  # noqa: PLC0415
 

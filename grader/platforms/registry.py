@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from grader.base.errors import GraderError
@@ -24,32 +23,25 @@ AUTO = "auto"  # value of `--format` that recognises the platform
 FOLDERS = "folders"  # value of `--from` for folders of no platform
 
 
-@dataclass(frozen=True)
-class ListedPlatform:
-    """A platform's module, which holds its record as `PLATFORM`, and what the platform supports."""
-
-    module: str
-    does: tuple[Deed, ...]
-
-
-LISTED: dict[str, ListedPlatform] = {
+LISTED: dict[str, tuple[str, tuple[Deed, ...]]] = {
     # Classroom 50 runs inside GitHub Actions, and its downloads are git clones; it has to be recognised before both
-    "classroom50": ListedPlatform("grader.platforms.classroom50", ("respond", "read")),
-    "github": ListedPlatform("grader.platforms.github", ("respond",)),
-    "gradescope": ListedPlatform("grader.platforms.gradescope", ("respond", "read", "write")),
-    "prairielearn": ListedPlatform("grader.platforms.prairielearn", ("respond",)),
-    "moodle": ListedPlatform("grader.platforms.moodle", ("read", "fill")),
-    "canvas": ListedPlatform("grader.platforms.canvas", ("read", "fill")),
-    "git": ListedPlatform("grader.platforms.git", ("read",)),
-    "csv": ListedPlatform("grader.platforms.gradebook", ("write",)),
-    "json": ListedPlatform("grader.platforms.result_json", ("respond",)),
-    "junit": ListedPlatform("grader.platforms.junit", ("respond",)),  # the default if no platform is recognised
+    "classroom50": ("grader.platforms.classroom50", ("respond", "read")),
+    "github": ("grader.platforms.github", ("respond",)),
+    "gradescope": ("grader.platforms.gradescope", ("respond", "read", "write")),
+    "prairielearn": ("grader.platforms.prairielearn", ("respond",)),
+    "moodle": ("grader.platforms.moodle", ("read", "fill")),
+    "canvas": ("grader.platforms.canvas", ("read", "fill")),
+    "git": ("grader.platforms.git", ("read",)),
+    "csv": ("grader.platforms.gradebook", ("write",)),
+    "json": ("grader.platforms.result_json", ("respond",)),
+    "junit": ("grader.platforms.junit", ("respond",)),  # the default if no platform is recognised
 }
+"""A platform's module, which holds its record as `PLATFORM`, and what the platform supports."""
 
 
 def names(*deeds: Deed) -> tuple[str, ...]:
     """Return the names of the platforms that support at least one of these capabilities, such as "respond"."""
-    return tuple(name for name, listed in LISTED.items() if set(deeds) & set(listed.does))
+    return tuple(name for name, (_, does) in LISTED.items() if set(deeds) & set(does))
 
 
 def platform(name: str) -> Platform:
@@ -60,11 +52,11 @@ def platform(name: str) -> Platform:
     GraderError
         If the record does not support what its line says.
     """
-    listed = LISTED[name]
-    record: Platform = importlib.import_module(listed.module).PLATFORM
+    module, listed = LISTED[name]
+    record: Platform = importlib.import_module(module).PLATFORM
     does = tuple(deed for deed in DEEDS if getattr(record, deed) is not None)
-    if (record.name, does) != (name, listed.does):
-        raise GraderError(f"{listed.module}: {record.name} does {does}, and its line in the registry says {listed}")
+    if (record.name, does) != (name, listed):
+        raise GraderError(f"{module}: {record.name} does {does}, and its line in the registry says {name}: {listed}")
     return record
 
 

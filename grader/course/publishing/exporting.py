@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from grader.course.record.store import Store
 from grader.intake.names import distinct_ids
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory
-from grader.platforms.filled import Filled, directory, reply_to
+from grader.platforms.filled import directory, reply_to
 from grader.platforms.platform import Platform, Template
 from grader.report import words
 
@@ -141,7 +141,7 @@ def plan(order: Export) -> Plan:
         If nothing was graded in OUT, the platform takes no grades, the template is missing, not wanted or not the platform's, or
         reports that are asked for do not match the record.
     """
-    make = _maker(order)
+    _refuse_unfit(order)
     with Store.existing(order.out) as store:
         final_grades = store.final_grades()
         settings = store.settings()
@@ -156,47 +156,35 @@ def plan(order: Export) -> Plan:
     if order.unreadable != "blank":  # a reviewed submission has a grade, an empty or unreadable one is blank until then
         final_grades = {id_: replace(each, reviewed=True) for id_, each in final_grades.items()}
     others = () if settings is None else class_settings.others(settings, final_grades)
-    draft = make(final_grades, absent)
+    draft = _draft(order, final_grades, absent)
     found = contradictions(final_grades, settings, draft.without_row)
     return Plan(order, draft, final_grades, tuple(found), tuple(printable(id_, 80) for id_ in others))
 
 
-Make = Callable[[Mapping[str, FinalGrade], Sequence[Person]], Draft]
+def _draft(order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Draft:
+    """Return the grades as the platform gets them: in its own file, filled in, or in one that is written from nothing."""
+    missing = "" if order.missing == "blank" else order.missing
+    blank = tuple(_blank(final_grades, () if missing else absent))
+    if order.template is not None:
+        return _filled(order, final_grades, absent, missing, blank)
+    assert order.platform.write is not None
+    count = sum(len(each.people) for each in final_grades.values() if each.final is not None)
+    names = tuple(words.absentees(absent, (each.hand_in for each in final_grades.values()))) if missing else ()
+    return Draft(order.platform.write(final_grades, absent, missing), count, blank, names)
 
 
-def _maker(order: Export) -> Make:
-    """Return how the platform gets the marks: its own file filled in, or one that is written."""
+def _refuse_unfit(order: Export) -> None:
+    """Refuse a platform that takes no grades, a missing template, and one that is not wanted."""
     fill, write, template = order.platform.fill, order.platform.write, order.template
-    if fill is not None and template is not None:
-        return lambda final_grades, absent: _filled(fill, template, order, final_grades, absent)
-    if write is not None and template is None:
-        return lambda final_grades, absent: _written(write, order, final_grades, absent)
     if fill is None and write is None:
         raise RequestError(f"--format {order.platform.name}: {order.platform.title} cannot import grades")
+    if (write if template is None else fill) is not None:
+        return
     needs = "needs --template with the file that it exports" if template is None else "takes no --template"
     why = "needs the file that it exports" if template is None else "takes no template"
     raise RequestError(
         f"--format {order.platform.name} {needs}", option="template", why=f"{order.platform.title} {why}"
     )
-
-
-def _grade_of_missing(order: Export) -> str:
-    """Return the text in the cell of a person without a submission."""
-    return "" if order.missing == "blank" else order.missing
-
-
-def _written(
-    write: Callable[[Mapping[str, FinalGrade], Sequence[Person], str], bytes],
-    order: Export,
-    final_grades: Mapping[str, FinalGrade],
-    absent: Sequence[Person],
-) -> Draft:
-    """Return a file of grades that is written from nothing."""
-    missing = _grade_of_missing(order)
-    count = sum(len(each.people) for each in final_grades.values() if each.final is not None)
-    names = tuple(words.absentees(absent, (each.hand_in for each in final_grades.values()))) if missing else ()
-    blank = tuple(_blank(final_grades, () if missing else absent))
-    return Draft(write(final_grades, absent, missing), count, blank, names)
 
 
 def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Iterator[str]:
@@ -211,17 +199,18 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
 
 
 def _filled(
-    fill: Callable[[Template, Mapping[str, FinalGrade]], Filled],
-    template: Path,
     order: Export,
     final_grades: Mapping[str, FinalGrade],
     absent: Sequence[Person],
+    missing: str,
+    blank: tuple[str, ...],
 ) -> Draft:
     """Return the platform's own file with the grades filled in, and the lists of people to review."""
-    source = printable(str(template), 500)
-    data = read_file(template, MAX_TEMPLATE, "give the file that the platform exports")
-    missing = _grade_of_missing(order)
-    filled = fill(Template(data, source, order.column, order.scaled, missing), final_grades)
+    assert order.template is not None
+    assert order.platform.fill is not None
+    data = read_file(order.template, MAX_TEMPLATE, "give the file that the platform exports")
+    template = Template(data, printable(str(order.template), 500), order.column, order.scaled, missing)
+    filled = order.platform.fill(template, final_grades)
     known = directory(final_grades)
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
@@ -233,7 +222,7 @@ def _filled(
     return Draft(
         filled.data,
         filled.grades,
-        tuple(_blank(final_grades, () if missing else absent)),
+        blank,
         tuple(filled.missing),
         {id_: f"{'; '.join(names)}: graded, and not in the file" for id_, names in not_there.items() if names},
         tuple(filled.replaced),
