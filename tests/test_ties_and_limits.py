@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import datetime, timezone
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from grader.base.errors import RequestError
+from grader.course.publishing.contradictions import untimed
 from grader.desk import regrade_requests
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import CheckRun, Judgement
@@ -19,10 +22,11 @@ from grader.engine.rubric import LatePolicy
 from grader.intake.downloads import Download
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import HandIn, Person
+from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.late_policy import judged
 from grader.platforms import canvas
 from grader.platforms.found import AMBIGUOUS, at_least_half
+from tests.fake_results import result
 
 DUE = datetime(2026, 11, 20, 12, tzinfo=timezone.utc)
 
@@ -65,6 +69,18 @@ def test_the_newest_attachment_is_told_by_all_of_its_digits(tmp_path: Path) -> N
 )
 def test_half_of_the_names_make_a_download_and_nothing_makes_none(answers: list[bool], enough: bool) -> None:
     assert at_least_half(answers) is enough
+
+
+def test_a_late_mark_beside_a_time_vouches_for_those_without_both() -> None:
+    late, other = HandIn(submitted="2026-11-21T12:00+00:00", marked_late=True), HandIn()
+    settings: Any = SimpleNamespace(has_late_policy=True)
+    for hand_in, unknown in (
+        (late, []),
+        (replace(late, marked_late=False), ["b"]),
+        (replace(late, submitted=""), ["a"]),
+    ):
+        final_grades = {"a": FinalGrade("a", result(), hand_in), "b": FinalGrade("b", result(), other)}
+        assert untimed(final_grades, settings) == unknown
 
 
 def test_a_regrade_request_has_the_longest_length_at_most() -> None:
