@@ -10,6 +10,8 @@ import pytest
 
 from grader.engine.results import Result
 from grader.intake import Submission
+from grader.labs.imu.lab import LAB
+from grader.platforms.classes import read_class
 from tests.class_commands import Run, commands, hand_in
 from tests.corpus.writing import write
 from tests.fake_results import check, result
@@ -128,6 +130,15 @@ def test_of_several_attempts_the_latest_or_the_best_counts(
     assert row.split(",")[3] == total
     record = json.loads((tmp_path / "out" / "submissions" / "doe_1" / "result.json").read_text())
     assert record["status"] == ("graded" if total else "incomplete")
+
+
+def test_of_equally_good_attempts_the_first_counts(run: Run, tmp_path: Path) -> None:
+    files = ({f"doe_1_{100 + i}_filters.py": f"# {points}\n"} for i, points in enumerate(("20", "20.0")))
+    downloads = [write(each, tmp_path / str(i), "zip") for i, each in enumerate(files)]
+    run("grade", *downloads, "-o", tmp_path / "out", "--attempts", "best")
+    (first,) = read_class(downloads[:1], LAB.files).entries
+    record = json.loads((tmp_path / "out" / "submissions" / "doe_1" / "result.json").read_text())
+    assert record["provenance"]["submission_sha256"] == first.read().sha256
 
 
 # ---- diff ----
