@@ -27,7 +27,7 @@ from grader.platforms.classroom50 import classroom50, identity_of, shares
 from grader.platforms.gradescope import gradescope
 from grader.platforms.job import recognise
 from grader.platforms.junit import junit
-from grader.platforms.places import Place, Places, find_places
+from grader.platforms.places import FileLine, Places, find_places
 from grader.platforms.prairielearn import prairielearn
 from grader.report import words
 from tests.corpus.writing import write
@@ -116,11 +116,11 @@ def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
 
 
 def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submission() -> None:
-    places = Places(LAB, {"filters.py": "lab/filters.py"}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
+    places = Places(LAB, {"filters.py": "lab/filters.py"}, {"get_imu_readings": FileLine("lab/imu_reader.py", 7)})
     row = check("error", 0.0, "ValueError: no at evil.py, line 3", where=Where("filters.py", 12))
     told = as_the_runner_reads(github.commands(result(row), places))[0][1]
     assert (told["file"], told["line"]) == ("lab/filters.py", "12")
-    assert places.of(check("error", 0.0, where=Where("/etc/passwd", 1))) == Place("lab/imu_reader.py", 7)
+    assert places.of(check("error", 0.0, where=Where("/etc/passwd", 1))) == FileLine("lab/imu_reader.py", 7)
 
 
 def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -> None:
@@ -128,9 +128,9 @@ def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -
     draw = "class NoisyIMU:\n    pass\n"
     write({"week4/lab/lab.py": lab, "week4/lab/imu_reader.py": "x = 1\n", "week4/draw.py": draw}, tmp_path)
     places = find_places(LAB, read_submission(tmp_path, LAB.files), tmp_path, tmp_path)
-    assert places.definitions["LowPassFilter"] == Place("week4/lab/lab.py", 4)
-    assert places.definitions["get_imu_readings"] == Place("week4/lab/imu_reader.py")
-    assert places.definitions["NoisyIMU"] == Place("week4/draw.py", 1)
+    assert places.definitions["LowPassFilter"] == FileLine("week4/lab/lab.py", 4)
+    assert places.definitions["get_imu_readings"] == FileLine("week4/lab/imu_reader.py")
+    assert places.definitions["NoisyIMU"] == FileLine("week4/draw.py", 1)
     assert "multi_imu" not in places.definitions
 
 

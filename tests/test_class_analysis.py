@@ -12,7 +12,7 @@ from grader.engine.fingerprint import fingerprint, of_the_sheet
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.report.items import Item, items
+from grader.report.items import ItemAnalysis, items
 from grader.report.similarity import pairs
 from tests.examples import FOLDER
 from tests.fake_results import check
@@ -98,4 +98,4 @@ def test_a_check_that_good_submissions_lose_is_doubtful() -> None:
     assert found["filtering.a"].discrimination == pytest.approx(-1)
     assert found["filtering.a"].doubtful
     assert not replace(found["filtering.a"], judged=29).doubtful
-    assert not Item("x", "x", 40, 1, 0.9, None).doubtful
+    assert not ItemAnalysis("x", "x", 40, 1, 0.9, None).doubtful

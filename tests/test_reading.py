@@ -18,11 +18,11 @@ import pytest
 from grader.engine.reading import ReadingProcess
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
-from grader.platforms.classes import Entry
+from grader.platforms.classes import ClassEntry
 
 
 @dataclass(frozen=True)
-class Hostile(Entry):
+class Hostile(ClassEntry):
     """Reading it does what its id says."""
 
     def read(self) -> Submission:
@@ -66,7 +66,7 @@ def test_what_cannot_be_read_is_unreadable_and_the_next_one_is_read(
         pytest.skip("no bound on memory here")
     found = reader.read(Hostile(id_, id_, folder, LAB.files))
     assert (found.id, found.status, found.notes) == (id_, "unreadable", (note,))
-    sound = Entry("alice", "Alice", folder, LAB.files)
+    sound = ClassEntry("alice", "Alice", folder, LAB.files)
     assert reader.read(sound) == sound.read()
 
 
@@ -125,7 +125,7 @@ def test_the_process_ends_by_itself_when_nothing_more_is_read(
             beside.submit(wait.wait)
         try:
             with ReadingProcess() as reader:
-                reader.read(Entry("alice", "Alice", folder, LAB.files))
+                reader.read(ClassEntry("alice", "Alice", folder, LAB.files))
                 process = reader._process
         finally:
             wait.set()

@@ -162,10 +162,10 @@ def test_points_that_are_open_are_a_dash_and_not_a_zero() -> None:
 def test_a_message_keeps_its_plain_sentences_and_its_further_lines() -> None:
     got = "ValueError: no\nEvil  x\nGot       nothing"
     raised = check("error", 0.0, expected="no exception", got=got)
-    lines = (words.Line("Expected", "no exception"), words.Line("Got", got))
+    lines = (words.LabelledLine("Expected", "no exception"), words.LabelledLine("Got", got))
     assert words.row(raised, "filtering", LabName()).lines == lines
     plain = check("skipped", 0.0, said="Needs a reader.")
-    assert words.row(plain, "filtering", LabName()).lines == (words.Line("", "Needs a reader."),)
+    assert words.row(plain, "filtering", LabName()).lines == (words.LabelledLine("", "Needs a reader."),)
     assert plain.message == "Needs a reader."
 
 

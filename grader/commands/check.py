@@ -166,7 +166,7 @@ def _typed(*arguments: str) -> str:
 
 def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | None) -> int:
     """Check the submission on every save and show the result until Ctrl-C; return the exit code."""
-    from grader.commands.watching import View  # noqa: PLC0415
+    from grader.commands.watching import WatchView  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.intake.submission import original_name  # noqa: PLC0415
@@ -175,7 +175,7 @@ def _watch(arguments: _Arguments, rubric: Path | None, isolation_level: str | No
     chosen = rubrics.load(lab, rubric)
     rubrics.know_part(chosen, arguments.only)
     screen = console()
-    view = View(screen, original_name(arguments.path), arguments.command)
+    view = WatchView(screen, original_name(arguments.path), arguments.command)
     view.tell(_CHECKING)  # at once: the rest takes seconds on a cold machine
     from grader.commands import checking  # noqa: PLC0415
     from grader.commands.prints import Prints  # noqa: PLC0415

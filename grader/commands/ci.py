@@ -66,7 +66,7 @@ def ci(
     chosen = rubrics.load(lab, rubric)
     bundle = lab.truth(None, chosen.settings) if traces_ is None else traces.load(traces_)
     format_of = job.named(format_)
-    order = job.Job(format_of, chosen, bundle, path, out, trust, min_score, isolation_level, private=private)
+    order = job.CiJob(format_of, chosen, bundle, path, out, trust, min_score, isolation_level, private=private)
     result = job.run(order)
     if result.status == "incomplete":
         return 3

@@ -12,7 +12,7 @@ from grader.base.text import printable
 from grader.commands.common import console, say
 
 if TYPE_CHECKING:
-    from grader.commands.machine import Finding
+    from grader.commands.machine import DoctorFinding
 
 
 def doctor(
@@ -48,7 +48,7 @@ def doctor(
     return 0
 
 
-def _show(sections: Sequence[tuple[str, Sequence[Finding]]]) -> None:
+def _show(sections: Sequence[tuple[str, Sequence[DoctorFinding]]]) -> None:
     """Print the findings, one section after the other."""
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415

@@ -26,7 +26,7 @@ _NOT_ISOLATED = "no isolation: fine for your own code; `grade` needs --trust-sub
 
 
 @dataclass(frozen=True)
-class Finding:
+class DoctorFinding:
     """One line of `imugrade doctor`: a name, whether the finding is good (None: neutral), and its text."""
 
     name: str
@@ -34,7 +34,7 @@ class Finding:
     text: str
 
 
-def examine(tell: Callable[[str], None]) -> list[tuple[str, list[Finding]]]:
+def examine(tell: Callable[[str], None]) -> list[tuple[str, list[DoctorFinding]]]:
     """Return all findings under their headings. Isolation levels and the recording of traces are tried out.
 
     `tell` is called with what is tried next, because each takes some seconds.
@@ -69,50 +69,50 @@ def report(out: Path) -> list[str]:
     return lines + [f"{many}x {fault}; first in {first[fault]}" for fault, many in count.most_common()]
 
 
-def packages_of(paths: Sequence[Path]) -> list[Finding]:
+def packages_of(paths: Sequence[Path]) -> list[DoctorFinding]:
     """Return which packages these submissions import that student code cannot import here. No code is run."""
     lab = chosen_lab()
     missing = missing_packages.of_class(read_class(paths, lab.files).entries, rubrics.load(lab))
     lines = missing_packages.lines(missing)
     none = f"{len(missing)} submissions import no known package that is missing here"
-    return [Finding("missing", False, line) for line in lines] or [Finding("missing", True, none)]
+    return [DoctorFinding("missing", False, line) for line in lines] or [DoctorFinding("missing", True, none)]
 
 
-def _isolation() -> list[Finding]:
+def _isolation() -> list[DoctorFinding]:
     """Return the findings about isolation: each level, the level in use, and copies of the grader that student code could open."""
     tried = probe()
     best = next(each.isolation_level for each in tried if each.usable)
     rows = [
-        Finding(each.isolation_level.name, each.usable, each.reason or "works here")
+        DoctorFinding(each.isolation_level.name, each.usable, each.reason or "works here")
         for each in tried
         if each.isolation_level.isolates
     ]
     if not best.isolates:
-        return [*rows, Finding("in use", False, _NOT_ISOLATED)]
-    return [*rows, Finding("in use", True, best.name), _one_copy(best)]
+        return [*rows, DoctorFinding("in use", False, _NOT_ISOLATED)]
+    return [*rows, DoctorFinding("in use", True, best.name), _one_copy(best)]
 
 
-def _one_copy(isolation_level: IsolationLevel) -> Finding:
+def _one_copy(isolation_level: IsolationLevel) -> DoctorFinding:
     """Return whether a submission could read the solution of a second install, of a checkout, or of this one."""
     try:
         search = one_copy.search(isolation_level, chosen_lab().packages)
     except GraderError as error:
-        return Finding("hidden", False, f"could not be checked from inside the sandbox: {error}")
+        return DoctorFinding("hidden", False, f"could not be checked from inside the sandbox: {error}")
     if not search.found:
-        return Finding(
+        return DoctorFinding(
             "hidden", True, f"the {search.opened:,} files that code in the sandbox can open contain no grader files"
         )
-    return Finding(
+    return DoctorFinding(
         "hidden",
         False,
         f"code in the sandbox can open {len(search.found)} grader files; the first is {search.found[0]}",
     )
 
 
-def _versions() -> list[Finding]:
-    rows = [Finding("imugrade", None, __version__), Finding("Python", None, platform.python_version())]
-    rows += [Finding(name, *_version(name)) for name in (*chosen_lab().packages, "pytest")]
-    return [*rows, Finding("system", None, platform.platform())]
+def _versions() -> list[DoctorFinding]:
+    rows = [DoctorFinding("imugrade", None, __version__), DoctorFinding("Python", None, platform.python_version())]
+    rows += [DoctorFinding(name, *_version(name)) for name in (*chosen_lab().packages, "pytest")]
+    return [*rows, DoctorFinding("system", None, platform.platform())]
 
 
 def _version(package: str) -> tuple[bool | None, str]:
@@ -122,12 +122,12 @@ def _version(package: str) -> tuple[bool | None, str]:
         return False, f"not installed; pip install {package}"
 
 
-def _reference() -> Finding:
+def _reference() -> DoctorFinding:
     """Return whether a secret can record hidden scenarios here, tested with a throw-away secret."""
     try:
         recorded = try_recording(chosen_lab())
     except (GraderError, RequestError, OSError) as problem:
-        return Finding("reference", False, str(problem))
+        return DoctorFinding("reference", False, str(problem))
     if recorded is None:
-        return Finding("reference", None, "not installed: only public traces, no --seed")
-    return Finding("reference", True, f"recorded {len(recorded.scenarios)} scenarios from a throw-away secret")
+        return DoctorFinding("reference", None, "not installed: only public traces, no --seed")
+    return DoctorFinding("reference", True, f"recorded {len(recorded.scenarios)} scenarios from a throw-away secret")

@@ -12,7 +12,7 @@ from grader.report.terminal import show_line
 Lines = Callable[[], list[Text]]
 
 
-class View:
+class WatchView:
     """Display of `check --watch`: on a terminal a screen that is redrawn, in a pipe one result after the other.
 
     Parameters

@@ -11,7 +11,7 @@ from starlette.responses import Response
 from grader.base.errors import RequestError
 from grader.course.publishing import exporting
 from grader.course.publishing.contradictions import contradictions
-from grader.course.publishing.exporting import Export, Plan
+from grader.course.publishing.exporting import Export, ExportPlan
 from grader.course.record import class_settings
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
@@ -89,7 +89,7 @@ def _page(
     book: Classbook,
     web_request: WebRequest,
     errors: Mapping[str, str] | None = None,
-    plan: Plan | None = None,
+    plan: ExportPlan | None = None,
     code: int = 200,
 ) -> Response:
     """Return the export page, with the errors of the form or the plan of the export."""

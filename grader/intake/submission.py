@@ -93,7 +93,7 @@ def read_submission(
     required
         Names of the files that the lab asks for.
     id, name
-        As an `Entry` of a class has them; made from the path otherwise.
+        As a `ClassEntry` has them; made from the path otherwise.
     sources
         If `path` is the download of a whole class: which of its files and folders are this submission, and their paths in it.
 

@@ -13,10 +13,10 @@ from grader.intake.downloads import Download, Sources
 from grader.intake.names import ARCHIVES, CODE, FOREIGN_ARCHIVES, has_suffix, original
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import PersonRow, spellings
-from grader.platforms.filled import Filled, Form, fill_in
+from grader.platforms.filled import Filled, TemplateLayout, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform, Template
-from grader.platforms.sheet import Sheet, SheetRow, read_sheet
+from grader.platforms.sheet import CsvSheet, SheetRow, read_sheet
 
 # --- the gradebook, filled in -----------------------------------------------------------------------------------------
 
@@ -70,7 +70,7 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
     return found[0]
 
 
-def _form(sheet: Sheet, grade: int) -> Form:
+def _form(sheet: CsvSheet, grade: int) -> TemplateLayout:
     """Return the rows of students; a row above them holds the maximum points of the assignment."""
     points = next((row.value(grade) for row in sheet.rows[1:] if "Points Possible" in row.value(0)), "")
     students = {
@@ -78,7 +78,7 @@ def _form(sheet: Sheet, grade: int) -> Form:
         for number, row in enumerate(sheet.rows[1:], 1)
         if row.value(0).strip() and len(row.cells) > 1 and "Points Possible" not in row.value(0)
     }
-    return Form(
+    return TemplateLayout(
         sheet,
         grade,
         students,
@@ -90,13 +90,13 @@ def _form(sheet: Sheet, grade: int) -> Form:
     )
 
 
-def _who(sheet: Sheet, row: SheetRow) -> PersonRow:
+def _who(sheet: CsvSheet, row: SheetRow) -> PersonRow:
     numbers = tuple(filter(None, (row.value(sheet.column(title)) for title in _NUMBERS)))
     login = row.value(sheet.column("SIS Login ID"))
     return PersonRow("canvas", row.value(sheet.column("ID")), numbers, login if "@" in login else "", _name(sheet, row))
 
 
-def _name(sheet: Sheet, row: SheetRow) -> str:
+def _name(sheet: CsvSheet, row: SheetRow) -> str:
     """Read the name from Canvas's one default column, or from the two that an instructor can choose."""
     return (
         f"{row.value(sheet.column('FirstName'))} {row.value(0)}".strip()

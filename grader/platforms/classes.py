@@ -39,7 +39,7 @@ ATTEMPTS = ("latest", "best")
 
 
 @dataclass(frozen=True)
-class Entry:
+class ClassEntry:
     """Place and name of a submission. It is small and picklable; the process that grades it reads the files.
 
     Several attempts of the same people share an id. `sources` is empty where all of `path` is the submission; `required` are the
@@ -62,7 +62,7 @@ class Entry:
 class Intake:
     """Submissions of a class in the order of their names, unplaced files with reasons, and a line on each path."""
 
-    entries: tuple[Entry, ...]
+    entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]
     notices: tuple[str, ...] = ()
 
@@ -179,7 +179,7 @@ def _named_by_place(found: Found) -> str:
     return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))
 
 
-def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[Entry, ...]:
+def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[ClassEntry, ...]:
     """Give each student an id. Names lose the suffix of an archive unless two names would then be equal."""
     shared = Counter(each.name for each in found if not each.sources)
     named = {each: _name(each, shared) for each in found}
@@ -189,7 +189,7 @@ def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[Entry, ...]
     place = {student: number for number, student in enumerate(order)}
     ranked = sorted(found, key=lambda each: place[each.student])  # stable: attempts stay in order
     return tuple(
-        Entry(ids[each.student], named[each], each.path, required, each.sources, each.hand_in) for each in ranked
+        ClassEntry(ids[each.student], named[each], each.path, required, each.sources, each.hand_in) for each in ranked
     )
 
 

@@ -12,7 +12,7 @@ from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory, Match, PersonRow
 from grader.platforms.platform import Template
-from grader.platforms.sheet import Sheet, SheetRow
+from grader.platforms.sheet import CsvSheet, SheetRow
 from grader.report import words
 
 _COMMA = re.compile(r"-?\d+,\d+")
@@ -54,7 +54,7 @@ class Filled:
 
 
 @dataclass(frozen=True)
-class Form:
+class TemplateLayout:
     """Description of a platform's file to fill in.
 
     Attributes
@@ -73,7 +73,7 @@ class Form:
         Function that returns whether a row belongs to a student, and not to a test account of the platform.
     """
 
-    sheet: Sheet
+    sheet: CsvSheet
     grade: int
     rows: Mapping[int, SheetRow]
     who: Callable[[SheetRow], PersonRow]
@@ -88,7 +88,10 @@ class Form:
 
 
 def fill_in(
-    form: Form, template: Template, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]
+    form: TemplateLayout,
+    template: Template,
+    matches: Mapping[int, Match | None],
+    final_grades: Mapping[str, FinalGrade],
 ) -> Filled:
     """Fill the final points of everyone who has some into the sheet of a form; `matches` has the match of each row, by its number.
 
@@ -122,13 +125,13 @@ def fill_in(
     return filled
 
 
-def _is_missing(form: Form, row: SheetRow, known: Directory) -> bool:
+def _is_missing(form: TemplateLayout, row: SheetRow, known: Directory) -> bool:
     """Return whether a row without a match belongs to a student who handed in nothing and has no grade yet."""
     blank = row.value(form.grade).strip() in ("", "-") and not form.locked(row)
     return blank and form.is_student(row) and not known.why_not(form.who(row))
 
 
-def _set(form: Form, row: SheetRow, points: str, filled: Filled) -> None:
+def _set(form: TemplateLayout, row: SheetRow, points: str, filled: Filled) -> None:
     """Write points into a row; list the row as replaced if it held another grade."""
     before = row.value(form.grade).strip()
     known = decimal(before)
@@ -138,7 +141,7 @@ def _set(form: Form, row: SheetRow, points: str, filled: Filled) -> None:
     filled.grades += 1
 
 
-def _scale(form: Form, template: Template, row: SheetRow, final_grade: FinalGrade) -> float:
+def _scale(form: TemplateLayout, template: Template, row: SheetRow, final_grade: FinalGrade) -> float:
     """Return the factor from the rubric's points to those of the file; refuse a different maximum unless points are scaled."""
     most, ours = decimal(form.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:

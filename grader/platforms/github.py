@@ -15,7 +15,7 @@ from grader.base.text import printable
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result
 from grader.platforms import rows
-from grader.platforms.places import Place, Places, find_places
+from grader.platforms.places import FileLine, Places, find_places
 from grader.platforms.platform import Help, Platform, ResultContext, SecondOutput
 from grader.report import causes, words
 from grader.report.causes import Cause
@@ -39,13 +39,13 @@ def commands(result: Result, places: Places) -> str:
 class _Annotation:
     """Checks of one cause at one place. The first place of a cause also lists the checks that wait for it."""
 
-    place: Place | None
+    place: FileLine | None
     cause: Cause
 
 
 def _annotations(result: Result, places: Places) -> Iterator[_Annotation]:
     for cause in _causes(result):
-        there: dict[Place | None, list[CheckResult]] = {}
+        there: dict[FileLine | None, list[CheckResult]] = {}
         for check in cause.checks:
             there.setdefault(places.of(check), []).append(check)
         waiting = (cause.waiting, *[()] * len(there))

@@ -65,7 +65,7 @@ def gradescope(result: Result, *, hidden: bool = False) -> str:
     return rows.as_json(record)
 
 
-def _test(check: CheckResult, part: rows.Part, number: str, lab: LabName) -> dict[str, Any]:
+def _test(check: CheckResult, part: rows.ResultPart, number: str, lab: LabName) -> dict[str, Any]:
     test: dict[str, Any] = {
         "name": f"{rows.title(part)}: {printable(check.title, 300)}",
         "name_format": "text",
@@ -91,13 +91,13 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
     return [{**test, "output": limit, "output_format": "text", "tags": ["extensions"], "visibility": "visible"}]
 
 
-def _output_of(check: CheckResult, part: rows.Part, lab: LabName) -> str:
+def _output_of(check: CheckResult, part: rows.ResultPart, lab: LabName) -> str:
     """Return the lines of a check as HTML: labels, and text of fixed width. Gradescope sanitises it again."""
     set_lines = [_line(line) for line in rows.lines(check, part, lab)]
     return "".join(set_lines) or f"<p>{words.row(check, part.id, lab).outcome.word}</p>"
 
 
-def _line(line: words.Line) -> str:
+def _line(line: words.LabelledLine) -> str:
     text = html.escape(line.text)
     if line.label in ("", "Try", "Read"):
         return f"<p><b>{line.label}</b> {text}</p>" if line.label else f"<p>{text}</p>"

@@ -23,7 +23,7 @@ from grader.platforms.platform import Platform, ResultContext
 
 
 @dataclass(frozen=True)
-class Job:
+class CiJob:
     """Request of a CI job. If `path` or `out` is None, the platform's own place is used; `out` "-" is standard output.
 
     `private` says that students can read neither the files nor the output of the job.
@@ -91,7 +91,7 @@ def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
     return place if place.parent.is_dir() else None
 
 
-def run(job: Job) -> Result:
+def run(job: CiJob) -> Result:
     """Mark the submission and write the platform's output.
 
     Raises
@@ -126,7 +126,7 @@ def run(job: Job) -> Result:
     return result
 
 
-def _keep_secret(job: Job) -> None:
+def _keep_secret(job: CiJob) -> None:
     if job.hidden and not (job.platform.keeps_secrets or job.private):
         raise RequestError(
             f"--traces: hidden scenarios stay out of {job.platform.title}, where students can read them; "
@@ -134,7 +134,7 @@ def _keep_secret(job: Job) -> None:
         )
 
 
-def _write(job: Job, text: str, result: Result) -> None:
+def _write(job: CiJob, text: str, result: Result) -> None:
     out = job.out or answer_of(job.platform)
     if out is None or str(out) == "-":
         sys.stdout.write(text)

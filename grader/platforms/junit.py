@@ -39,7 +39,7 @@ def junit(result: Result, at: datetime) -> str:
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'
 
 
-def _suite(root: Element, part: rows.Part, result: Result, at: datetime) -> None:
+def _suite(root: Element, part: rows.ResultPart, result: Result, at: datetime) -> None:
     suite = _new_suite(root, part.id, at, _facts(part))
     for check in part.checks:
         _case(suite, check, part, result)
@@ -68,7 +68,7 @@ def _repairs(root: Element, result: Result, at: datetime) -> None:
     _count(_new_suite(root, "repairs", at, [("score", words.number(-result.repair_deduction)), *lines]))
 
 
-def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:
+def _facts(part: rows.ResultPart) -> Iterator[tuple[str, str]]:
     """Yield the properties of a suite, then those of each case, such as ``follows_address.score``. Unknown values are left out."""
     yield "score", words.number(part.points)
     yield "max_score", words.number(part.max_points)
@@ -83,7 +83,7 @@ def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:
         yield from ((f"{_name(check)}.{fact}", value) for fact, value in facts.items() if value)
 
 
-def _case(suite: Element, check: CheckResult, part: rows.Part, result: Result) -> None:
+def _case(suite: Element, check: CheckResult, part: rows.ResultPart, result: Result) -> None:
     time = _seconds([check.duration_s])
     case = SubElement(suite, "testcase", classname=f"imugrade.{part.id}", name=_name(check), time=time)
     verdict = _verdict(check)

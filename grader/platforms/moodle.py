@@ -12,10 +12,10 @@ from grader.intake.downloads import Download
 from grader.intake.names import original
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Match, PersonRow, participant, spellings
-from grader.platforms.filled import Filled, Form, fill_in
+from grader.platforms.filled import Filled, TemplateLayout, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform, Template
-from grader.platforms.sheet import Sheet, SheetRow, read_sheet
+from grader.platforms.sheet import CsvSheet, SheetRow, read_sheet
 from grader.report import words
 from grader.report.adjusted import explained
 
@@ -62,7 +62,7 @@ def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     return filled
 
 
-def _form(sheet: Sheet, grade: int) -> Form:
+def _form(sheet: CsvSheet, grade: int) -> TemplateLayout:
     """Find the columns of a worksheet by title, or, on sites in other languages, by position and contents."""
     rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
     known = sheet.column(*_MOST)
@@ -77,7 +77,7 @@ def _form(sheet: Sheet, grade: int) -> Form:
             ),
             None,
         )
-    return Form(
+    return TemplateLayout(
         sheet,
         grade,
         rows,
@@ -88,7 +88,9 @@ def _form(sheet: Sheet, grade: int) -> Form:
     )
 
 
-def _comment_on(form: Form, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]) -> None:
+def _comment_on(
+    form: TemplateLayout, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]
+) -> None:
     """Fill in comments. A comment by a teacher is kept; one from an earlier export is replaced."""
     column = _comments(form)
     for number, match in matches.items():
@@ -99,7 +101,7 @@ def _comment_on(form: Form, matches: Mapping[int, Match | None], final_grades: M
             form.sheet.set(row, column, comment(final_grades[match.id]))
 
 
-def _comments(form: Form) -> int | None:
+def _comments(form: TemplateLayout) -> int | None:
     """Return the column of comments by title, else the last column if it has a blank cell or our comment, and no dash."""
     known = form.sheet.column(*_COMMENTS)
     last = len(form.sheet.titles) - 1
@@ -120,7 +122,7 @@ def comment(final_grade: FinalGrade) -> str:
     return html.escape(_OURS + "; ".join(parts), quote=False)
 
 
-def _who(sheet: Sheet, row: SheetRow) -> PersonRow:
+def _who(sheet: CsvSheet, row: SheetRow) -> PersonRow:
     number = participant(row.value(0))
     mail = row.value(sheet.column("Email address", "Email"))
     ids = tuple(filter(None, (row.value(sheet.column("ID number")), row.value(sheet.column("Username")))))

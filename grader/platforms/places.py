@@ -17,7 +17,7 @@ from grader.intake import Submission
 
 
 @dataclass(frozen=True)
-class Place:
+class FileLine:
     """A line of a student's file, by its path in the repository, at which the CI shows a message."""
 
     file: str
@@ -30,17 +30,17 @@ class Places:
 
     lab: Lab
     files: Mapping[str, str] = field(default_factory=dict)
-    definitions: Mapping[str, Place] = field(default_factory=dict)
+    definitions: Mapping[str, FileLine] = field(default_factory=dict)
 
-    def of(self, check: CheckResult) -> Place | None:
+    def of(self, check: CheckResult) -> FileLine | None:
         """Return the place to show for this check; None if none is known."""
         return self._named(check) or self.definitions.get(self.lab.name_of(check.id))
 
-    def _named(self, check: CheckResult) -> Place | None:
+    def _named(self, check: CheckResult) -> FileLine | None:
         """Return the place that a check names, if its file is one of the submission. Student code could name any file."""
         if check.where is None or check.where.file not in self.files:
             return None
-        return Place(self.files[check.where.file], check.where.line)
+        return FileLine(self.files[check.where.file], check.where.line)
 
 
 def find_places(lab: Lab, submission: Submission, path: Path, root: Path) -> Places:
@@ -68,14 +68,14 @@ def _relative(path: Path, root: Path) -> str:
     return PurePosixPath(os.path.relpath(path, root).replace(os.sep, "/")).as_posix()
 
 
-def _definition(name: str, home: str, files: Mapping[str, bytes], names: Mapping[str, str]) -> Place | None:
+def _definition(name: str, home: str, files: Mapping[str, bytes], names: Mapping[str, str]) -> FileLine | None:
     """Return the first definition of a name, in the sheet's file or else any other; else the sheet's file if it exists."""
     pattern = re.compile(rb"^[ \t]*(?:def|class)[ \t]+%s\b" % name.encode(), re.MULTILINE)
     programs = sorted((file for file in names if file.endswith(".py")), key=lambda file: (file != home, file))
     for file in programs:
         if hit := pattern.search(files[file]):
-            return Place(names[file], files[file].count(b"\n", 0, hit.start()) + 1)
-    return Place(names[home]) if home in names else None
+            return FileLine(names[file], files[file].count(b"\n", 0, hit.start()) + 1)
+    return FileLine(names[home]) if home in names else None
 
 
 def _holds(path: Path, size: int) -> bool:

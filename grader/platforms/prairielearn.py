@@ -37,7 +37,7 @@ def _record(result: Result) -> dict[str, Any]:
     }
 
 
-def _test(check: CheckResult, part: rows.Part, lab: LabName) -> dict[str, Any]:
+def _test(check: CheckResult, part: rows.ResultPart, lab: LabName) -> dict[str, Any]:
     return {
         "name": f"{rows.title(part)}: {printable(check.title, 300)}",
         "points": check.points,

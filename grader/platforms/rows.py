@@ -12,12 +12,12 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.report import causes, words
 from grader.report.causes import Cause
 
-Part = CriterionResult | ExtensionResult
+ResultPart = CriterionResult | ExtensionResult
 
 NOTES_LIMIT = 20
 
 
-def parts(result: Result) -> Iterator[Part]:
+def parts(result: Result) -> Iterator[ResultPart]:
     """Yield the criteria, then the attempted extensions."""
     yield from result.criteria
     yield from (extension for extension in result.extensions if extension.attempted and extension.checks)
@@ -40,21 +40,21 @@ def as_json(record: Mapping[str, Any]) -> str:
     return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def title(part: Part) -> str:
+def title(part: ResultPart) -> str:
     """Return the title of a part, as ``Sensor access`` or ``Extension: allan variance``."""
     if isinstance(part, CriterionResult):
         return printable(part.title, words.NAME_LIMIT)
     return f"Extension: {part.id.replace('_', ' ')}"
 
 
-def lines(check: CheckResult, part: Part, lab: LabName) -> list[words.Line]:
+def lines(check: CheckResult, part: ResultPart, lab: LabName) -> list[words.LabelledLine]:
     """Return the lines of a check with the labels of a report, in the same order: Expected, Got, Try, Read, Rerun."""
     row = words.row(check, part.id, lab)
-    more = (words.Line("Read", row.read), words.Line("Rerun", row.again))
+    more = (words.LabelledLine("Read", row.read), words.LabelledLine("Rerun", row.again))
     return [*row.lines, *(line for line in more if line.text)]
 
 
-def plain(check: CheckResult, part: Part, lab: LabName) -> str:
+def plain(check: CheckResult, part: ResultPart, lab: LabName) -> str:
     """Return the lines of a check as text, with the labels in a column."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
@@ -66,7 +66,7 @@ def together(cause: Cause, lab: LabName) -> str:
     return "\n".join(_plain_line(line) for line in [*said, *causes.next_lines(cause, lab), *again])
 
 
-def _plain_line(line: words.Line) -> str:
+def _plain_line(line: words.LabelledLine) -> str:
     text = line.text.replace("\n", "\n" + " " * 10)
     return f"{line.label:<10}{text}" if line.label else line.text
 

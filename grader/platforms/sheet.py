@@ -28,7 +28,7 @@ class SheetRow:
 
 
 @dataclass
-class Sheet:
+class CsvSheet:
     """Rows of a CSV file; the first one holds the titles. `marked` says that the file starts with a byte order mark."""
 
     delimiter: str
@@ -60,7 +60,7 @@ class Sheet:
         return (BOM if self.marked else b"") + text.encode()
 
 
-def read_sheet(data: bytes, source: str) -> Sheet:
+def read_sheet(data: bytes, source: str) -> CsvSheet:
     """Parse a CSV file.
 
     Parameters
@@ -80,7 +80,7 @@ def read_sheet(data: bytes, source: str) -> Sheet:
     except UnicodeDecodeError as error:
         raise RequestError(f"{source}: is not UTF-8; export it again as UTF-8 CSV") from error
     head = re.sub(_QUOTED, "", text.partition("\n")[0])
-    sheet = Sheet(max(",;\t", key=head.count), marked=data.startswith(BOM))
+    sheet = CsvSheet(max(",;\t", key=head.count), marked=data.startswith(BOM))
     cell = re.compile(
         rf'({_QUOTED}|[^"{sheet.delimiter}\r\n][^{sheet.delimiter}\r\n]*|)({sheet.delimiter}|\r\n|\n|\r|\Z)'
     )

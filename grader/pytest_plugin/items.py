@@ -26,9 +26,9 @@ from grader.engine.lab_registry import chosen_lab
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
 from grader.engine.rubric import Rubric
 from grader.intake import Submission, read_submission
-from grader.platforms.places import Place, find_places
+from grader.platforms.places import FileLine, find_places
 from grader.pytest_plugin.options import PluginOptions, options_of
-from grader.pytest_plugin.reporting import Finding, NotJudgedError
+from grader.pytest_plugin.reporting import CheckFailure, NotJudgedError
 from grader.report import words
 
 _CODE = ("-c", "import sys; from grader.cli import main; sys.exit(main())")
@@ -90,7 +90,7 @@ class PluginRun:
         """Return the file that defines a part, or in which the lab expects it; for an archive or a notebook, that file itself."""
         home, files = self.lab.homes[name], self._submission.files
         notebook = next((file for file in files if file.endswith(".ipynb")), home)
-        at = self.places.definitions.get(name, Place(self._submission.origin(home if home in files else notebook)))
+        at = self.places.definitions.get(name, FileLine(self._submission.origin(home if home in files else notebook)))
         return self.path / at.file if self.path.is_dir() else self.path
 
     def checks(self, criterion: str, file: Path) -> Iterator[str]:
@@ -210,7 +210,7 @@ class _Check(pytest.Item):
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """Return the student's message at their own line, without the grader's frames."""
         if isinstance(excinfo.value, AssertionError) and excinfo.value.args == (self._found.id,):
-            return Finding(self._found, self._plugin_run.lab, *self._where())
+            return CheckFailure(self._found, self._plugin_run.lab, *self._where())
         if isinstance(excinfo.value, NotJudgedError):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)
@@ -225,6 +225,6 @@ class _Check(pytest.Item):
     def reportinfo(self) -> tuple[Path, int, str]:
         """Return the place of the definition that is checked; pytest counts lines from 0."""
         at = self._plugin_run.places.definitions.get(
-            self._plugin_run.lab.name_of(f"{self._criterion}.{self.name}"), Place("")
+            self._plugin_run.lab.name_of(f"{self._criterion}.{self.name}"), FileLine("")
         )
         return self.path, (at.line or 1) - 1, f"{self._criterion}::{self.name}"

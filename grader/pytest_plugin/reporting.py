@@ -30,7 +30,7 @@ class Crash:
         return f"{self.path}:{self.lineno}: {self.message}"
 
 
-class Finding:
+class CheckFailure:
     """A failed check as pytest's report: it writes the text of the student's report.
 
     Parameters
@@ -45,8 +45,10 @@ class Finding:
         self.reprcrash = Crash(path, line, got)
         self._lines = [f"{row.title}  {row.points}", *(line for each in row.lines for line in _labelled(each))]
         read = "; ".join([row.read, *(f"imugrade explain {id_}" for id_ in causes.faults_of(check))]).removeprefix("; ")
-        self._lines += _labelled(words.Line("Read", read)) if read else []
-        self._lines += _labelled(words.Line("Reproduce", f"imugrade repro {check.id}")) if lab.call_of(check.id) else []
+        self._lines += _labelled(words.LabelledLine("Read", read)) if read else []
+        self._lines += (
+            _labelled(words.LabelledLine("Reproduce", f"imugrade repro {check.id}")) if lab.call_of(check.id) else []
+        )
         self._end = f"{path}:{line}: {row.outcome.word}"
 
     def toterminal(self, tw: Writer) -> None:
@@ -59,7 +61,7 @@ class Finding:
         return "\n".join((*self._lines, "", self._end))
 
 
-def _labelled(line: words.Line) -> list[str]:
+def _labelled(line: words.LabelledLine) -> list[str]:
     first, *others = line.text.split("\n")
     indent = " " * (_INDENT + _LABEL_WIDTH)
     return [" " * _INDENT + line.label.ljust(_LABEL_WIDTH) + first, *(indent + other for other in others)]

@@ -167,23 +167,23 @@ def points_of(check: CheckResult) -> str:
     )
 
 
-def cost_now(cause: Cause) -> list[words.Line]:
+def cost_now(cause: Cause) -> list[words.LabelledLine]:
     """Return what code that does not run costs, with the checks that could not run for it."""
     if not cause.does_not_run or not cause.lost:
         return []
     points = f"{words.counted_points(cause.lost)} now"
     many = len(cause.waiting)
     waiting = f", because {many} more check{'s' * (many > 1)} could not run" if many else ""
-    return [words.Line("Costs", f"{points}{waiting}. Everything else was graded without it.")]
+    return [words.LabelledLine("Costs", f"{points}{waiting}. Everything else was graded without it.")]
 
 
-def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.Line]]]:
+def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
     """Return each check of a cause with the lines that no earlier check of it has. Hints are left out: see `next_lines`."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 
 
-def _news(check: CheckResult, known: set[str]) -> list[words.Line]:
+def _news(check: CheckResult, known: set[str]) -> list[words.LabelledLine]:
     """Return the lines of a check that are not in `known`, and add them to it."""
     said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
     came = {line.text for line in said if line.label != "Expected"}
@@ -194,12 +194,12 @@ def _news(check: CheckResult, known: set[str]) -> list[words.Line]:
     return news
 
 
-def _where(said: Iterable[words.Line]) -> list[words.Line]:
+def _where(said: Iterable[words.LabelledLine]) -> list[words.LabelledLine]:
     """Return the first line of each `Got`, which names the place where a call failed."""
-    return [words.Line(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
+    return [words.LabelledLine(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
 
 
-def next_lines(cause: Cause, lab: LabName) -> list[words.Line]:
+def next_lines(cause: Cause, lab: LabName) -> list[words.LabelledLine]:
     """Return the cost of code that does not run, then the hints and the reading of all checks of a cause."""
     hints = dict.fromkeys(
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
@@ -207,13 +207,16 @@ def next_lines(cause: Cause, lab: LabName) -> list[words.Line]:
     read = "; ".join(
         filter(None, [_sheet(cause, lab), *(f"imugrade explain {printable(each, 80)}" for each in cause.faults)])
     )
-    lines = [*(words.Line("Try", hint) for hint in hints), *([words.Line("Read", read)] if read else [])]
+    lines = [
+        *(words.LabelledLine("Try", hint) for hint in hints),
+        *([words.LabelledLine("Read", read)] if read else []),
+    ]
     return [*cost_now(cause), *lines]
 
 
-def again(cause: Cause) -> words.Line:
+def again(cause: Cause) -> words.LabelledLine:
     """Return the line *Rerun* of a report: the command that grades the failed criterion again."""
-    return words.Line("Rerun", f"imugrade check --only {part_of(cause.checks[0])}")
+    return words.LabelledLine("Rerun", f"imugrade check --only {part_of(cause.checks[0])}")
 
 
 def _sheet(cause: Cause, lab: LabName) -> str:

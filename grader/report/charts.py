@@ -38,7 +38,7 @@ class Stroke:
 
 
 @dataclass(frozen=True)
-class View:
+class PanelView:
     """One panel in SVG units; `alt_text` describes it for screen readers."""
 
     title: str
@@ -56,12 +56,12 @@ class View:
     as_drawn: bool
 
 
-def views(chart: Chart) -> tuple[View, ...]:
+def views(chart: Chart) -> tuple[PanelView, ...]:
     """Lay out the panels of a chart; panels without a curve of two points or more are left out."""
     return tuple(_view(panel) for panel in chart.panels if any(len(curve.x) > 1 for curve in panel.curves))
 
 
-def _view(panel: Panel) -> View:
+def _view(panel: Panel) -> PanelView:
     curves = [curve for curve in panel.curves if len(curve.x) > 1]
     x = _Scale.over(chain.from_iterable(curve.x for curve in curves), log=panel.log)
     y = _Scale.over(_heights(curves), log=panel.log, spread=panel.spread, margin=0.05)
@@ -69,7 +69,7 @@ def _view(panel: Panel) -> View:
     left = 14 + _DIGIT * max(map(len, y_texts), default=1)
     across, up = x.onto(left, WIDTH - _RIGHT), y.onto(HEIGHT - _BOTTOM, _TOP)
     strokes = tuple(_stroke(curve, across, up, y) for curve in curves)
-    return View(
+    return PanelView(
         title=panel.title,
         x_label=panel.x_label,
         y_label=panel.y_label,

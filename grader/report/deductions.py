@@ -19,7 +19,7 @@ class DeductedCheck:
     anchor: str
     row: words.CheckText
     points: str
-    lines: tuple[words.Line, ...]
+    lines: tuple[words.LabelledLine, ...]
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Deduction:
     why: tuple[str, ...]
     checks: tuple[DeductedCheck, ...]
     waiting: str
-    next_lines: tuple[words.Line, ...]
+    next_lines: tuple[words.LabelledLine, ...]
 
 
 def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduction]:
@@ -82,7 +82,7 @@ def _title(cause: Cause, named: Sequence[FaultRow]) -> str:
     return _sentence("; ".join(fault.title for fault in named))
 
 
-def _says(title: str, lines: Iterable[words.Line]) -> bool:
+def _says(title: str, lines: Iterable[words.LabelledLine]) -> bool:
     """Return whether the title already contains what the submission returned."""
     return title in {_sentence(line.text) for line in lines if line.label == "Got"}
 

@@ -28,7 +28,7 @@ _ENOUGH = 30
 
 
 @dataclass(frozen=True)
-class Item:
+class ItemAnalysis:
     """Item analysis of one check over a class: how hard it is, and whether strong submissions pass it.
 
     Attributes
@@ -64,7 +64,7 @@ class Item:
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 
-def items(results: Iterable[Result]) -> list[Item]:
+def items(results: Iterable[Result]) -> list[ItemAnalysis]:
     """Analyse every check of the criteria, in the order of the rubric. A result counts for the checks that were judged."""
     rows: dict[str, list[tuple[CheckResult, float]]] = {}
     for result in results:
@@ -77,13 +77,13 @@ def items(results: Iterable[Result]) -> list[Item]:
     return [_item(row) for row in rows.values()]
 
 
-def _item(row: list[tuple[CheckResult, float]]) -> Item:
+def _item(row: list[tuple[CheckResult, float]]) -> ItemAnalysis:
     first = row[0][0]
     shares = np.array([(check.points or 0.0) / check.max_points for check, _ in row])
     rests = np.array([rest for _, rest in row])
     failed = int((shares < 1).sum())
     related = len(row) >= FEWEST and failed >= FEWEST_FAILED and np.ptp(shares) > 0 and np.ptp(rests) > 0
-    return Item(
+    return ItemAnalysis(
         id=first.id,
         title=first.title,
         judged=len(row),

@@ -16,7 +16,7 @@ from grader.engine.results import Result
 from grader.people.final_grade import FinalGrade, Person, graded
 from grader.report import words
 from grader.report.adjusted import explained, is_composed
-from grader.report.items import Item, items
+from grader.report.items import ItemAnalysis, items
 from grader.report.similarity import Pair, pairs
 
 _BINS = 10
@@ -104,7 +104,7 @@ class CommonFault:
 class CheckRow:
     """A check's item analysis, with its criterion's title and the tag of the submissions that lost points on it."""
 
-    item: Item
+    item: ItemAnalysis
     tag: str
     criterion: str
     title: str

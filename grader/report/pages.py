@@ -46,7 +46,7 @@ class DrawnChart:
     caption: str
     width: int
     height: int
-    views: tuple[charts.View, ...]
+    views: tuple[charts.PanelView, ...]
     png: str
 
 

@@ -52,7 +52,7 @@ STATUS: dict[Status, str] = {
 
 
 @dataclass(frozen=True)
-class Line:
+class LabelledLine:
     """One labelled line below a check: Expected, Got, Try, Read or Rerun. A line without a label is a plain sentence."""
 
     label: str
@@ -66,7 +66,7 @@ class CheckText:
     outcome: Word
     title: str
     points: str
-    lines: tuple[Line, ...]
+    lines: tuple[LabelledLine, ...]
     read: str
     again: str
 
@@ -78,7 +78,7 @@ def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
         outcome=_WORDS[_outcome(check)],
         title=printable(check.title or check.id, 300),
         points=fraction(check.points, check.max_points) if check.max_points else "",
-        lines=(*_lines(check), *((Line("Try", _text(check.hint)),) if check.hint and lost else ())),
+        lines=(*_lines(check), *((LabelledLine("Try", _text(check.hint)),) if check.hint and lost else ())),
         read=f"{lab.label}, Step {check.lab_step}" if lost and check.lab_step is not None else "",
         again=f"imugrade check --only {part}" if lost else "",
     )
@@ -235,9 +235,9 @@ def _text(text: str) -> str:
     return printable(text, TEXT_LIMIT, newlines=True)
 
 
-def _lines(check: CheckResult) -> tuple[Line, ...]:
+def _lines(check: CheckResult) -> tuple[LabelledLine, ...]:
     said = (("", check.said), ("Expected", check.expected), ("Got", check.got))
-    return tuple(Line(label, _text(text)) for label, text in said if text)
+    return tuple(LabelledLine(label, _text(text)) for label, text in said if text)
 
 
 def counted(count: int, what: str) -> str:

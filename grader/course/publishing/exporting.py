@@ -94,7 +94,7 @@ class Draft:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ExportPlan:
     """An export that is ready to be written, with what it would do."""
 
     order: Export
@@ -132,7 +132,7 @@ class Plan:
         return lines, notes
 
 
-def plan(order: Export) -> Plan:
+def plan(order: Export) -> ExportPlan:
     """Prepare the file of grades without writing it, so that the effects can be shown first.
 
     Raises
@@ -158,7 +158,7 @@ def plan(order: Export) -> Plan:
     others = () if settings is None else class_settings.others(settings, final_grades)
     draft = _draft(order, final_grades, absent)
     found = contradictions(final_grades, settings, draft.without_row)
-    return Plan(order, draft, final_grades, tuple(found), tuple(printable(id_, 80) for id_ in others))
+    return ExportPlan(order, draft, final_grades, tuple(found), tuple(printable(id_, 80) for id_ in others))
 
 
 def _draft(order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Draft:

@@ -31,7 +31,7 @@ from grader.course.record.repair_log import (
 )
 from grader.course.record.store import Key, Store
 from grader.course.record.submission_archive import unpack
-from grader.course.repairs.suggestions import Mark, Suggestion, suggest
+from grader.course.repairs.suggestions import MarkCopy, Suggestion, suggest
 from grader.engine.results import Repair, Result, Unrepaired
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import guess_at
@@ -71,7 +71,7 @@ class Grading:
 
     rubric: Rubric
     traces: Traces
-    mark: Mark
+    mark: MarkCopy
 
     def key(self, id_: str, submission_sha256: str) -> Key:
         return Key(id_, submission_sha256, self.rubric.sha256, self.traces.sha256, __version__)
@@ -85,7 +85,7 @@ class GradingSettings:
     traces: Traces
     open_marker: OpenMarker
 
-    def by(self, mark: Mark) -> Grading:
+    def by(self, mark: MarkCopy) -> Grading:
         return Grading(self.rubric, self.traces, mark)
 
     @contextmanager

@@ -20,7 +20,7 @@ from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
 
 
-class Mark(Protocol):
+class MarkCopy(Protocol):
     """Protocol of a function that grades a submission in the sandbox; its code has `cpu_s` seconds, or those of the rubric."""
 
     def __call__(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
@@ -62,7 +62,7 @@ class _Left:
     cpu_s: float = SECONDS
 
 
-def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: Mark) -> Suggestion | None:
+def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: MarkCopy) -> Suggestion | None:
     """Return the repair of the costliest place whose valid repairs all earn the same; None if there is no such place.
 
     Parameters
@@ -83,7 +83,7 @@ def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: Mark) -> Sugg
 
 
 def _validated(
-    handed_in: Submission, graded: Result, place: _Place, mark: Mark, left: _Left
+    handed_in: Submission, graded: Result, place: _Place, mark: MarkCopy, left: _Left
 ) -> Iterator[tuple[bytes, Result]]:
     """Grade the candidates; yield those that earn more points and with which the file no longer stops."""
     stopped = {(check.where.file, check.id) for check in _stopping(graded) if check.where}

@@ -39,7 +39,7 @@ from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.people.final_grade import FinalGrade, HandIn, graded
-from grader.platforms.classes import Entry
+from grader.platforms.classes import ClassEntry
 from grader.sandbox.isolation_levels import LEVELS
 
 _WALL_PER_CPU = 5
@@ -262,7 +262,7 @@ class _Run:
             for id_ in named:
                 self._publish(final_grades[id_])
 
-    def grade(self, entries: Sequence[Entry]) -> None:
+    def grade(self, entries: Sequence[ClassEntry]) -> None:
         """Grade all submissions; record, publish and report each result as it arrives."""
         with ReadingProcess() as reader:
             for submission, marked in self._marked(entries, reader):
@@ -300,7 +300,9 @@ class _Run:
             self._count(final_grade)
             self._publish(final_grade)
 
-    def _marked(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[tuple[Submission, MarkerAnswer]]:
+    def _marked(
+        self, entries: Sequence[ClassEntry], reader: ReadingProcess
+    ) -> Iterator[tuple[Submission, MarkerAnswer]]:
         request, submissions = self._request, self._submissions_to_mark(entries, reader)
         bounds = Bounds(wall_s=_WALL_PER_CPU * request.rubric.limits.submission_cpu_s)
         if request.cluster is not None:
@@ -308,7 +310,7 @@ class _Run:
         jobs = min(_jobs(request), len(entries))
         return mark_all(submissions, opener(request), jobs, bounds)
 
-    def _submissions_to_mark(self, entries: Sequence[Entry], reader: ReadingProcess) -> Iterator[Submission]:
+    def _submissions_to_mark(self, entries: Sequence[ClassEntry], reader: ReadingProcess) -> Iterator[Submission]:
         """Yield the submissions to mark, and list those on record; nothing is written here, as the pool decides when it runs."""
         for entry, submission in reader.each(entries):
             key = _key(submission, self._request)

@@ -17,7 +17,7 @@ from grader.engine.rubric_nodes import guess_at
 from grader.people import late_policy, roster
 from grader.people.final_grade import HandIn, Person
 from grader.people.identity import PersonLookup
-from grader.platforms.classes import Entry, read_class
+from grader.platforms.classes import ClassEntry, read_class
 from grader.report import words
 
 
@@ -28,7 +28,7 @@ class Class:
     `others` are hand-ins on record that are not in the download, with the people that the roster has for them.
     """
 
-    entries: tuple[Entry, ...]
+    entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]
     notices: tuple[str, ...]
     absent: tuple[str, ...] = ()
@@ -79,12 +79,12 @@ def _recorded(out: Path) -> dict[str, HandIn]:
         return store.hand_ins()
 
 
-def _with_people(entry: Entry) -> HandIn:
+def _with_people(entry: ClassEntry) -> HandIn:
     """Return the hand-in of an entry; if no platform names the people, the submission's name stands for them."""
     return replace(entry.hand_in, people=entry.hand_in.people or (Person(entry.name, entry.id),))
 
 
-def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
+def _judged(entry: ClassEntry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
     """Add the roster's facts to a hand-in and apply the late policy. The platform's time takes precedence over the roster's."""
     row = placed.rows.get(entry.id, roster.NO_FACTS)
     hand_in = replace(
@@ -98,7 +98,7 @@ def _judged(entry: Entry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
     return late_policy.judged(hand_in, rubric.late, (entry.id, entry.name))
 
 
-def _contradicting_times(entries: Sequence[Entry], placed: roster.RosterMatch) -> Iterator[str]:
+def _contradicting_times(entries: Sequence[ClassEntry], placed: roster.RosterMatch) -> Iterator[str]:
     """Yield a line for each submission whose times in the roster and on the platform differ."""
     for entry in entries:
         by_roster, known = placed.rows.get(entry.id, roster.NO_FACTS).submitted, entry.hand_in.submitted
@@ -121,7 +121,7 @@ def listing(found: Class) -> Iterator[str]:
         yield "  ".join(printable(text, 200) for text in (entry.id, people, hand_in.submitted, late) if text)
 
 
-def _without_output_folder(entries: tuple[Entry, ...], request: GradeRequest) -> tuple[Entry, ...]:
+def _without_output_folder(entries: tuple[ClassEntry, ...], request: GradeRequest) -> tuple[ClassEntry, ...]:
     """Drop an empty OUT folder from the submissions; refuse an OUT that is a submission or the class folder itself."""
     out = os.path.realpath(request.out)
     within = [entry for entry in entries if os.path.realpath(entry.path) == out]
@@ -132,7 +132,7 @@ def _without_output_folder(entries: tuple[Entry, ...], request: GradeRequest) ->
     return tuple(entry for entry in entries if entry not in within)
 
 
-def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: PersonLookup) -> list[Entry]:
+def _chosen(entries: tuple[ClassEntry, ...], only: tuple[str, ...], who: PersonLookup) -> list[ClassEntry]:
     """Return the entries that `--only` names, or all without it; refuse a word that matches no submission."""
     ids = [entry.id for entry in entries]
     wanted = {who.by(word): word for word in only}
