@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -26,6 +27,7 @@ from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.late_policy import judged
 from grader.platforms import canvas
 from grader.platforms.found import AMBIGUOUS, at_least_half
+from grader.worker import fuzzy_names, saved
 from tests.fake_results import result
 
 DUE = datetime(2026, 11, 20, 12, tzinfo=timezone.utc)
@@ -87,6 +89,28 @@ def test_a_regrade_request_has_the_longest_length_at_most() -> None:
     assert [each.text for each in regrade_requests.read("x" * regrade_requests.LONGEST, "ann", "")] == ["x" * 8000]
     with pytest.raises(RequestError, match="is longer than 8000 characters"):
         list(regrade_requests.read("x" * (regrade_requests.LONGEST + 1), "ann", ""))
+
+
+@pytest.mark.parametrize(
+    ("own", "taken"),
+    [
+        (["LowpassFilter"], ["LowpassFilter"]),
+        (["LowpassFilter", "Low_Pass_Filter"], []),
+        (["LowPassFilter", "LowpassFilter"], []),
+    ],
+)
+def test_of_two_names_that_are_nearly_the_wanted_one_none_is_taken(own: list[str], taken: list[str]) -> None:
+    nodes = ast.parse("\n".join(f"class {name}: ..." for name in own)).body
+    assert list(fuzzy_names.misspelled(nodes, ["LowPassFilter"])) == [("LowPassFilter", name) for name in taken]
+
+
+def test_as_many_picture_files_are_read_as_the_limit_says(tmp_path: Path) -> None:
+    names = [f"{number:02}.png" for number in range(saved._MOST_READ + 2)]
+    for name in names:
+        (tmp_path / name).write_bytes(b"no picture")
+    known: dict[str, bytes | None] = {}
+    saved.match_files_to_figures([], str(tmp_path), known)
+    assert [*known] == names[:24]
 
 
 class _Student:
