@@ -8,7 +8,6 @@ every character with a meaning there or in HTML is written as an entity. Text th
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from grader.base.text import printable
@@ -31,27 +30,20 @@ def commands(result: Result, places: Places) -> str:
 
     GitHub shows ten of a kind for a step.
     """
-    worst_first = sorted(_annotations(result, places), key=lambda each: -each.cause.lost)
-    return "".join(f"{command}\n" for command in [*(_command(each, result) for each in worst_first), _closing(result)])
+    worst_first = sorted(_annotations(result, places), key=lambda each: -each[1].lost)
+    lines = [*(_command(place, cause, result) for place, cause in worst_first), _closing(result)]
+    return "".join(f"{command}\n" for command in lines)
 
 
-@dataclass(frozen=True)
-class _Annotation:
-    """Checks of one cause at one place. The first place of a cause also lists the checks that wait for it."""
-
-    place: FileLine | None
-    cause: Cause
-
-
-def _annotations(result: Result, places: Places) -> Iterator[_Annotation]:
+def _annotations(result: Result, places: Places) -> Iterator[tuple[FileLine | None, Cause]]:
+    """Yield the checks of one cause at one place. The first place of a cause also lists the checks that wait for it."""
     for cause in _causes(result):
         there: dict[FileLine | None, list[CheckResult]] = {}
         for check in cause.checks:
             there.setdefault(places.of(check), []).append(check)
         waiting = (cause.waiting, *[()] * len(there))
         yield from (
-            _Annotation(place, Cause(tuple(checks), after))
-            for (place, checks), after in zip(there.items(), waiting, strict=False)
+            (place, Cause(tuple(checks), after)) for (place, checks), after in zip(there.items(), waiting, strict=False)
         )
 
 
@@ -62,14 +54,14 @@ def _causes(result: Result) -> list[Cause]:
     return [*causes.causes_of(checks), *([Cause(unjudged)] if unjudged else [])]
 
 
-def _command(annotation: _Annotation, result: Result) -> str:
-    checks, place = annotation.cause.checks, annotation.place
+def _command(place: FileLine | None, cause: Cause, result: Result) -> str:
+    checks = cause.checks
     kind = {"partial": "warning", "not_judged": "notice"}.get(checks[0].outcome, "error")
     where = [f"file={_property(place.file)}"] if place else []
     where += [f"line={place.line}"] if place and place.line else []
     where.append(f"title={_property(printable(_headline(checks), 250))}")
     also = "".join(f"\nAlso      {printable(check.title, 300)} ({_points(check)})" for check in checks[1:])
-    message = rows.together(annotation.cause, result.lab)
+    message = rows.together(cause, result.lab)
     return f"::{kind} {','.join(where)}::{_data(f'{message}{also}'[:MESSAGE_LIMIT])}"
 
 

@@ -23,7 +23,7 @@ from grader.base.text import printable
 from grader.engine import rubric as rubrics
 from grader.engine.lab import Part
 from grader.engine.lab_registry import chosen_lab
-from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
+from grader.engine.results import CheckResult, Result, from_dict
 from grader.engine.rubric import Rubric
 from grader.intake import Submission, read_submission
 from grader.platforms.places import FileLine, find_places
@@ -121,8 +121,7 @@ class PluginRun:
 
     @functools.cached_property
     def found(self) -> Mapping[str, CheckResult]:
-        parts: tuple[CriterionResult | ExtensionResult, ...] = (*self.result.criteria, *self.result.extensions)
-        return {check.id: check for part in parts for check in part.checks}
+        return {check.id: check for part in self.result.parts for check in part.checks}
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         """Print the points of the tests that ran, by criterion; taken from their reports, so correct with xdist, too."""

@@ -96,9 +96,7 @@ def _is_same_share(before: CheckResult | None, after: CheckResult | None) -> boo
 
 
 def _by_id(result: Result) -> dict[str, CheckResult]:
-    rows = [check for criterion in result.criteria for check in criterion.checks]
-    rows += [check for extension in result.extensions for check in extension.checks]
-    return {check.id: check for check in rows}
+    return {check.id: check for part in result.parts for check in part.checks}
 
 
 def _outcome_in_words(check: CheckResult | None) -> str:
