@@ -229,7 +229,9 @@ def test_points_without_a_submission_are_no_zeros_in_the_criteria_and_no_submiss
         page = words(desk.get("/submission/s5").text)
         assert "Filtering 12 / 20" in page
         assert "Sensor access – / 20" in page
+        assert ", automatic" not in page
         assert {each.name for each in desk.book.on_thread(desk.book.absent).values()} == {"Li", "Wei"}  # alike ids
+    assert "· automatic" not in words(Path("out/submissions/s5/report.html").read_text(encoding="utf-8"))
 
 
 BOTH = "Bob Roe has two grades, 61 without a submission (s5), and 94 for bob_roe; withdraw the points of s5"

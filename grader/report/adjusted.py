@@ -124,7 +124,7 @@ def overrides(final_grade: FinalGrade) -> list[Override]:
             Override(
                 printable(title, 300),
                 f"{points} / {words.number(most)}" if points and most else points,
-                words.number(automatic) if points and most else "",
+                words.number(automatic) if points and most and not final_grade.has_no_submission else "",
                 printable(given.comment, words.TEXT_LIMIT, newlines=True),
                 printable(given.author, 80),
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from grader.base.text import enumerated, printable
@@ -80,11 +80,22 @@ def stops(result: Result, lab: Lab) -> list[Stop]:
     causes = [cause for cause in causes_of(checks) if cause.does_not_run and cause.lost]
     found = [_stop(cause, lab) for cause in causes]
     known = {check.id for cause in causes for check in (*cause.checks, *cause.waiting)}
-    for check in (check for check in checks if check.where and check.id not in known):
-        here = [place for place, each in enumerate(found) if check.where and check.where.file == each.file]
-        for place in here[:1] or [0] * (len(found) == 1):
+    for check in (check for check in checks if check.id not in known):
+        for place in _needed(check, causes, found, lab)[:1]:
             found[place] = replace(found[place], lost=found[place].lost + words.points_lost([check]))
     return found
+
+
+def _needed(check: CheckResult, causes: Sequence[Cause], found: Sequence[Stop], lab: Lab) -> list[int]:
+    """Return the places for which a check lost points: its file or name does not run, or it raised and there is one place."""
+    name = lab.name_of(check.id)
+    names = [{lab.name_of(each.id) for each in cause.checks if _does_not_import(each)} for cause in causes]
+    here = [at for at, each in enumerate(found) if name in names[at] or (check.where and check.where.file == each.file)]
+    return here or [0] * (check.where is not None and len(found) == 1)
+
+
+def _does_not_import(check: CheckResult) -> bool:
+    return "does-not-import" in check.misconceptions
 
 
 def _stop(cause: Cause, lab: Lab) -> Stop:
@@ -157,7 +168,7 @@ def _by_fault(check: CheckResult) -> Iterator[tuple[tuple[str, ...], CheckResult
 def _does_not_run(check: CheckResult) -> bool:
     if "not-written" in check.misconceptions:  # a step of the starter files that is still to be done
         return False
-    return check.outcome in ("error", "timeout", "crashed") or "does-not-import" in check.misconceptions
+    return check.outcome in ("error", "timeout", "crashed") or _does_not_import(check)
 
 
 def points_of(check: CheckResult) -> str:

@@ -112,7 +112,9 @@ def report_page(
         name=words.person(final_grade),
         section=printable(final_grade.section, 80),
         total=adjusted.total(final_grade),
-        automatic=words.total_points(result) if adjusted.is_changed(final_grade) else "",
+        automatic=words.total_points(result)
+        if adjusted.is_changed(final_grade) and not final_grade.has_no_submission
+        else "",
         explained=adjusted.explained(final_grade) if adjusted.is_composed(final_grade) else "",
         late=adjusted.late(final_grade),
         overrides=adjusted.overrides(final_grade),
