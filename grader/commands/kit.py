@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -50,10 +51,11 @@ def kit(
     lab = chosen_lab()
     settings = rubrics.load(lab, rubric).settings
     hidden = lab.truth(seed, settings) if gradescope and seed is not None else None
-    kits = [give.student(lab, out, rubric)] if out else []
-    kits += [give.gradescope(lab, gradescope, rubric, hidden)] if gradescope else []
     jobs = {"classroom50": classroom50, "github": github, "gitlab": gitlab}
-    kits += [give.job(platform, lab, place, rubric) for platform, place in jobs.items() if place]
-    for each in kits:
-        print(f"{each.place}  for {each.title}; {each.scenarios}")
+    kits = [partial(give.student, lab, out, rubric)] if out else []
+    kits += [partial(give.gradescope, lab, gradescope, rubric, hidden)] if gradescope else []
+    kits += [partial(give.job, platform, lab, place, rubric) for platform, place in jobs.items() if place]
+    for write in kits:
+        written = write()
+        print(f"{written.place}  for {written.title}; {written.scenarios}")
     return 0
