@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from grader.course.calibration import calibrating, sample
-from grader.course.calibration.comparison import ComparedCell, agreement, compare, differing
+from grader.course.calibration.comparison import ComparedCell, agreement, by_fault, compare, differing
 from grader.course.calibration.marks import Mark, Marks
 from grader.course.calibration.proposal import propose
 from grader.course.record.store import Store
@@ -181,6 +181,11 @@ def test_false_deductions_come_first_then_missed_faults_then_the_largest_differe
         ("wrong-0", "too mild"),
         ("wrong-2", "too hard"),
     ]
+
+
+def test_each_fault_that_is_named_where_we_differ_has_its_own_distance() -> None:
+    marked = cells({"wrong-0": 10, "wrong-1": 14, "sound-0": 19.5})
+    assert [(each.title, each.cells, each.distance) for each in by_fault(marked)] == [("sensor-id-as-address", 2, 2.0)]
 
 
 # ---- proposal ----

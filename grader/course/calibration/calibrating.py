@@ -39,6 +39,8 @@ class Summary:
 
     Attributes
     ----------
+    faults
+        The agreement for each fault that we name in a cell that differs.
     dots
         The mean of the marks and our points, both in percent, with the number of cells that have them; most cells first.
     differences
@@ -46,6 +48,7 @@ class Summary:
     """
 
     criteria: tuple[Agreement, ...]
+    faults: tuple[Agreement, ...]
     dots: tuple[tuple[tuple[float, float], int], ...]
     differences: tuple[tuple[ComparedCell, str, Sequence[Deduction]], ...]
     proposal: Proposal | None
@@ -137,7 +140,12 @@ def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Seq
         told = deductions(ours, catalogue(rubric.lab))
         differences.append((cell, words.distinct(final_grades[cell.id]), told))
     return Summary(
-        tuple(comparison.by_criterion(cells)), tuple(dots.most_common()), tuple(differences), proposal, tuple(notes)
+        tuple(comparison.by_criterion(cells)),
+        tuple(comparison.by_fault(cells)),
+        tuple(dots.most_common()),
+        tuple(differences),
+        proposal,
+        tuple(notes),
     )
 
 

@@ -155,6 +155,13 @@ def by_criterion(cells: Sequence[ComparedCell]) -> list[Agreement]:
     return [*each, agreement("All", cells)]
 
 
+def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
+    """Return the agreement in the cells where a fault is named, for each fault that differs, the largest distance first."""
+    named = dict.fromkeys(fault for cell in cells if cell.kind for fault in cell.faults)
+    each = [agreement(fault, [cell for cell in cells if fault in cell.faults]) for fault in named]
+    return sorted(each, key=lambda agreed: (-agreed.distance, agreed.title))
+
+
 def differing(cells: Iterable[ComparedCell]) -> list[ComparedCell]:
     """Return the cells where we differ: false deductions, then missed faults, then the others, the largest difference first."""
     return sorted(
