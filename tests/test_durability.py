@@ -42,7 +42,7 @@ def own_marker() -> Iterator[Marker]:
         yield marker
 
 
-@pytest.mark.parametrize("number", [1, 4, 9, 15])
+@pytest.mark.parametrize("number", [1, *(pytest.param(n, marks=pytest.mark.weekly) for n in (4, 9)), 15])
 def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
     number: int, own_marker: Marker, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -85,6 +85,7 @@ def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_f
     assert skipped.message.startswith("Not graded until ")
 
 
+@pytest.mark.weekly
 def test_a_worker_of_xdist_tells_the_same_and_lf_asks_for_what_was_lost(lab: Path) -> None:
     (lab / "filters.py").write_text(FILTERS)
     with_worker = run(lab, "-n", "1", "-q", "-k", "sensor_access")
@@ -107,6 +108,7 @@ def pytest_runtest_protocol(item, nextitem):
 """
 
 
+@pytest.mark.weekly
 def test_a_check_that_another_plugin_runs_again_counts_once(
     lab: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:

@@ -137,7 +137,12 @@ BY_THE_CLOCK = COLLECT_WHILE.replace(
 
 @pytest.mark.parametrize(
     ("clock", "seconds"),
-    [("time", "duration_seconds"), ("perf_counter", "duration_seconds"), ("time_ns", "1e9"), ("process_time", "0.5")],
+    [
+        ("time", "duration_seconds"),
+        pytest.param("perf_counter", "duration_seconds", marks=pytest.mark.weekly),
+        pytest.param("time_ns", "1e9", marks=pytest.mark.weekly),
+        ("process_time", "0.5"),
+    ],
 )
 def test_a_loop_that_goes_by_the_clock_makes_as_many_rounds_in_every_run(
     marker: Marker, clock: str, seconds: str
@@ -182,7 +187,13 @@ def simulate_and_collect(model, data, duration_seconds=5.0):
 """
 
 
-@pytest.mark.parametrize("pause", ["time.sleep(model.opt.timestep)", "threading.Event().wait(model.opt.timestep)"])
+@pytest.mark.parametrize(
+    "pause",
+    [
+        "time.sleep(model.opt.timestep)",
+        pytest.param("threading.Event().wait(model.opt.timestep)", marks=pytest.mark.weekly),
+    ],
+)
 def test_a_thread_that_polls_by_the_clock_takes_the_same_samples_in_every_run(marker: Marker, pause: str) -> None:
     submission = submission_of(lab(collect=POLLED.replace("PAUSE", pause)))
     first = settled(marker.mark(submission, only="data_collection"))
@@ -213,7 +224,7 @@ with threading.Condition() as condition:
 
 # --- optimizations ---
 
-CHOSEN = ("s01-sheet-verbatim", "s07-no-units", "s11-kills-its-interpreter")
+CHOSEN = ("s07-no-units", "s11-kills-its-interpreter")
 
 PICTURES_IN_FULL = (
     "\n\ndef reads_pictures_back(sources):\n    return True\n\n\ndef _undrawn_artists(axes):\n    return ()\n"
