@@ -66,11 +66,11 @@ class Classbook:
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._rubric = None if rubric is None else class_settings.rubric_of(lab, None, rubric)
         self._made: dict[str, tuple[object, Any]] = {}
-        self._store = self.on_thread(lambda: Store.existing(out))
+        self.store = self.on_thread(lambda: Store.existing(out))
         try:
             self.on_thread(lambda: self.rubric)
         except RequestError:
-            self.on_thread(self._store.close)
+            self.on_thread(self.store.close)
             self.thread.shutdown()
             raise
         self._seen = self._last = -1
@@ -79,7 +79,7 @@ class Classbook:
         self._publisher = _Publisher(lab, out, self._keep_digest)
 
     def _keep_digest(self, id_: str, digests: str) -> None:
-        self.on_thread(lambda: self._store.keep_page_digest(id_, digests))
+        self.on_thread(lambda: self.store.keep_page_digest(id_, digests))
 
     def on_thread(self, do: Callable[[], T]) -> T:
         return self.thread.submit(do).result()
@@ -88,17 +88,17 @@ class Classbook:
         """Wait for the running job, write pending pages and close the record."""
         self.jobs.close()
         self._publisher.close()
-        self.on_thread(self._store.close)
+        self.on_thread(self.store.close)
         self.thread.shutdown()
 
     def final_grades(self) -> dict[str, FinalGrade]:
         """Return all submissions by id. Results are read again only after another process wrote; overrides after any change."""
-        seen = self._store.changes()
+        seen = self.store.changes()
         if seen != self._seen:
-            self._marked, self._seen, self._similar = self._store.final_grades(), seen, None
-            self._last = self._store.last_adjustment()
-        elif self._last != (last := self._store.last_adjustment()):
-            adjustments, self._last = self._store.adjustments(), last
+            self._marked, self._seen, self._similar = self.store.final_grades(), seen, None
+            self._last = self.store.last_adjustment()
+        elif self._last != (last := self.store.last_adjustment()):
+            adjustments, self._last = self.store.adjustments(), last
             self._marked = {id_: replace(s, adjustments=adjustments.get(id_, ())) for id_, s in self._marked.items()}
         return self._marked
 
@@ -107,12 +107,12 @@ class Classbook:
         """Return the rubric on record; until the class is regraded here, the one that the desk was started with, if any."""
         if self._rubric is not None:
             return self._rubric
-        settings = self._store.settings()
+        settings = self.store.settings()
         return self.once("rubric", settings, lambda: class_settings.rubric_of(self.lab, settings))
 
     def absent(self) -> dict[str, FinalGrade]:
         """Return a blank final grade for each person of the roster without a submission, by id."""
-        facts = (self._store.settings(), self.final_grades())
+        facts = (self.store.settings(), self.final_grades())
         return self.once("absent", facts, lambda: blank_grades(*facts))
 
     def once(self, name: str, facts: object, make: Callable[[], T]) -> T:
@@ -126,32 +126,28 @@ class Classbook:
     def similar(self) -> Similar:
         self.final_grades()
         if self._similar is None:
-            prints = {id_: hashes for id_, hashes in self._store.fingerprints().items() if id_ in self._marked}
+            prints = {id_: hashes for id_, hashes in self.store.fingerprints().items() if id_ in self._marked}
             found = pairs(prints, of_the_sheet(self.lab), _MOST_PAIRS)
             self._similar = Similar(tuple(similarity_groups(found)), tuple(found), len(found) == _MOST_PAIRS)
         return self._similar
 
     def shared(self, first: str, second: str) -> frozenset[int]:
         """Return the hashes of code that two submissions share, without the lab's code and code that half of the class has."""
-        own = own_hashes(self._store.fingerprints(), of_the_sheet(self.lab))
+        own = own_hashes(self.store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 
     def kept(self, final_grade: FinalGrade) -> Kept:
-        return unpack(self._store.files(str(final_grade.result.provenance.get("submission_sha256", ""))))
-
-    @property
-    def store(self) -> Store:
-        return self._store
+        return unpack(self.store.files(str(final_grade.result.provenance.get("submission_sha256", ""))))
 
     def history(self, id_: str) -> list[Adjustment]:
-        return [each for who, each in self._store.history() if who == id_]
+        return [each for who, each in self.store.history() if who == id_]
 
     def decide(
         self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
     ) -> list[RecordedOverride]:
         """Record overrides as `adjusting.decide` does, and update the files of OUT."""
-        known = {**self.final_grades(), **admit(self._store, {each.id for each in overrides})}
-        made = decide(self._store, known, overrides, author, seen=seen, what=what)
+        known = {**self.final_grades(), **admit(self.store, {each.id for each in overrides})}
+        made = decide(self.store, known, overrides, author, seen=seen, what=what)
         if any(
             known[each.id].has_no_submission for each in made
         ):  # the first points admit, the last withdrawal removes
@@ -161,13 +157,13 @@ class Classbook:
 
     def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
         """Record a review. A reviewed empty or unreadable submission is no longer left blank, so its page changes."""
-        self._store.keep_reviews([Review(*key, done, author, now()) for key in keys])
+        self.store.keep_reviews([Review(*key, done, author, now()) for key in keys])
         self._seen = -1
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
 
     def mark_by(self, rubric: Rubric) -> None:
         """Regrade the class by another rubric, from the recorded facts."""
-        marked = remark(self.out, self._store, rubric)
+        marked = remark(self.out, self.store, rubric)
         self._rubric, self._seen = None, -1
         self._publisher.changed(marked)
 
@@ -176,15 +172,10 @@ class Classbook:
         self._publisher.settled()
 
     @property
-    def repair_deduction(self) -> float:
-        """Return the deduction that the repair form proposes."""
-        return self.rubric.repairs.deduct
-
-    @property
     def no_repairs(self) -> str:
         """Return why nothing can be graded here, so that no repair can be previewed or saved; "" if it can."""
         try:
-            class_settings.refuse_without_secret(self._store.settings(), self._secret)
+            class_settings.refuse_without_secret(self.store.settings(), self._secret)
         except RequestError as problem:
             return str(problem)
         return ""

@@ -111,7 +111,7 @@ def editor(
     here = [each.line for each in found if each.file == file and each.line]
     shown = Editor(
         file,
-        replace(form, deduct=form.deduct or f"{book.repair_deduction:g}"),
+        replace(form, deduct=form.deduct or f"{book.rubric.repairs.deduct:g}"),
         original.note,
         original.why,
         found,
