@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from urllib.parse import quote
 
+from markupsafe import Markup
 from starlette.responses import RedirectResponse, Response
 
 from grader.base.errors import RequestError
@@ -25,12 +26,11 @@ from grader.desk.repair_jobs import Job
 from grader.desk.repairing import Editor
 from grader.desk.review_queue import Item
 from grader.desk.web_requests import WebRequest
-from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, automatic_points, maximum_points, summed
-from grader.report import charts, words
+from grader.report import words
 from grader.report.adjusted import explained, is_composed, repaired_file
-from grader.report.pages import DrawnChart
+from grader.report.pages import Drawn, drawn
 
 _MOST_COMMENTS = 30
 _WITHOUT = (
@@ -113,7 +113,7 @@ class PartView:
     points: str
     overrides: Overrides | None
     rows: tuple[Row, ...]
-    figures: tuple[DrawnChart, ...]
+    figures: Markup
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
@@ -152,7 +152,7 @@ def _page(
     files = submitted_files(kept, named)
     definitions = {each.id: list(defined(kept, each.names)) for each in (*book.lab.parts, *book.lab.bonuses)}
     code = _Code(files, named, definitions)
-    shown = book.store.charts(final_grade.id)
+    shown = drawn(book.store.charts(final_grade.id))
     shown_parts = [_part(final_grade, part, code, shown, extras) for part in parts]
     shown_parts.sort(key=lambda part: all(row.folded for row in part.rows))  # criteria with deductions first
     places = [place.path for part in shown_parts for row in part.rows if not row.folded for place in row.places]
@@ -268,16 +268,12 @@ def _part(
     final_grade: FinalGrade,
     part: CriterionResult | ExtensionResult,
     code: _Code,
-    shown: Sequence[Chart],
+    shown: Drawn,
     extras: _PageExtras,
 ) -> PartView:
     """Return one criterion or extension for the page: its checks, charts and overrides."""
     lab = final_grade.result.lab
-    figures = tuple(
-        DrawnChart(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
-        for chart in shown
-        if chart.part == part.id and ((views := charts.views(chart)) or chart.png)
-    )
+    figures = Markup(shown.get(part.id, ""))
     by_hand = isinstance(part, CriterionResult)
     rows = tuple(
         Row(
