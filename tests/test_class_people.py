@@ -168,6 +168,7 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     Path("roster.csv").write_text("id,name,section\nann,Ann Lee,A\nbob,Bob Roe,A\ncy,Cy Moe,B\n")
     code, out, _ = run("grade", "class", "-o", "out", "--roster", "roster.csv")
     assert (code, "\n2 graded · of these 1 empty · mean of graded 100.0\n" in out) == (0, True)
+    assert "2 bob empty\n" in out  # no 0, as the grade is blank
     assert cells("out/gradebook.csv", "name", "section", "total", "status") == [
         ("Ann Lee", "A", "100", "graded"),
         ("Bob Roe", "A", "", "empty"),

@@ -12,10 +12,9 @@ from grader.report import words
 
 
 def result_line(id_: str, result: Result) -> str:
-    """Return a submission's id and score as ``alice 87.5``."""
-    score = "not judged" if result.status == "incomplete" else words.number(result.score)
-    status = f" ({result.status})" if result.status in ("empty", "unreadable") else ""
-    return f"{printable(id_, words.NAME_LIMIT)} {score}{status}"
+    """Return a submission's id and score as ``alice 87.5``, or the status of one whose grade is blank."""
+    blank = {"incomplete": "not judged", "empty": "empty", "unreadable": "unreadable"}.get(result.status)
+    return f"{printable(id_, words.NAME_LIMIT)} {blank or words.number(result.score)}"
 
 
 class ProgressLines:
