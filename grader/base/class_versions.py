@@ -35,7 +35,7 @@ def differences(pinned: str) -> list[tuple[str, str, str]]:
 
 
 def of_ours(pinned: str) -> str:
-    """Return the lines about packages that the grader needs, of a student's file: other names would ask what is installed here."""
+    """Return the lines of a student's file on packages that the grader needs: others could ask what else is installed here."""
     needed = {Requirement(each).name for each in requires("imugrade") or () if "extra ==" not in each}
     return "".join(
         f"{package}=={there}\n" for package, there in dict(_PINNED.findall(pinned)).items() if package in needed
@@ -43,7 +43,7 @@ def of_ours(pinned: str) -> str:
 
 
 def here(packages: Sequence[str]) -> str:
-    """Return the versions on this machine, a line each: ``numpy==2.3.5``."""
+    """Return the versions on this machine, a line for each installed package: ``numpy==2.3.5``."""
     return "".join(f"{package}=={_installed(package)}\n" for package in packages if _installed(package))
 
 

@@ -15,7 +15,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 class RequestError(Exception):
-    """The request was wrong: a bad path, a bad rubric. One line that names it; exit code 2.
+    """The request was wrong, such as a bad path or a bad rubric. The message says what is wrong; exit code 2.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ def fault_text(problem: BaseException, *, message: bool = True) -> str:
 
 
 def message_of(problem: BaseException) -> str:
-    """Return what an exception says; an instructor's own check may raise one that cannot say it."""
+    """Return the message of an exception, or a note that it has none: that of an instructor's own check may raise in `__str__`."""
     try:
         return str(problem)
     except (Exception, SystemExit) as unsayable:

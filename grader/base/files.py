@@ -30,9 +30,9 @@ def read_file(path: Path, most: int, advice: str) -> bytes:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write text as UTF-8, or bytes as they are, beside `path`, then move it into place in one step.
+    """Write text (as UTF-8) or bytes beside `path`, then rename that file, so that no reader sees a half-written one.
 
-    A device or pipe, such as ``/dev/stdout``, is written to: nothing takes its place.
+    A device or pipe, such as ``/dev/stdout``, is written to directly.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 def seen_from(folder: Path, path: Path) -> str:
-    """Return a path relative to a folder; the whole path where there is none, as between two drives of Windows."""
+    """Return a path relative to a folder; the absolute path if no relative one exists, as between two drives of Windows."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:

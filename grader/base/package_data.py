@@ -12,7 +12,7 @@ def beside(package: str, name: str) -> Path:
     Parameters
     ----------
     package
-        As `__package__` says it: a package that moves takes along what lies in it.
+        The package's name, best `__package__`: if the package moves, the call still finds its files.
     name
         A path from there, with slashes.
     """

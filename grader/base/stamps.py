@@ -9,7 +9,7 @@ _FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *([Z
 
 
 def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
-    """Parse a point in time, to the second, from text or from what a YAML reader made of it.
+    """Parse a point in time, to UTC and the second, from text or from what a YAML reader made of it.
 
     Return None if the value is no point in time, or has no offset from UTC while no `zone` says which clock is meant.
     """
@@ -30,7 +30,7 @@ def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
 
 
 def now() -> str:
-    """Return the present time as `stamp` writes it."""
+    """Return the present time as ISO 8601 text in UTC, as `stamp` does."""
     return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 

@@ -15,7 +15,7 @@ from grader.base.text import csv_cell, decimal
 
 @dataclass(frozen=True)
 class Table:
-    """The rows of a CSV table, each with the number of its last line, and the sign between its cells."""
+    """The rows of a CSV table, each with the number of its last line, and the delimiter between its cells."""
 
     rows: list[tuple[int, list[str]]]
     delimiter: str
@@ -42,7 +42,7 @@ def read(data: bytes, source: str) -> Table:
 def titled(
     data: bytes, source: str, needed: Collection[str], columns: Collection[str]
 ) -> list[tuple[int, dict[str, str]]]:
-    """Read a table whose first line names its columns, in any order; return each row that is not blank, with its line number.
+    """Read a table whose first line names its columns, in any order; return each non-blank row by title, with its line number.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def titled(
 
 
 def written(rows: Iterable[Iterable[str]]) -> str:
-    """Return the text of a CSV table with these rows."""
+    """Return the text of a CSV table with these rows, in which no spreadsheet takes a cell for a formula."""
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
     table.writerows([text if decimal(text) is not None else csv_cell(text) for text in row] for row in rows)

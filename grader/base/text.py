@@ -61,7 +61,7 @@ def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
 
 
 def enumerated(names: Iterable[str], last: str = "and") -> str:
-    """Return names as ``a, b and c``."""
+    """Return names as ``a, b and c``; "" without names."""
     *others, end = names or [""]
     return f"{', '.join(others)} {last} {end}" if others else end
 
@@ -85,5 +85,5 @@ def some(names: Sequence[str], most: int, between: str = ", ") -> str:
 
 
 def csv_cell(text: str) -> str:
-    """Return text for a CSV cell that no spreadsheet takes for a formula. Numbers need no such treatment."""
+    """Return text for a CSV cell that no spreadsheet takes for a formula. Do not pass a number: its sign would be escaped."""
     return f"'{text}" if text.startswith(_FORMULA) else text

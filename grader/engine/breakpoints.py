@@ -15,7 +15,7 @@ _CALL = re.compile(
 
 
 def breakpoints(source: bytes) -> Iterator[tuple[str, int]]:
-    """Yield each breakpoint call in a program's text with its line number: ``pdb.set_trace``, 12. No code is run."""
+    """Yield each breakpoint call in a program's text with its line number, for a note: ``pdb.set_trace``, 12. No code is run."""
     text = source[:_MOST_BYTES].decode("utf-8", "replace")
     for found in _CALL.finditer(text):
         if found[1]:

@@ -23,11 +23,11 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class Measurement(Protocol):
-    """Base class of the facts that a criterion measures of a submission."""
+    """Protocol of the facts that a criterion measures of a submission; its checks judge these facts alone."""
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
-        """The findings that kept a property from being measured, by check."""
+        """The exceptions that kept properties from being measured, by the name of the check; the check ends with its exception."""
 
 
 Facts = TypeVar("Facts", bound=Measurement)
@@ -39,7 +39,7 @@ Seen = Mapping[str, Deviation[Any]]
 
 @dataclass(frozen=True)
 class Judge(Generic[Facts]):
-    """Judge of one criterion: its measurement, its checks and its known faults.
+    """Judge of one criterion: measures a submission, and decides for which faults its checks lose points.
 
     Attributes
     ----------

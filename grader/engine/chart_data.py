@@ -23,7 +23,7 @@ Role = Literal[
 
 @dataclass(frozen=True)
 class Curve:
-    """Points of one curve. `name` may be the student's label; `colour` (``#rrggbb``) is set only for curves that they drew."""
+    """Points of one curve. `name` may be the student's label; `colour` (``#rrggbb``) is "" for a curve that no student drew."""
 
     name: str
     role: Role
@@ -48,7 +48,7 @@ class Panel:
 class Chart:
     """Panels below one heading, with a caption; shown with the criterion `part`.
 
-    `png` is a picture (base64) that is shown instead of panels.
+    `png` is a picture (base64) that is shown instead of panels; "" if there are panels.
     """
 
     part: str
@@ -60,20 +60,20 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Packed charts of one submission, and the hashes of its code (see `fingerprint`)."""
+    """Packed charts of one submission for its report, and hashes of its code for finding similar code (see `fingerprint`)."""
 
     charts: bytes = b""
     fingerprint: tuple[int, ...] = ()
 
 
 def packed(charts: tuple[Chart, ...]) -> bytes:
-    """Return the charts as compressed JSON for recording and transfer; points have single precision, finer than a pixel."""
+    """Return the charts as compressed JSON to record or send, b"" for none; points have single precision, finer than a pixel."""
     text = json.dumps(charts, default=_plain, separators=(",", ":"), allow_nan=False)
     return zlib.compress(text.encode(), 1) if charts else b""
 
 
 def unpacked(record: bytes) -> tuple[Chart, ...]:
-    """Return the charts from the bytes that `packed` made."""
+    """Return the charts from the bytes that `packed` made; none from b""."""
     return tuple(_chart(chart) for chart in json.loads(zlib.decompress(record))) if record else ()
 
 

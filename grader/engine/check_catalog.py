@@ -30,7 +30,7 @@ def title_of(docstring: str) -> str:
 
 
 def checks_of(lab: Lab) -> Mapping[str, Check]:
-    """Return the checks of a lab by id."""
+    """Return the checks of a lab by id, read from the source of the check files, which are not imported."""
     return {check.id: check for path in check_files(lab) for check in _checks_in(path.read_text(encoding="utf-8"))}
 
 

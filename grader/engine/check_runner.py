@@ -55,12 +55,12 @@ class Judgement:
 
     @property
     def keeps(self) -> float:
-        """The share of points that the check keeps; -1 if it was not judged."""
+        """The share of its points that the check earns; -1 if it was not judged."""
         return -1.0 if self.feedback is None else self.feedback.keeps
 
 
 def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Turn a function into the check `check_id`; students read its docstring."""
+    """Return a decorator that makes a function the check `check_id`; students read the function's docstring as the title."""
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
         assert function.__doc__, f"{check_id} has no sentence"
@@ -87,12 +87,12 @@ class CheckRun:
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:
-        """Return whether the check is to be run; the checks of an extension that was not attempted are not."""
+        """Return whether to run the check: not if its extension was not attempted, or if only another part is to be examined."""
         asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
         return asked_about and self._only in (None, this.criterion)
 
     def begin(self, this: Check) -> None:
-        """Prepare a check: account its time to its part, and replace earlier parts that lost points by sound stand-ins."""
+        """Prepare a check: account its time to its part, and replace earlier parts that lost points by correct code (stand-ins)."""
         self.student.account_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
         if self._alone:
             return
@@ -149,11 +149,11 @@ class CheckRun:
         return feedback_on(finding, earlier, self._faults)
 
     def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
-        """Yield which names to replace by the sheet's own code in further runs of a part that lost points.
+        """Yield sets of names to replace by the sheet's own code, one for each further run of a part that lost points.
 
-        None where stand-ins were in use: the part may work with the student's own version alone. Those of the first part, which
-        all others call, where the part raises: a function that passed its own checks may return what this part cannot use. Unlike
-        a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no wrong call.
+        If stand-ins were in use, the set is empty: the part may work only with the student's own functions. If the part raised, the
+        set has the names of the first part, which all others call: a function that passed its own checks may return what this part
+        cannot use. Unlike a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no wrong call.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:
@@ -173,7 +173,7 @@ class CheckRun:
 
     @contextmanager
     def rerun_beside(self, sheets_own: Collection[str], criterion: str) -> Iterator[None]:
-        """Examine a part again beside the sheet's own code for these names.
+        """Let the caller run the checks of a part again in this context, with the sheet's own code for these names.
 
         The new outcomes count if at least one check ends better and none worse.
         """

@@ -47,7 +47,7 @@ class FaultRow:
     formerly: tuple[str, ...] = ()
 
     def shown_by(self, error: StudentError) -> bool:
-        """Return whether an exception shows this fault: of ``types``, about ``names``, in a ``line`` that the pattern matches.
+        """Return whether an exception shows this fault: `raised` has ``types``, ``names`` and a pattern for the source ``line``.
 
         The text of the exception plays no part: it differs between versions of Python and of the libraries.
         """
@@ -83,5 +83,5 @@ def rows(lab: Lab) -> Mapping[str, FaultRow]:
 
 @functools.cache
 def catalogue(lab: Lab) -> Mapping[str, FaultRow]:
-    """Return the rows that have an explanation, and so a public name."""
+    """Return by id the rows that have an explanation, and so a public name for rubrics and `imugrade explain`."""
     return {id_: row for id_, row in rows(lab).items() if row.explanation}

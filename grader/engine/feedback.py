@@ -148,12 +148,12 @@ def _deducted(check: str, cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
 
 
 def hint_of(charge: Charge, rows: Mapping[str, FaultRow]) -> str:
-    """Return the hints of the faults in a charge, as one text."""
+    """Return the hints of the faults in a charge as one text, each hint once."""
     return " ".join(dict.fromkeys(rows[cost.row].hint for cost in charge.costs))
 
 
 def public(charge: Charge, rows: Mapping[str, FaultRow]) -> tuple[str, ...]:
-    """Return the ids of the faults in a charge that have a public name."""
+    """Return the ids of the faults in a charge that have a public name, for the result's list of faults."""
     return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 
@@ -197,7 +197,7 @@ def _exception_name(error: StudentError) -> str:
 
 
 def fault_of(error: StudentError, table: Mapping[str, FaultRow]) -> str:
-    """Return the id of the first row of the table that an exception shows, else ``raises``."""
+    """Return the id of the fault that an exception shows: ``missing-package``, else the first row that fits, else ``raises``."""
     if error.type == "ModuleNotFoundError":
         return "missing-package"
     return next((id_ for id_, each in table.items() if each.shown_by(error)), "raises")
@@ -217,7 +217,7 @@ def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
 
 
 def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback for a question that got no answer: a timeout or a crash."""
+    """Return the feedback for a question that got no answer, such as a timeout; `named` has the ids of its faults, if any."""
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
     return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, faults=named)

@@ -158,7 +158,7 @@ class Figure:
 
     Attributes
     ----------
-    event : ``saved`` if a file holds it at the end, ``overwritten`` or ``forgotten`` if one did; else how it was found
+    event : ``saved`` if a file holds it at the end, ``overwritten`` or ``forgotten`` if one did; else ``shown`` or ``open``
     path, format : path and format of the file, as in the call that saved it
     size_px : width and height in pixels in which it was saved, or would be
     title, xlabel, ylabel, texts, legend : the texts and legend entries that apply to all its panels

@@ -14,7 +14,7 @@ NEEDS_REVIEW = "an instructor may give more points"
 
 @dataclass(frozen=True)
 class Where:
-    """A place in a student's file. `line` is None in a notebook, where each cell counts its own lines."""
+    """A place in a student's file. `line` is None if it is unknown, and in a notebook, where each cell counts its own lines."""
 
     file: str
     line: int | None = None
@@ -56,7 +56,7 @@ class StudentError:
 
     @property
     def lines(self) -> list[str]:
-        """The source line as printable text; a second line with a caret follows a syntax error."""
+        """The source line as printable text, then a line with a caret for a syntax error; empty if the line is unknown."""
         return [printable(line, 160) for line in (self.text or "").split("\n")[:2] if line.strip()]
 
 
@@ -93,17 +93,17 @@ Numbers = TypeVar("Numbers", bound=Mapping[str, object])
 
 
 class NoNumbers(TypedDict):
-    """Numbers of a deviation about which nothing is to be said but that it is there."""
+    """Empty numbers, for a deviation whose feedback quotes no values."""
 
 
 class Came(TypedDict):
-    """Numbers of a deviation that one text describes: what came in place of what was asked for."""
+    """Numbers of a deviation that one text describes: `came`, the answer in place of the one that was asked for."""
 
     came: str
 
 
 class Form(TypedDict):
-    """Numbers of an answer in another form: the form that was asked for, and what came."""
+    """Numbers of an answer in a wrong form, such as a wrong shape: the form that was asked for, and what came."""
 
     form: str
     came: str
@@ -115,7 +115,7 @@ class Deviation(Generic[Numbers]):
 
     Attributes
     ----------
-    numbers : values for the templates of the fault table's rows, whichever of them tells about the deviation
+    numbers : values for the templates of any row of the fault table that may describe the deviation
     share : share of the check's points that is lost if no row lists another
     affected : affected fraction of the property, such as one of two sensors; each share is multiplied by it
     size : size of the error, shown in place of the numbers for a hidden scenario
@@ -137,9 +137,9 @@ class Cost:
     ----------
     row : id of the fault's row, or of the check's row if no fault is known
     share : the share of the check's points
-    shown : the deviation through which the fault was found; it has the numbers of the fault's words
+    shown : the deviation through which the fault was found; its numbers fill the templates of the fault's row
     own : the deviation of the check itself; None if it does not show the fault
-    see : title of the check that tells about the fault, if that is another one
+    see : title of the check that reports the fault; "" if it is this one
     """
 
     row: str
@@ -156,7 +156,7 @@ class Charge:
     Attributes
     ----------
     costs : what is deducted, together at most all points of the check
-    see : title of the check that deducts for the fault, if this check fails by it and deducts nothing
+    see : title of the check that deducts for the fault, if this check fails by it and deducts nothing; else ""
     """
 
     check: str
@@ -178,7 +178,7 @@ class Charged(AssertionError):  # noqa: N818 - an outcome
 
 
 class CheckFailed(AssertionError):  # noqa: N818 - an outcome
-    """A check loses all of its points or a part.
+    """Exception: a check fails and loses all or some of its points.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ class Raised(Exception):  # noqa: N818 - an outcome
 
 
 def raised(error: StudentError | None, doing: str) -> None:
-    """Stop the check if the student's code raised while `doing` (``reading the sensors``)."""
+    """Raise `Raised`, which ends the check, if the student's code raised an `error` while `doing` (``reading the sensors``)."""
     if error is not None:
         raise Raised(error, doing)
 

@@ -45,7 +45,7 @@ def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
 
 @functools.cache
 def of_the_sheet(lab: Lab) -> frozenset[int]:
-    """Return the fingerprint of the code in the lab sheet and the starter kit, which anyone may hand in."""
+    """Return the fingerprint of the code in the lab sheet and the starter kit; it does not count as similar."""
     given = [lab.folder / "sheet.txt", *sorted((lab.folder / "starter").glob("*.py.txt"))]
     return frozenset(fingerprint({f"{path.name}.py": path.read_bytes() for path in given}))
 

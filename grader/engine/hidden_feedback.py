@@ -62,7 +62,7 @@ def cause_key(finding: BaseException, part: str) -> str | None:
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:
-    """Replace why a name is missing beside hidden data by the reason beside public data, or by a constant message: it may leak."""
+    """Return the finding about a missing name without hidden data: that of a public session, else one with a constant message."""
     if public is not None:
         return public
     return Missing(finding.name, finding.fault, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")

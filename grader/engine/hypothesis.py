@@ -15,7 +15,7 @@ Seen = TypeVar("Seen")
 
 
 class Hypothesis(Protocol):
-    """A possible cause of the observations."""
+    """Protocol of a possible cause of the observations, from which `explain` chooses."""
 
     @property
     def cause(self) -> Hashable:
@@ -23,7 +23,7 @@ class Hypothesis(Protocol):
 
     @property
     def cost(self) -> int:
-        """Cost of the hypothesis (prior implausibility)."""
+        """Cost of the hypothesis (prior implausibility); `explain` prefers the cheapest that fits."""
 
     def fits(self, seen: Any, /) -> bool:
         """Return whether the hypothesis predicts the observations."""
@@ -69,7 +69,7 @@ def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """Do the same as `explain` for hypotheses grouped by cost; a group is made only after all cheaper ones have failed."""
+    """Do the same as `explain` for hypotheses grouped by cost; to save time, a group is made only after all cheaper ones failed."""
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.cause for each in fitting}) == 1 else None

@@ -251,12 +251,12 @@ class Lab:
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
-        """Return the source of the sound stand-in for a name; ``CONFIGURATION_IMU`` in it becomes the configuration's ``imu``."""
+        """Return the source of a name's stand-in (correct code); ``CONFIGURATION_IMU`` there becomes the ``imu`` configuration."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return _CONFIGURATION.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
     def sheets_own(self, name: str) -> str:
-        """Return the sheet's definition of a name, after the sheet's imports. Unlike the stand-in, it takes no other arguments."""
+        """Return the sheet's imports and its definition of a name, which, unlike a stand-in, takes only the sheet's arguments."""
         tree = ast.parse((self.folder / "sheet.txt").read_text(encoding="utf-8"))
         imports = [node for node in tree.body if isinstance(node, ast.Import)]
         own = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name]

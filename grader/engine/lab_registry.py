@@ -22,7 +22,7 @@ _SHIPPED: Mapping[str, str] = {DEFAULT: "grader.labs.imu.lab"}
 
 
 def chosen_lab(on_record: str = "") -> Lab:
-    """Return the lab that `IMUGRADE_LAB` names, else the one that a class was graded as, else the shipped one.
+    """Return the lab that `IMUGRADE_LAB` names, else the one `on_record` for a graded class, else the shipped one.
 
     Raises
     ------
@@ -43,8 +43,10 @@ def lab_named(id_: str) -> Lab:
 
     Raises
     ------
+    RequestError
+        If no lab with this id is installed.
     GraderError
-        If it calls itself otherwise: a class on record would not find it again.
+        If the lab itself has another id, under which a class on record would not find it again.
     """
     modules = _SHIPPED if id_ in _SHIPPED else {each.name: each.value for each in entry_points(group=GROUP)}
     if id_ not in modules:

@@ -13,7 +13,7 @@ WORKER_CODE = Path(__file__).parent.parent / "worker"
 
 
 def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
-    """Return the lab's libraries that a submission may import: its code holds the first and the last part of their name."""
+    """Return the lab's libraries to import in advance: a submission's code holds the first and the last part of their name."""
     code = b"\n".join(content for path, content in files.items() if path.endswith((".py", ".ipynb")))
     return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))
 

@@ -120,7 +120,7 @@ def _stepped_over(frame: Frame) -> list[SteppedOver]:
 
 
 def not_handed_in(error: StudentError) -> str:
-    """Return what to do about a file that the code reads and that was not handed in; "" for any other exception."""
+    """Return the end of a message: to hand in the file that the code reads and that is missing; "" for any other exception."""
     known = _NO_FILE.get(error.type)
     name = known.search(error.message) if known else None
     return f" (hand in {printable(name[name.lastindex or 0], 80)}, too)" if name else ""
@@ -165,11 +165,11 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number of records; it grows with each call of `learn_place` or `learn_overrun` that records something new."""
+        """Number of records; if it has grown, a new worker would skip more statements, and it helps to ask again."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """Return file, number and reason of each statement to skip with these stand-ins."""
+        """Return file, number and reason of each statement that a new worker is to skip while these stand-ins are in use."""
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:

@@ -45,7 +45,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
 
 
 def fits(found: Result, rubric: Rubric) -> bool:
-    """Return whether a recorded result can be marked by this rubric: same questions, and the same checks in each part."""
+    """Return whether a recorded result can be marked by this rubric: same questions, all criteria, same checks in each part."""
     if found.asked_sha256 != rubric.asked_sha256:
         return False
     asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}
@@ -72,7 +72,7 @@ def _score_before(found: Result, rubric: Rubric) -> float:
 def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
     """Return a check's points: its share, or its maximum less the rubric's deductions if all its faults have one.
 
-    A deduction counts once in a criterion: what this check takes of it is taken off `deductions`.
+    None if it was not judged. A deduction counts once in a criterion: what this check takes of it is taken off `deductions`.
     """
     if found.keeps is None:
         return None

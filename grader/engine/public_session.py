@@ -41,7 +41,7 @@ class PublicSession:
         return None
 
     def notes(self, names: Iterable[str]) -> list[str]:
-        """Return the notes about loading the files that define these names."""
+        """Return the notes about loading the files that define these names; none without public data."""
         for name in names:
             self.missing(name)
         return self._started[0].notes if self._started else []

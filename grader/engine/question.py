@@ -36,7 +36,7 @@ class Question(Generic[T]):
 
     @property
     def key(self) -> str:
-        """Digest of the question; equal for equal questions."""
+        """Digest of the question, equal for equal questions, so that each is asked once."""
         return key_of(self.op, {"": self.about, **self.fields}, self.arrays)
 
 
@@ -45,7 +45,7 @@ _LONG = 1000
 
 
 def key_of(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
-    """Return a digest of a question: its fields, and the type, shape and numbers of its arrays."""
+    """Return a digest of a question: its operation, its fields, and the type, shape and numbers of its arrays."""
     short = {name: _digested(value) if _is_long(value) else value for name, value in fields.items()}
     digest = hashlib.sha256(_SORTED.encode([op, short]).encode("utf-8", "surrogatepass"))
     for name, array in sorted(arrays.items()):

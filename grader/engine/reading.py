@@ -43,7 +43,7 @@ Entry = TypeVar("Entry", bound=Readable)
 
 @dataclass(frozen=True)
 class SingleSubmission:
-    """A single submission, outside a class."""
+    """A submission at a path, outside a class, for a `ReadingProcess` to read."""
 
     path: Path
     required: tuple[str, ...]
@@ -61,7 +61,7 @@ class SingleSubmission:
 
 
 def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
-    """Read a submission in a process that can be killed.
+    """Read a submission in a process that can be killed, so that no file can block or exhaust this one.
 
     Outside Linux it is read in this process: a new one would import all modules again, and without a sandbox people grade only
     their own code there.

@@ -48,7 +48,7 @@ class Subject(Protocol):
 
 
 def folder_of(lab: Lab) -> Path | None:
-    """Return the folder of the reference solution beside this package; None without it. An import could find a student's folder."""
+    """Return the folder of the reference solution beside this package, None without it; an import could find a student's."""
     package, _, module = lab.recorder.partition(".")
     folder = _SOURCES / package
     return folder if (folder / f"{module}.py").is_file() else None
@@ -115,7 +115,7 @@ def try_recording(lab: Lab) -> Traces | None:
 
 
 def run(module: Sequence[str], what: str, text: str = "") -> subprocess.CompletedProcess[str]:
-    """Run a module from the folder of this package in a new process; `module` is its name and arguments.
+    """Run `module` (its name and arguments) beside this package in a new process, with `text` as stdin; errors call it `what`.
 
     Raises
     ------

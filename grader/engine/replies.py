@@ -53,7 +53,7 @@ class Answer:
     named: set[str] = field(default_factory=set)
 
     def array(self, name: Any, *shape: int | None) -> np.ndarray:
-        """Return the float64 array of that name if it has that shape (None: any length; no shape: any)."""
+        """Return the float64 array of that name; raise `Wrong` without one of that shape (None: any length; no shape: any)."""
         if not isinstance(name, str) or name not in self.frame.arrays:
             raise Wrong("an array that is not there")
         if name in self.named:
@@ -67,7 +67,7 @@ class Answer:
         return array
 
     def node(self, value: Any, depth: int = 0) -> None:
-        """Check a node, as `worker.values` describes a returned value; None stands for no value."""
+        """Check a node, the description of a returned value by `worker.values`; None stands for no value."""
         if value is None and not depth:
             return
         node = converted(value, _Node)
@@ -87,7 +87,7 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check a list of at most `most` nodes, or of `exactly` this number."""
+        """Check a list of at most `most` nodes, or of as many as `exactly` says."""
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:
@@ -95,7 +95,7 @@ class Answer:
 
 
 class Rule(NamedTuple):
-    """The fields that a reply has, and a function that checks its arrays."""
+    """Rule for a reply: the record of its fields, and a function that checks its arrays."""
 
     reply: type[Struct]
     arrays: Callable[[Answer, Any], None]
@@ -122,7 +122,7 @@ def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rul
 
 
 def converted(value: Any, type_: Any) -> Any:
-    """Return the value as a record of this type; raise `Wrong` with the place where it is none."""
+    """Return the value as a record of this type; raise `Wrong`, with the place of the error, if it does not fit."""
     try:
         return msgspec.convert(value, type_)
     except msgspec.ValidationError as error:
@@ -232,14 +232,14 @@ def _pixels(answer: Answer) -> None:
 
 
 class Points(Struct):
-    """Names of two arrays of one length."""
+    """Names of the two arrays of one length that hold the coordinates of points."""
 
     x: str
     y: str
 
 
 def drawings(answer: Answer, reply: Drawings) -> None:
-    """Check the figures of a reply: their facts, small pictures and curves."""
+    """Check the figures of a reply, with their pixels and curves; raise `Wrong` if they break a rule."""
     try:
         figures = decode_figures(answer.frame, partial(_array, answer))
     except (ValueError, TypeError, KeyError, AttributeError) as error:

@@ -42,10 +42,10 @@ class CheckResult:
     """Result of one check. `points` is None if the grader could not judge.
 
     The message is either one sentence, `said`, or `expected` and `got`, which may have more lines. `where` is the place in the
-    student's files. `keeps` is the share of the points that is earned; `marks` computes the points from it. `not_understood` is
-    True if the grader could not interpret the answer: a person has to review it. `deducted` lists the faults that lost the points
-    of a check that was judged by its criterion's faults, so that a report has one entry for each. `fault` is
-    the exception in the grader that kept the check from being judged, with its place in our code.
+    student's files. `keeps` is the share of the points that is earned, None like `points`; `marks` computes the points from it.
+    `not_understood` is True if the grader could not interpret the answer: a person has to review it. `deducted` lists the faults
+    that lost the points of a check that was judged by its criterion's faults, so that a report has one entry for each. `fault` is
+    the exception in the grader that kept the check from being judged, with its place in our code; else "".
     """
 
     id: str
@@ -113,7 +113,7 @@ class ExtensionResult:
 
 @dataclass(frozen=True)
 class LabName:
-    """Name of a lab: ``Lab 04-01``, ``Reading IMU data in MuJoCo``."""
+    """Name of a lab: its label and its title, ``Lab 04-01`` and ``Reading IMU data in MuJoCo``."""
 
     label: str = ""
     title: str = ""
@@ -179,7 +179,7 @@ class Result:
 
     @property
     def extra_credit(self) -> float:
-        """Points that the extensions earn together, at most the rubric's cap."""
+        """Points that the extensions earn together, at most the rubric's cap; 0 if the rubric grants no extra credit."""
         if self.extra_credit_cap is None:
             return 0.0
         return min(self.extra_credit_cap, _total(tuple(extension.points for extension in self.extensions)))
@@ -191,7 +191,7 @@ class Result:
 
     @cached_property
     def score(self) -> float:
-        """Points of the criteria; with repairs less their deductions, and never below the score before."""
+        """Points of the criteria; after repairs less the repairs' deductions, and at least the score before them."""
         points = _total(tuple(criterion.points for criterion in self.criteria))
         if not self.repairs:
             return points
@@ -200,7 +200,7 @@ class Result:
 
     @cached_property
     def repair_deduction(self) -> float:
-        """Points that the repairs deduct from the criteria's points."""
+        """Points by which the repairs lower the score below the criteria's points; 0 without repairs."""
         return round(_total(tuple(criterion.points for criterion in self.criteria)) - self.score, 2)
 
     @property
@@ -214,7 +214,7 @@ class Result:
 
 
 def to_dict(result: Result) -> dict[str, Any]:
-    """Return the result as plain data, with the fields in the contract's order."""
+    """Return the result as the data of `result.json`, with the fields in the documented order."""
 
     def part(value: CriterionResult | ExtensionResult) -> dict[str, Any]:
         head: dict[str, Any] = {"id": value.id}
@@ -240,7 +240,7 @@ def to_dict(result: Result) -> dict[str, Any]:
 
 
 def shown_provenance(result: Result) -> dict[str, Any]:
-    """Return the provenance without a digest of hidden traces: with it anybody could test guesses of the secret."""
+    """Return the provenance to show: without the digest of hidden traces, with which anybody could test guesses of the secret."""
     left_out = ("no_submission", *(("traces_sha256", "hidden") if result.provenance.get("hidden") else ()))
     return {key: value for key, value in result.provenance.items() if key not in left_out}
 
@@ -285,7 +285,7 @@ def _extra_credit(result: Result) -> dict[str, Any]:
 
 
 def to_json(result: Result) -> str:
-    """Return the text of `result.json`: valid UTF-8, fields in the contract's order, a newline at the end."""
+    """Return the text of `result.json`: valid UTF-8, fields in the documented order, a newline at the end."""
     told = {**to_dict(result), "provenance": shown_provenance(result)}
     if result.provenance.get("hidden"):  # code could choose at which line of ours an answer is not understood
         for row in (row for part in (*told["criteria"], *told["extensions"]) for row in part["checks"]):

@@ -161,7 +161,7 @@ def own_checks(lab: Lab, folder: Path) -> OwnChecks:
 
 
 def know_part(rubric: Rubric, only: str | None) -> None:
-    """Refuse a criterion or extension that the rubric does not have.
+    """Refuse an `only` that is no criterion or extension of the rubric; None is accepted.
 
     Raises
     ------

@@ -44,7 +44,7 @@ def refuse(source: str, problems: Iterable[tuple[int, str]]) -> NoReturn:
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return the known word with the most similar spelling, or ""."""
+    """Return the known word with the most similar spelling, for a hint; "" if none is similar."""
     return next(iter(difflib.get_close_matches(word[:100], list(known), n=1)), "")
 
 
@@ -55,13 +55,13 @@ def did_you_mean(word: str, known: Iterable[str], otherwise: str) -> str:
 
 
 def guess_at(word: str, known: Iterable[str]) -> str:
-    """Return the hint of an error message, " (did you mean …?)" with the nearest known word, or ""."""
+    """Return the hint of an error message, " (did you mean …?)" with the nearest known word; "" if none is similar."""
     guess = nearest(word, known)
     return f" (did you mean {guess}?)" if guess else ""
 
 
 def quote(node: yaml.Node) -> str:
-    """Return the text of a node in quotation marks, for a message."""
+    """Return a node for a message: its text in quotation marks, or ``a list or a mapping``."""
     return f"'{printable(node.value, 60)}'" if isinstance(node, yaml.ScalarNode) else "a list or a mapping"
 
 
@@ -80,7 +80,7 @@ class NodeReader:
         self.problems.append((node.start_mark.line + 1, problem))
 
     def compose(self, data: bytes) -> yaml.Node:
-        """Parse the file and return its root node; raise RubricError at once if it is not YAML."""
+        """Parse the file and return its root node; raise RubricError at once if it is too large or no plain YAML in UTF-8."""
         if len(data) > MAX_BYTES:
             refuse(self.source, [(1, "the file is larger than 1 MB; start again from the shipped rubric.yaml")])
         try:
@@ -127,7 +127,7 @@ class NodeReader:
     def fields(
         self, node: yaml.Node | None, what: str, required: Sequence[str], optional: Sequence[str] = ()
     ) -> dict[str, yaml.Node]:
-        """Return the value nodes of a mapping by key, and report missing and unknown keys. A `node` of None is reported already."""
+        """Return the value nodes of a mapping by key; report missing and unknown keys. {} for None, which is reported already."""
         if node is None:
             return {}
         if not isinstance(node, yaml.MappingNode):
@@ -162,7 +162,7 @@ class NodeReader:
         return found
 
     def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
-        """Return one line of text, or "" after reporting a problem."""
+        """Return one line of text, or "" after reporting a problem; `like` is how the report describes the `pattern`."""
         if node is None:
             return ""
         if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
@@ -176,7 +176,7 @@ class NodeReader:
         return ""
 
     def number(self, node: yaml.Node | None, what: str, low: float = 0.0, high: float = LARGEST) -> float | None:
-        """Return a decimal number within the bounds, else None. (YAML 1.1 would read 012 as 10 and 1:30 as 90.)"""
+        """Return a decimal number; None after reporting another value or one out of bounds. (YAML 1.1 would read 1:30 as 90.)"""
         if node is None:
             return None
         plain = isinstance(node, yaml.ScalarNode) and not node.style and _NUMBER.fullmatch(node.value)
@@ -187,14 +187,14 @@ class NodeReader:
         return None
 
     def points(self, node: yaml.Node | None, what: str) -> float | None:
-        """Return a number of points; more than two decimals are a problem, so that sums are exact to two decimals."""
+        """Return a number of points, or None if it is no number; report more than two decimals, so that sums are exact."""
         value = self.number(node, what)
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
         return value
 
     def share(self, node: yaml.Node | None, what: str, of: float) -> float | None:
-        """Return a number of points, also from a percentage of `of` points, to two decimals."""
+        """Return a number of points, also from a percentage of `of` points, to two decimals; None after reporting a problem."""
         if isinstance(node, yaml.ScalarNode) and node.value.endswith("%"):
             number = node.value[:-1].strip()
             if _NUMBER.fullmatch(number) and 0 <= float(number) <= 100:
@@ -204,7 +204,7 @@ class NodeReader:
         return self.points(node, what)
 
     def stamp(self, node: yaml.Node | None, what: str, zone: tzinfo | None = None) -> datetime | None:
-        """Return a date and time; it needs an offset from UTC unless `zone` is given."""
+        """Return a date and time, which needs an offset from UTC unless `zone` is given; None after reporting a problem."""
         when = read_stamp(node.value, zone) if isinstance(node, yaml.ScalarNode) else None
         if node is not None and when is None:
             example = "2026-11-20T23:59+01:00"

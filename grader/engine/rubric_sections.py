@@ -35,7 +35,7 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the extra credit of each extension without points of its own, and the cap of all together (None: no cap)."""
+    """Return the extra credit of each extension without points of its own (0: none), and the cap of all (None: no cap)."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
@@ -126,7 +126,7 @@ LATE_KEYS: Mapping[str, str] = {
 
 
 def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePolicy | None:
-    """Return the late policy; None if the rubric has none; report problems."""
+    """Return the late policy, None if the rubric has none; a percentage is one of `of` points. Report problems."""
     if node is None:
         return None
     keys = reader.fields(node, "late", ("due",), tuple(name for name in LATE_KEYS if name != "due"))
@@ -161,7 +161,7 @@ def _zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
 
 
 def read_faults(reader: NodeReader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
-    """Return the points that the rubric deducts for a fault, by the fault's id."""
+    """Return the points that the rubric deducts for a fault, by the fault's id; report ids that the lab does not have."""
     if node is None:
         return {}
     if not isinstance(node, yaml.MappingNode):

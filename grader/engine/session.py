@@ -133,7 +133,7 @@ class SandboxSession:
         self.end_session()
 
     def replace_broken(self, names: Sequence[str]) -> None:
-        """Replace these names by sound stand-ins from now on, so that the parts that use them lose nothing."""
+        """Replace these names by correct code (stand-ins) from now on, so that the parts that use them lose nothing."""
         if not self.broken.issuperset(names):
             self.broken |= set(names)
             self.end_session()
@@ -333,12 +333,12 @@ class SandboxSession:
         return self.once(key, ask)
 
     def stored_answer(self, called: str) -> Any:
-        """Return the answer that `once_named` stored under a name, for charts; None if there is none. No question is asked."""
+        """Return the answer that `once_named` stored under a name, for charts; None without an answer. No question is asked."""
         answer = self._answers.get(self._called.get(called))
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Ask, and ask again in a new process as long as that may help, see `_may_help_to_repeat`."""
+        """Return what `ask` returns; call it again in a new process as long as that may help, see `_may_help_to_repeat`."""
         tried = False
         while True:
             known = self._endings.count

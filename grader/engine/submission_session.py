@@ -211,5 +211,5 @@ def _found_in(path: str, strays: Mapping[str, str]) -> str:
 
 
 def is_run(path: str) -> bool:
-    """Return whether a program may be run, by its name: not `conftest`, `setup` or the like, and no `test_*`."""
+    """Return whether a program may be run, by its name: files of tools (`conftest`, `setup` and the like) and `test_*` may not."""
     return PurePosixPath(path).stem not in _NEVER_IMPORTED and not PurePosixPath(path).name.startswith("test_")

@@ -26,7 +26,7 @@ SCHEMA = "imugrade/traces/v1"
 class Scenario(Mapping[str, NDArray[Any]]):
     """Read-only arrays of one scenario: `scenario["acceleration"]` or `scenario.acceleration`.
 
-    `scalars` holds its plain numbers and names, `model` the key of its model in `Traces.models`.
+    `scalars` holds its plain numbers and names, `model` the key of its model in `Traces.models`, None without a model.
     """
 
     name: str

@@ -96,7 +96,7 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
 
 
 def foreign(name: str) -> str:
-    """Return the sentence on archives that are not opened, such as a .rar: reading their kind has no bound on time or memory."""
+    """Return the note that an archive such as a .rar is not opened; reading its kind has no bound on time or memory."""
     return f"{name} is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it."
 
 
@@ -203,7 +203,7 @@ def _take_member(
 
 
 def zip_name(entry: zipfile.ZipInfo) -> str:
-    """Return the path of a zip's entry. `orig_filename` still has the NUL at which `filename` ends."""
+    """Return the path of a zip's entry, with slashes. A NUL stays in it, so that `archive_parts` refuses it."""
     name = entry.orig_filename
     if not entry.flag_bits & _UTF8:  # zipfile takes these names for code page 437; Finder writes UTF-8
         with suppress(UnicodeError):

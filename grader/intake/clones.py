@@ -26,7 +26,7 @@ _WITHIN_S = 2.0
 
 
 def branches_note(folder: Path, required: Collection[str]) -> str:
-    """Return a note on the branches of a clone that have files of the lab, or else on all; "" if it is no clone or has one only.
+    """Return a note on a clone's other branches, those with files of the lab if there are any; "" without a clone or branches.
 
     Parameters
     ----------

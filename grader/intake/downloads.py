@@ -23,9 +23,10 @@ Sources = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Download:
-    """The entries at the top of a download, `root` down in it: name to whether it is a folder, and what is left out and why.
+    """Top level of a class's download: that of its folder `root`, or of the whole download if `root` is "".
 
-    `known` is who is in the class, by the platform's number, as far as that is known.
+    `top` says of each name whether it is a folder, and `left` what is left out and why. `known` is who is in the class, by the
+    platform's number, as far as that is known.
     """
 
     path: Path
@@ -60,7 +61,7 @@ class Download:
 
 
 def open_download(path: Path) -> list[Download]:
-    """Yield the top level of a download (folder or zip); if that is a single folder, its top level, too; else nothing."""
+    """Return the top level of a download (folder or zip), and that of its folder if it holds nothing else; [] for other files."""
     if not os.path.isdir(path) and not zipfile.is_zipfile(path):
         return []
     look = _folder if os.path.isdir(path) else _zip

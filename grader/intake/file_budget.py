@@ -49,7 +49,7 @@ class Room:
 
 @dataclass
 class FileBudget:
-    """The files read so far (`files`), those left out (`left`: reason to names), and whether reading broke off.
+    """The files read so far (`files`), those left out (`left`: reason to names), and whether any reading failed (`broken`).
 
     `required` are the names that the lab asks for: any number of other files leaves room for these.
     """
@@ -114,7 +114,7 @@ class FileBudget:
         return reserved if asked_for else self._room[is_code(path)]
 
     def lone_archive(self) -> str | None:
-        """Return the only archive if there is no code beside it, else None; other files, such as pictures, do not matter."""
+        """Return the only archive, to open it, if no code lies beside it, else None; other files do not matter."""
         archives = [name for name in self.files if has_suffix(name, ARCHIVES)]
         return archives[0] if len(archives) == 1 and not any(map(is_code, self.files)) else None
 

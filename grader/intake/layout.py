@@ -20,11 +20,11 @@ class Layout:
     Attributes
     ----------
     folder
-        The lab's; "" is the top.
+        The folder with the lab's files; "" is the top of the submission.
     inside
-        Paths in it, sorted.
+        Paths of the files in that folder, relative to it, sorted.
     above
-        Paths beside it or above, by the folder that they share with it, and how many levels above it that folder lies.
+        Paths of files outside that folder, relative to the folder that holds both, and how many levels up the latter lies.
     notes
         Sentences for the report.
     """
@@ -36,7 +36,7 @@ class Layout:
 
 
 def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
-    """Choose the lab's folder and its files; None where there is no code. What cannot be taken is left with a reason.
+    """Choose the lab's folder and its files; None where there is no code. `budget.left` gets the files that cannot be taken.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
 
 
 def outwards(folder: str, levels: int) -> str:
-    """Return the folder that lies `levels` above another one, with a slash; "" for the top."""
+    """Return the folder that lies `levels` above another one, with a slash, to begin a path; "" for the top."""
     parts = folder.split("/") if folder else []
     return "".join(f"{part}/" for part in parts[: len(parts) - levels])
 

@@ -44,7 +44,7 @@ def is_code(path: str) -> bool:
 
 
 def is_litter(parts: Sequence[str]) -> bool:
-    """Return whether a path lies in a folder that tools made, or is a file that an operating system left."""
+    """Return whether to ignore a path: it lies in a tool's folder (but for `HOME_VERSIONS`), or an operating system left it."""
     if parts[-2:] == HOME_VERSIONS:
         return False
     return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)

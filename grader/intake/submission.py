@@ -47,17 +47,17 @@ class Submission:
         Its original name.
     files
         Relative posix path to the file's bytes: first what is inside the lab's folder, then what lies beside it and above,
-        by its path there. Unless `status` is "ready" nothing runs: they are what there was to find, by its path from the top.
+        by its path there. Unless `status` is "ready" no code runs, and these are all files found, by their paths from the top.
     notes
         Sentences for the report, safe to print.
     status
         "ready", "empty" (nothing recognisable in it) or "unreadable" (a broken archive).
     sha256
-        Of paths and bytes: the same for a folder and an archive of it, whatever the time stamps.
+        Digest of paths and bytes: the same for a folder and an archive of it, whatever the time stamps.
     folder
-        The lab's folder below what was handed in, or below the archive in it; "" is that itself.
+        The lab's folder below what was handed in, or in the archive that was; "" is the top of either.
     above
-        Of the files that lie outside the lab's folder: the number of folders between it and the one they lie in.
+        For each file outside the lab's folder, how many levels above that folder its path begins; see `Layout`.
     """
 
     id: str
@@ -75,7 +75,7 @@ class Submission:
 
 
 def original_name(path: Path) -> str:
-    """Return a submission's name: its folder's, or its file's without the suffix."""
+    """Return a submission's name: that of its folder or file, of an archive without the suffix; ``submission`` if that is empty."""
     name = Path(os.path.abspath(path)).name  # "." has a name too
     suffix = next((suffix for suffix in (*ARCHIVES, *FOREIGN_ARCHIVES) if has_suffix(name, (suffix,))), "")
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
@@ -100,7 +100,7 @@ def read_submission(
     Raises
     ------
     RequestError
-        If there is nothing at `path`. Whatever is inside ends in a `Submission`.
+        If there is nothing at `path`. Any content, even damaged, gives a `Submission`.
     """
     name = original_name(path) if name is None else name
     id = safe_id(name) if id is None else id
@@ -128,7 +128,7 @@ def read_submission(
 
 
 def unread(id: str, name: str, why: str) -> Submission:
-    """Return a submission that could not be read for a reason outside this package."""
+    """Return an unreadable submission; `why` is a sentence of the caller, such as that reading took too long."""
     return _nothing_to_mark(id, name, "unreadable", (why,), {})
 
 

@@ -13,9 +13,9 @@ from grader.engine.results import CheckResult, CriterionResult, Result
 class Person:
     """A person who handed in. `key` is the platform's identifier: a Canvas user id, a Moodle participant number, a user name.
 
-    `platform` says whose name that is; "" where it is the name of a folder or an archive. `sid` is the student number, and `ids`
-    holds every other identifier that the roster has of them: logins, user names, GitHub names. `listed` is the number that the
-    roster has of everybody, from the same column.
+    `platform` is the platform of that key; "" if `key` is the name of a folder or an archive. `sid` is the student number, and
+    `ids` holds every other identifier in the person's row of the roster: logins, user names, GitHub names. `listed` is the first
+    number of that row; "" without a roster.
     """
 
     name: str
@@ -29,7 +29,7 @@ class Person:
 
     @property
     def number(self) -> str:
-        """The one identifier that stands in every file: the roster's number, else one of the platform, else the e-mail address."""
+        """The identifier in every exported file: the roster's or student number, else the platform key, else the e-mail address."""
         return self.listed or self.sid or self.key or self.email
 
     @property
@@ -73,7 +73,7 @@ class HandIn:
     Attributes
     ----------
     people
-        One, or all members of a group.
+        One person, or all members of a group; empty if no platform names them.
     submitted
         Time of the hand-in, ISO 8601 with offset; "" if it is unknown.
     due
@@ -224,7 +224,7 @@ class FinalGrade:
 
     @property
     def adjusted(self) -> float | None:
-        """Return the final grade before the late deduction; None while points are open."""
+        """Return the final grade before the late deduction; None while points are open or the submission is `unseen`."""
         return _sum_of(each for each in self.terms if each.name != "late") if self.terms else None
 
     @property
@@ -234,7 +234,7 @@ class FinalGrade:
 
     @property
     def final(self) -> float | None:
-        """Return the final grade, the sum of its terms; None while points are open."""
+        """Return the final grade, the sum of its terms; None while points are open or the submission is `unseen`."""
         return _sum_of(self.terms) if self.terms else None
 
     @property
@@ -257,7 +257,7 @@ class FinalGrade:
         return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
-        """Return the points of a criterion from overrides, or else the automatic ones; None if any are open, or it is `unseen`.
+        """Return a criterion's points, from overrides or else automatic; None if any are open, or the submission is `unseen`.
 
         Without a submission there are only overrides, so a criterion without one has None.
         """
@@ -332,7 +332,7 @@ def points_by_check(criterion: CriterionResult) -> dict[str, float | None]:
 
 
 def automatic_points(result: Result, target: str) -> dict[str, float | None] | None:
-    """Return the automatic points of each check that an override of `target` replaces; None if there is no such target."""
+    """Return the automatic points of each check that an override of `target` replaces ({} for `BONUS`); None for an unknown one."""
     if target == BONUS:
         return {}
     criteria = {criterion.id: points_by_check(criterion) for criterion in result.criteria}

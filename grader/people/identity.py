@@ -69,7 +69,7 @@ class Directory:
         return self._best_match(row)[1]
 
     def find_each(self, rows: Sequence[PersonRow]) -> list[Match | None]:
-        """Return the match of each row of a table. Of two rows for one person the surer wins; equally sure ones match nobody."""
+        """Return each row's match or None. Of rows for one person, that with the surest identifier counts; none in a tie."""
         found = [self._best_match(row) for row in rows]
         claims: dict[Match, set[tuple[int, PersonRow]]] = {}
         for row, (sureness, match) in zip(rows, found, strict=True):
@@ -117,7 +117,7 @@ class PersonLookup:
         self._ids, self._directory = people.keys(), Directory(people)
 
     def by(self, word: str) -> str:
-        """Return the id of the submission that a word identifies; the word itself if none does.
+        """Return the id of the submission that a word identifies; the word itself if it identifies no submission.
 
         Raises
         ------
@@ -191,12 +191,12 @@ def _match_in_words(match: Match) -> str:
 
 
 def participant(cell: str) -> str:
-    """Return the number in Moodle's `Participant 1234`, whose word depends on the language of the site."""
+    """Return the number in Moodle's `Participant 1234` (the word depends on the site's language); other text as it is."""
     found = _PARTICIPANT.fullmatch(cell.strip())
     return found[1] if found else cell.strip()
 
 
 def spellings(name: str) -> set[str]:
-    """Return the rotations of a name's words, joined without signs, so that ``Doe, Jane`` and ``doejane`` equal ``Jane Doe``."""
+    """Return the rotations of a name's words, joined without spaces and punctuation, so that ``Doe, Jane`` matches ``janedoe``."""
     words = [word for word in _NO_WORD.split(name.casefold()) if word]
     return {"".join((*words[i:], *words[:i])) for i in range(len(words))}

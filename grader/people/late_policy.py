@@ -41,7 +41,7 @@ def in_zone(stamp: str, policy: LatePolicy | None) -> str:
 
 
 def judged_again(final_grade: FinalGrade, policy: LatePolicy | None) -> FinalGrade:
-    """Return the final grade with the lateness by this policy."""
+    """Return the final grade with its lateness computed again by this policy, as after a change of the policy."""
     names = (final_grade.id, final_grade.result.submission)
     return replace(final_grade, hand_in=judged(final_grade.hand_in, policy, names))
 

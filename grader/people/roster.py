@@ -91,7 +91,7 @@ class RosterRow:
         )
 
     def merged(self, other: RosterRow) -> RosterRow:
-        """Return this row with the facts that count of two rows, of one person or of two members of a group."""
+        """Return this row merged with another one of the same person or group; `_FACTS` tells which of two values counts."""
         return replace(
             self, **{fact: of_two(getattr(self, fact), getattr(other, fact)) for fact, of_two in _FACTS.items()}
         )
@@ -129,7 +129,7 @@ NO_ROSTER = Roster()
 
 
 def load(path: Path, zone: tzinfo | None = None) -> Roster:
-    """Read a roster. `zone` is the time zone of times in a worksheet of Moodle, which have none.
+    """Read a roster. `zone` is the time zone of the times in a Moodle worksheet; without it these times are left out.
 
     Raises
     ------
@@ -208,8 +208,8 @@ def _with_offset(text: str, zone: tzinfo | None) -> str:
 class RosterMatch:
     """Hand-ins of a class with the roster's facts, and the rows and hand-ins without a match.
 
-    `rows` has the merged rows of the people of each hand-in that matches, and `doubtful` a line on each row that resembles somebody
-    and matches nobody.
+    `rows` has one merged row for each hand-in that matches, `absent` the rows without a hand-in, and `doubtful` a line on each row
+    that contradicts another one, or that resembles somebody and matches nobody.
     """
 
     hand_ins: Mapping[str, HandIn]

@@ -17,7 +17,7 @@ LATE = re.compile(r"\b(late|verspätet|en retard|con retraso)\b", re.IGNORECASE)
 
 
 def local_time(text: str) -> str:
-    """Return a time such as ``Friday, 20 November 2026, 11:03 PM`` as ``2026-11-20T23:03``; "" for other text."""
+    """Return a time of a Moodle worksheet, ``Friday, 20 November 2026, 11:03 PM``, as ``2026-11-20T23:03``; "" for other text."""
     found = _TIME.fullmatch(text.strip())
     if found is None:
         return ""
