@@ -74,7 +74,7 @@ def test_names_of_tests_and_files_exist() -> None:
 
 SYMPTOMS = """
 imugrade: command not found | error: externally-managed-environment | No module named venv, or ensurepip is not available
-Requires-Python >=3.10 | Could not find a version that satisfies the requirement mujoco | No module named 'mujoco' | ParseXML: Error opening file
+requires a different Python, or Requires-Python >=3.10 | Could not find a version that satisfies the requirement mujoco | No module named 'mujoco' | ParseXML: Error opening file
 Invalid wheel filename, is not a valid wheel filename, or the file does not exist | SyntaxError, IndentationError, TabError | No module named 'pandas'
 The truth value of an array with more than one element is ambiguous | No points for a picture that looks right
 94 at home and 80 from the instructor | 100 at home, and the platform says something else | I think that the grader is wrong
