@@ -9,7 +9,6 @@ from collections.abc import Callable, Set
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -51,7 +50,6 @@ def only(found: dict[str, float], checks: Set[str]) -> bool:
 # --- readers ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 @given(which=BOTH, order=ORDERS, signs=SIGNS)
 def test_a_reader_loses_points_once_for_axes_in_another_order_or_of_another_sign(
     which: tuple[int, ...], order: list[int], signs: Array
@@ -62,7 +60,6 @@ def test_a_reader_loses_points_once_for_axes_in_another_order_or_of_another_sign
     assert found == {} if sound else only(found, {"matches_truth"})
 
 
-@pytest.mark.slow
 @given(which=BOTH, factor=OTHER_SCALES, offset=st.floats(-3.0, 3.0))
 def test_a_reader_loses_points_once_for_another_scale_or_zero(
     which: tuple[int, ...], factor: float, offset: float
@@ -153,7 +150,6 @@ def test_a_filter_whose_weights_do_not_sum_to_one_loses_points_once(gain: float)
     assert only(found, {"follows_recursion", "passes_constant", "preserves_signal"})
 
 
-@pytest.mark.quick
 def test_what_is_sound_loses_nothing() -> None:
     """Else the properties above could hold of anything."""
     assert recorded(lambda t, a, g, _dt: (t, a, g)) == {}
