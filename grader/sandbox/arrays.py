@@ -33,7 +33,7 @@ def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], 
     Raises
     ------
     ValueError
-        If an array is of a kind that is not sent, or has more than `most` bytes.
+        If an array has a dtype or shape that is not sent, or has more than `most` bytes.
     """
     layout: list[list[Any]] = []
     chunks: list[bytes] = []

@@ -36,7 +36,7 @@ class Deadline:
 
     Code that computes on a busy machine may take many times its CPU time; it is never cut off for that, or a mark would depend
     on what else the machine does: the wall clock leaves out what was spent waiting for a processor. At ten times the limit, or
-    at `most_s` before, an end is made of it whatever it does.
+    at `most_s` if that is earlier, the answer is cut off whatever the code does.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Deadline:
         self._seen, self._idle_s = (0.0, 0.0), 0.0
 
     def nap(self) -> float:
-        """Return how long no limit can be exceeded; raises DeadlineError when one has been."""
+        """Return the seconds in which no limit can be exceeded, to sleep for; raise DeadlineError if a limit is exceeded."""
         cpu_s, wall_s = self._cpu() - self._cpu_start, self._wall() - self._wall_start
         last_cpu_s, last_wall_s = self._seen
         if cpu_s - last_cpu_s <= _IDLE_SHARE * (wall_s - last_wall_s):

@@ -22,7 +22,7 @@ def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough:
 
     Parameters
     ----------
-    folders : of the worker code, then of the questions
+    folders : the package folder of the worker code, then that of the questions
     search : `sys.path` from now on
     """
     sys.path[:] = search

@@ -15,7 +15,7 @@ class IsolationLevel:
     name
         Its name in `provenance.isolation`, `imugrade doctor` and `--isolation`.
     around, needs
-        Texts: what surrounds a worker, and what a machine must allow for it.
+        Texts: what surrounds a worker, and what a machine must allow for this level.
     isolates
         Whether it isolates student code at all.
     own_root
@@ -99,5 +99,5 @@ PROMISES = (
 
 
 def named(name: str) -> IsolationLevel | None:
-    """Return the isolation level of this name; None if there is none."""
+    """Return the isolation level of this name; None if no level has it."""
     return next((isolation_level for isolation_level in LEVELS if isolation_level.name == name), None)

@@ -48,7 +48,7 @@ class Zygote:
     IsolationRefusedError
         If the kernel refuses the isolation, or it does not hold when tried from inside.
     ZygoteGoneError
-        If it was killed before it was isolated, which says nothing about the machine.
+        If the zygote was killed before it was isolated, which says nothing about the machine.
     """
 
     def __init__(self, isolation_level: IsolationLevel, contents: Contents) -> None:
@@ -177,9 +177,9 @@ class Zygote:
         Raises
         ------
         ZygoteGoneError
-            If the zygote died over them.
+            If the zygote died during the imports.
         GraderError
-            If they failed, with their error.
+            If an import failed, with its error.
         """
         with self._lock:
             if self._ready:

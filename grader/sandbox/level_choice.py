@@ -43,7 +43,7 @@ def _try_level(isolation_level: IsolationLevel) -> LevelResult:
 
 
 def caveat(zygote: Zygote) -> str:
-    """Return what is missing on an isolation level that works; empty if nothing is."""
+    """Return what a working isolation level lacks on this kernel, for reports; "" if it is complete."""
     return "this kernel has no Landlock; the other layers hold" if zygote.without_landlock else ""
 
 
@@ -64,7 +64,7 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 
 
 def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
-    """Start a zygote on the best level that works, None if none does; also return why no better level works."""
+    """Return a zygote on the best level that works (None if no level works), and why no better level works."""
     refused: list[str] = []
     for isolation_level in filter(lambda each: each.isolates, LEVELS):
         try:

@@ -24,7 +24,7 @@ _LIMITS = (
 
 
 def enforce(*, leave_out: tuple[str, ...] = ()) -> None:
-    """Set every limit that this system knows and accepts, never above what was inherited."""
+    """Set every resource limit (rlimit) of a worker that this system knows, never above the inherited limit."""
     for name, value in _LIMITS:
         if name not in leave_out and hasattr(resource, name):
             _lower(getattr(resource, name), value)

@@ -99,7 +99,7 @@ def _closure(names: Iterable[str], known: Mapping[str, Sequence[Installed]], *, 
 
 
 def installed(folder: str) -> list[Installed]:
-    """Return the distributions of a package folder, from their ``.dist-info`` and ``.egg-info`` records."""
+    """Return the distributions of a package folder, from their metadata folders; empty if the folder is unreadable."""
     try:
         names = sorted(os.listdir(folder))
     except OSError:

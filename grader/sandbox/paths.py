@@ -12,7 +12,7 @@ Link = tuple[str, str]  # where it is, what it says
 
 
 class Step(NamedTuple):
-    """One step of making a root: "show" a place, "hide" one, or repeat a "link" to `target`."""
+    """One step of building a sandbox's root: "show" a path, "hide" a path, or copy a symbolic "link" to `target`."""
 
     kind: str
     place: str
@@ -30,7 +30,7 @@ def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
     Returns
     -------
     tuple
-        The place where it ends (without `root`), or None if there is nothing, and the links on the way.
+        The path where it ends (without `root`; None if nothing exists there), and the links on the way.
     """
     place, waiting = "/", list(PurePosixPath(path).parts[1:])
     links: list[Link] = []
@@ -78,7 +78,7 @@ def _kind_over(path: str, done: Mapping[str, str]) -> str:
 
 
 def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
-    """Return the places that are shown whole, and the folders that may only be listed, for rules that cannot subtract."""
+    """Return the paths that are shown whole and the folders that may only be listed, as Landlock rules cannot exclude paths."""
     steps = list(steps)
     hidden = [step.place for step in steps if step.kind == "hide"]
     whole: list[str] = []

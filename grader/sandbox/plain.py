@@ -29,7 +29,7 @@ _READY_WITHIN_S = 300.0
 
 
 class PlainProcess:
-    """Handle of a worker process of the level `none`, which has limits of time alone; see `process.Process`."""
+    """Handle of a worker process of the level `none`, which has time limits only; see `process.Process`."""
 
     def __init__(self, contents: Contents, printed: Printed) -> None:
         self._code: int | None = None

@@ -48,8 +48,8 @@ class Plan:
     ----------
     isolation_level
         The level that is set up.
-    worker code, questions
-        The folders that are imported as packages; no questions are "".
+    worker_code, questions
+        The folders that are imported as packages; `questions` is "" if the lab has none.
     visible, hidden
         What can be read in the sandbox, and what below that cannot.
     code

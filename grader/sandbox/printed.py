@@ -26,7 +26,7 @@ class Printed:
         self.fd: int = self._file.fileno()
 
     def read(self) -> str:
-        """Return what student code has printed so far, at most 256 KB, undecodable bytes replaced."""
+        """Return what student code has printed so far, at most 256 KB, undecodable bytes replaced; "" when closed."""
         if self._file.closed:
             return ""
         # The offset is shared with the worker, which may have moved it: clamped, and never moved here.
@@ -34,7 +34,7 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return the statement that the worker wrote down last, to find a deadly one; student code may have written anything."""
+        """Return the statement that the worker noted last, to find one that killed it; untrusted, and "" if it cannot be read."""
         if self._file.closed or not hasattr(os, "pread"):
             return ""
         return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")

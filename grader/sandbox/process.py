@@ -11,7 +11,7 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Return whether this is the main thread, with which the kernel may end a child: other threads may end earlier."""
+    """Return whether this is the main thread, to which the kernel may tie a child's end: other threads may end earlier."""
     return threading.current_thread() is threading.main_thread()
 
 

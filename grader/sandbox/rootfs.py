@@ -81,7 +81,7 @@ def _mount_cache() -> None:
 
 
 def freeze_cache() -> None:
-    """Make the cache of matplotlib and fonts read-only: one worker could leave there what the next one reads."""
+    """Make the cache of matplotlib and fonts read-only: a worker could otherwise leave data there for the next one."""
     linux.mount_setattr(CACHE, _READ_ONLY | linux.MS_NOEXEC, recursive=False)
 
 

@@ -179,7 +179,7 @@ class Worker:
 
     @property
     def wall_s(self) -> float:
-        """Seconds on the clock since the worker was ready, without those in which it waited for a processor."""
+        """Wall-clock seconds since the worker was ready, without those in which it waited for a processor."""
         return self._process.wall_s()
 
     def ask(
@@ -240,7 +240,7 @@ class Worker:
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:
-        """Return what the worker code wrote down last at `printed.PLACE_AT`, in case it does not come back; it may be anything."""
+        """Return the statement that the worker noted last, to find one that killed it; untrusted, as student code may write it."""
         return self._printed.place()
 
     def close(self) -> None:

@@ -147,7 +147,7 @@ def compile_once(folders: Sequence[str]) -> None:
 
 
 def zygote() -> str:
-    """Return the path of the script with which a zygote is started."""
+    """Return the path of the script with which a zygote (the warm parent) is started."""
     return str(_HERE / "zygote.py")
 
 

@@ -31,7 +31,7 @@ def run(line: socket.socket, answer: Answer) -> None:
 
 
 def refuse_questions(line: socket.socket, reason: str) -> None:
-    """Tell the grader instead of `run` that the worker could not be isolated, and why."""
+    """Tell the grader why the worker could not be set up; called in place of `run`."""
     line.sendall(wire.pack(NO_NONCE, {"ready": False, "reason": reason}, {}))
 
 

@@ -44,7 +44,7 @@ def remember_classes() -> None:
 
 
 def remember(*kinds: type) -> None:
-    """Record the present members of these classes, after the worker code has replaced some."""
+    """Record the present members of these classes anew, so that replacements by the worker code are no change."""
     _CLASSES.update((kind, dict(vars(kind))) for kind in kinds)
 
 
@@ -89,7 +89,7 @@ def _generated(kind: type) -> bool:
 
 
 def place(axes: Any) -> Any:
-    """Return a panel's position as fractions of the whole figure; its own position is relative to its subfigure."""
+    """Return a panel's position as fractions of the whole figure; `axes` itself has the position in its subfigure."""
     return axes.bbox.transformed(axes.get_figure().canvas.figure.transFigure.inverted())
 
 

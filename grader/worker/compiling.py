@@ -31,7 +31,7 @@ def units_in(source: bytes, path: str, *, flags: int = 0) -> list[statements.Uni
 
 
 def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
-    """Return the facts of the first unresolved merge conflict in a file, in the form of `faults.describe`; none without one."""
+    """Return the facts of the first unresolved merge conflict in a file, in the form of `faults.describe`; empty without one."""
     lines = source.decode("utf-8", "replace").splitlines()
     at = [next((n for n, line in enumerate(lines) if line.startswith(marker)), -1) for marker in _CONFLICT]
     if not -1 < at[0] < at[1] < at[2]:
@@ -41,7 +41,7 @@ def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
 
 
 def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:
-    """Return the top-level statements of a file that parse, where the file as a whole does not."""
+    """Return the top-level statements that parse of a file that does not as a whole; empty if no part can be saved."""
     own = faults.own_name(path)
     try:
         lines = _decoded(source).splitlines()

@@ -49,7 +49,7 @@ class Preview:
 
 
 def reads_pictures_back(sources: Iterable[bytes]) -> bool:
-    """Return whether a submission may look at a picture that it drew: its pixels, or the file's size."""
+    """Return whether a submission may read a picture that it drew (pixels, file size), so that it must be drawn in full."""
     return any(_READS_BACK.search(source) for source in sources)
 
 

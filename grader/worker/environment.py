@@ -65,17 +65,17 @@ _INSTEAD: dict[str, str] = {}
 
 
 def redirect_missing(ending: str, place: str) -> None:
-    """From now on a path that ends so and that is missing stands for the file `place` of the scratch folder."""
+    """Redirect missing paths that end with `ending` to the file `place` of the scratch folder, such as the model's."""
     _INSTEAD[ending] = place
 
 
 def is_redirected(path: Any) -> bool:
-    """Return whether a path ends as one of the redirected ones does."""
+    """Return whether a path has an ending that `redirect_missing` redirects."""
     return _ending(path) in _INSTEAD
 
 
 def redirected(path: Any) -> Any:
-    """Return the file that a path stands for: the path itself if it exists, or does not end as a redirected one does."""
+    """Return the file to open for a path: the path itself if it exists or has no redirected ending, else its replacement."""
     ending = _ending(path)
     if ending in _INSTEAD:
         try:

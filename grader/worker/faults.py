@@ -28,7 +28,7 @@ def is_own(name: str) -> bool:
 
 
 def fault_at(path: str, line: int, message: str) -> dict[str, Any]:
-    """Return facts in the form of `describe` for a line that did not raise."""
+    """Return facts in the form of `describe` for a line that is reported although it did not raise."""
     return {"type": "", "message": message, "file": path[:200], "line": line, "text": None, "name": None}
 
 
@@ -111,5 +111,5 @@ def message_of(error: BaseException) -> str:
 
 
 def mask_addresses(text: str) -> str:
-    """Mask memory addresses and other long integers in a text, which differ from run to run."""
+    """Mask memory addresses and other long integers, which differ from run to run, so that two runs give equal texts."""
     return _LONG_INTEGER.sub("…", _ADDRESS.sub("0x…", text))

@@ -35,7 +35,7 @@ class MissingImports:
     units : the file's statements
     libraries : those of the sheet, by the names that it imports them under
     wanted : the names that the sheet asks for, some of which partner files define
-    find : returns what a name stands for; None where nothing does
+    find : returns the object that a name stands for; None if there is no such object
     """
 
     def __init__(

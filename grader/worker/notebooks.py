@@ -50,7 +50,7 @@ def files_written(content: bytes) -> dict[str, str]:
 
 
 def plain_python(cell: str) -> str:
-    """Return a cell without magics, shell lines and ``?`` marks. Line numbers do not change.
+    """Return a cell without magics, shell lines and ``?`` marks, with the same line numbers; "" for a cell in another language.
 
     A line is replaced only if the parser rejects it, because a valid line may begin with ``%`` inside brackets.
     """

@@ -47,7 +47,7 @@ def written_pictures(folder: str) -> list[str]:
 
 
 def content_of(target: Any) -> tuple[bytes | None, str | None]:
-    """Return the bytes that `savefig` just wrote to its target (a path or a buffer), and the path."""
+    """Return the bytes that `savefig` wrote to a path or a buffer, and the path; None for what is unreadable or has no path."""
     if isinstance(target, str | os.PathLike):
         place = os.path.abspath(os.fspath(target))
         return _read(place if os.path.exists(place) else f"{place}.png"), place

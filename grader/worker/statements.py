@@ -36,7 +36,7 @@ DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 class OutOfTimeError(BaseException):
-    """A statement exceeded its time. It is no `Exception`, so that `except Exception` in student code does not catch it."""
+    """A statement exceeded its time. It is a BaseException, so that `except Exception` in student code does not catch it."""
 
 
 class MissingName:
@@ -56,7 +56,7 @@ class MissingName:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit that is run at once: a statement, or a notebook cell that awaits something."""
+    """Piece of code that is run as a whole: a statement, or a notebook cell with a top-level `await`."""
 
     number: int
     node: ast.stmt
@@ -132,7 +132,7 @@ class StatementRunner:
     Parameters
     ----------
     skipped : (file, number of the statement) -> reason why it is not run again
-    place : offset and size of the space in descriptor 1 to which the running statement is written
+    place : offset and size of the space in descriptor 1 where the running statement is noted, to find one that kills the worker
     wanted : the required names; a failed statement is recorded with those that it would have defined
     """
 

@@ -42,5 +42,5 @@ STATE = _State()
 
 
 def find(name: str, path: str) -> Any:
-    """Return the object that a loaded file of the submission defines under a name; raise KeyError if there is none."""
+    """Return the object that a loaded file of the submission defines under a name; raise KeyError if it defines no such name."""
     return vars(STATE.modules[path])[name]

@@ -74,7 +74,7 @@ def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None
 
 
 def three(vector: Array | None) -> Array:
-    """Return the first three components, with NaN for missing ones, as a vector to compare."""
+    """Return the first three components, NaN for missing ones or a missing vector, so that any answer can be compared."""
     out = np.full(3, np.nan)
     if vector is not None:
         out[: min(3, vector.size)] = vector[:3]
@@ -87,12 +87,12 @@ class Readings:
 
     Attributes
     ----------
-    accel, gyro : (p, k, 3) ndarray, per pair of sensors and state; NaN where nothing usable came
+    accel, gyro : (p, k, 3) ndarray, for p pairs of sensors and k states; NaN where no vector was returned
     later_accel, later_gyro : (p, 3) ndarray, the first state's readings looked at again after the simulation moved on
-    oddities : what was odd about the form, in words, each once
-    whole : whether each vector that came has three numbers
+    oddities : the deviations of the returned form from the sheet, in words, each once
+    whole : whether each returned vector has three numbers
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
-    error : what the reader raised, if it did
+    error : the exception that the reader raised; None if it raised none
     departs : the sheet's names of the parameters by which it could not be called as the sheet does
     """
 
@@ -132,9 +132,9 @@ class FilterRun:
     Attributes
     ----------
     output : (n, 3) ndarray, fewer rows where it raised, rows of NaN where no vector came; None where nothing came
-    odd : what came in place of the first missing vector
-    input_changed : whether a measurement or the initial value was written into
-    output_changed : whether the first output is another one after the last update
+    odd : in words, what the filter returned in place of the first missing vector
+    input_changed : whether the filter wrote into a measurement or into the initial value
+    output_changed : whether the first output has other numbers after the last update
     departs : as of `Readings`
     """
 

@@ -25,9 +25,9 @@ class Collection:
     ----------
     time : (n,) ndarray or None; acceleration, angular_velocity : (n, 3) ndarray or None
     keys : the submission's own name for each of the three
-    extras : everything else with numbers in it, by the submission's own names
-    oddities : what was odd about names and shapes, as ids of faults with a sentence
-    changed : names of model fields that differ afterwards
+    extras : the other returned values that hold numbers, by the submission's own names
+    oddities : deviations of names and shapes from the sheet, as ids of faults with a sentence
+    changed : names of model fields that the call changed
     first_step : what the sandbox says of the state before the first step: a hint, to be run again before it is believed
     absent : the sensor whose rows could not be found while the other's were; its rows are NaN
     last_alone : whether only the last row was filled; all rows then have its numbers
@@ -51,7 +51,7 @@ class Collection:
 
     @property
     def sensors(self) -> tuple[Array | None, Array | None]:
-        """The rows of the accelerometer and of the gyroscope, in the order of `SENSORS`."""
+        """The rows of the accelerometer and of the gyroscope, in the order of `SENSORS`; None for a missing sensor."""
         return self.acceleration, self.angular_velocity
 
     @cached_property

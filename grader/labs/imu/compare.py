@@ -64,7 +64,7 @@ def same_where_known(got: Array, expected: Array, atol: float) -> bool:
 
 
 def share_among(values: Array, others: Array, atol: float) -> float:
-    """Return the share of the values that occur anywhere among the others, within `atol`."""
+    """Return the share of the values that occur anywhere among the others, within `atol`, to recognise reordered rows."""
     there, sought = np.sort(others, axis=None), values.ravel()
     at = np.clip(np.searchsorted(there, sought), 1, len(there) - 1)
     return float(np.mean(np.minimum(np.abs(there[at] - sought), np.abs(there[at - 1] - sought)) <= atol))

@@ -13,7 +13,7 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(lab: Lab, model: Model) -> LabFile | None:
-    """Return the instructor's own robot with its public traces, which students without the reference solution cannot record."""
+    """Return the instructor's own robot with its public traces, which students cannot record; None for the lab's robot."""
     if model.is_lab:
         return None
     traces = obtain(lab, None, model=model)

@@ -13,7 +13,7 @@ Facts = TypeVar("Facts")
 
 
 class Departure(TypedDict):
-    """The definition, and the sheet's names of what it takes or offers in another way; none of them is the student's."""
+    """Texts of a message: the definition, and the sheet's (never the student's) names of what it takes or offers otherwise."""
 
     name: str
     departs: str
@@ -26,7 +26,7 @@ CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: 
 def departures(
     name: str, departs_of: Callable[[Facts], Sequence[str]]
 ) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
-    """Return, by fault, a measure of how the calls of `name` depart from the sheet's; `departs_of` says in what they do."""
+    """Return, by fault, a measure of how the calls of `name` depart from the sheet's; `departs_of` returns the parameters."""
 
     def measure_of(fault: str) -> Callable[[Facts], Deviation[Departure] | None]:
         def measured(facts: Facts) -> Deviation[Departure] | None:

@@ -217,7 +217,7 @@ class Plotting(SubmissionSession):
                 return None
 
     def picture(self, name: str) -> Picture | None:
-        """Return the facts of a handed-in picture; None where it was not handed in, or cannot be read."""
+        """Return the facts of a handed-in picture; None if the picture was not handed in, or cannot be read."""
         if name not in self.files:
             return None
         return self.once_named(name, ("picture", name), lambda: self._decode(name))
@@ -231,7 +231,7 @@ class Plotting(SubmissionSession):
             return None
 
     def further_scripts(self) -> list[str]:
-        """Return up to three other scripts to run for their figures: those that call `savefig`, or that no file imports."""
+        """Return up to three other scripts to run: those that call `savefig`, or that no file imports; none if no file saves."""
         code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
         saving = {path for path, content in code.items() if b"savefig" in content}
         if not saving:

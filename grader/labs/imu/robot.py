@@ -24,7 +24,7 @@ LAB_IMU = ("torso_accelerometer", "torso_gyroscope")
 class Model:
     """The model that is simulated (`path` None: the lab model) and the names of its IMU's two sensors.
 
-    `source` is what messages call the rubric that names it, and `lines` where: by `path`, `accelerometer`, `gyroscope`.
+    `source` is what messages call the rubric that names it, and `lines` its lines by key: `path`, `accelerometer`, `gyroscope`.
     """
 
     path: Path | None = None

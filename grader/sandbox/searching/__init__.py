@@ -20,7 +20,7 @@ def warm_up(thorough: bool) -> None:
 
 
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Try to open every file below `roots`; find those that bear a name of ours, and sources that hold one of the `phrases`."""
+    """Try to open every file below `roots`; find those with a name of the grader's, and sources that hold one of the `phrases`."""
     del op, arrays
     phrases = [phrase.encode() for phrase in fields["phrases"]]
     opened, found = 0, []

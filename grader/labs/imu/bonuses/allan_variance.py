@@ -54,7 +54,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Finite averaging times and deviations (k,) of the first column, sorted by time and thinned to 200."""
+        """Finite averaging times and deviations (k,) of the first column, sorted, at most 200; None without such arrays."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
@@ -64,7 +64,7 @@ class AllanRun:
 
     @property
     def stop(self) -> Exception | None:
-        """The exception because of which the curve cannot be judged; None if it can."""
+        """The exception because of which the curve cannot be judged; None if the curve can be judged."""
         if self.error:
             return Raised(self.error, "computing the Allan deviation")
         if self.curve is None:
@@ -145,7 +145,7 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """Content of a student's curves: an Allan deviation (`fault` is ""), the estimate of a fault, or an unknown one (None)."""
+    """What a student's curves are: an Allan deviation (`fault` ""), the estimate of a known fault, or unexplained (None)."""
 
     fault: str | None
     seconds: bool = True
@@ -168,7 +168,7 @@ def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_
 
 
 def meaning(records: Sequence[Record], rate: float) -> Meaning:
-    """Return the estimate and the unit of time that explain the curves of all records.
+    """Return the estimate and the unit of time that explain the curves of all records; `fault` None if none explains them.
 
     White noise alone is not enough: a missing factor one half looks like averaging times that are twice too long.
     """
@@ -205,7 +205,7 @@ class Allan:
 
     Attributes
     ----------
-    rate : of the samples, in Hz
+    rate : sampling rate in Hz
     white : the run for white noise; together : for three axes at once; alone : for each axis by itself
     records : by kind of noise, averaging times (k,), deviations (k,) and the samples (n,); empty if one of them has no curve
     stopped : by check, what kept its property from being measured
@@ -235,7 +235,7 @@ class Allan:
 
     @property
     def worst(self) -> Record:
-        """The first record whose curve is not its Allan deviation over averaging times in seconds."""
+        """The first record whose curve is not its Allan deviation over seconds, as the example for the message."""
         records = (self.records[kind] for kind in _RECORDS)
         return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
 

@@ -69,7 +69,7 @@ class TiltRun:
 
     @property
     def stop(self) -> Exception | None:
-        """The exception because of which the output cannot be judged; None if it can."""
+        """The exception because of which the output cannot be judged; None if the output can be judged."""
         whole = np.isfinite(self.output).all()
         return self.raised or (None if whole else Skipped("two finite numbers from every update()"))
 
@@ -102,9 +102,9 @@ class Response:
     Attributes
     ----------
     turn : (2, 2) ndarray, roll and pitch (columns) per unit of a turn about x and about y (rows)
-    first : (2,) ndarray, the share of the tilt that comes out at once
-    settled : (2,) ndarray, what comes out in the end, in rad
-    moved : whether the tilt changed anything
+    first : (2,) ndarray, the share of the tilt that the first output has
+    settled : (2,) ndarray, the last output, in rad
+    moved : whether the tilt changed the outputs
     """
 
     turn: Array
@@ -119,7 +119,7 @@ class Response:
 
     @property
     def follows_at_once(self) -> bool:
-        """Return whether nearly all of a tilt comes out at once."""
+        """Return whether the first output has nearly all of a tilt, as that of the accelerometer alone has."""
         return bool(np.all(np.abs(self.first - 0.98) < 0.015))
 
 
@@ -129,7 +129,7 @@ class Tilt:
 
     Attributes
     ----------
-    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers came; `odd` is what came then
+    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; `odd` is the value returned there
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
     errors, alone : by check, the RMS error in its ride, and those of each sensor alone, in rad
     response : outputs after single changes of each sensor; None if some are missing

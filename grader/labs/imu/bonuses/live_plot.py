@@ -46,7 +46,7 @@ class LiveRun:
     ----------
     events : (k, 3) ndarray, each time that the curves had changed: seconds simulated, points drawn, changes so far
     curves : x and y (n,) of the curves of a few moments, the latest last
-    simulated : seconds in all
+    simulated : simulated time in all, in seconds
     """
 
     events: Array
@@ -61,7 +61,7 @@ class LiveRun:
 
     @property
     def changes_after(self) -> int:
-        """Number of changes of the curves at the simulated time of the last one: many were drawn after the simulation."""
+        """Number of changes of the curves at the latest simulated time: if there are many, they were drawn after the simulation."""
         moments = self.events[:, 0]
         return int(np.count_nonzero(moments == moments.max(initial=0.0)))
 

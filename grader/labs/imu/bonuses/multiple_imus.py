@@ -31,7 +31,7 @@ _FINDS, _MATCHES, _COPIES = "finds_every_place", "matches_truth", "readings_are_
 
 @dataclass(frozen=True)
 class ImuReadings:
-    """The results of `read_all_imus` in each state, by place; `later` is the first result, examined after the next step."""
+    """The results of `read_all_imus` in each state, by IMU; `later` is the first result, examined after the next step."""
 
     calls: tuple[Mapping[str, Reading], ...]
     later: Mapping[str, Reading]
@@ -73,24 +73,24 @@ class World:
 
     @cached_property
     def read(self) -> Mapping[str, Array]:
-        """Return the readings (k, 6) of each true place that the first call returned; NaN for a missing number."""
+        """Return the readings (k, 6) of each of the model's IMUs that the first call returned; NaN for a missing number."""
         first = self.got.calls[0] if self.got.calls else {}
         calls = {place: [_six(call.get(place)) for call in self.got.calls] for place in self.true if place in first}
         return {place: np.array(rows) for place, rows in calls.items()}
 
     @property
     def wrong(self) -> list[str]:
-        """Return the places whose readings differ from the truth."""
+        """Return the names of the IMUs whose readings differ from the truth."""
         return [place for place, rows in self.read.items() if not same(rows, self.true[place], ATOL)]
 
     @property
     def with_numbers(self) -> Mapping[str, Array]:
-        """Return the first readings by place, without places whose readings are all NaN."""
+        """Return the first readings by name of the IMU, without IMUs whose readings are all NaN."""
         return {place: rows[0] for place, rows in self.read.items() if np.isfinite(rows[0]).any()}
 
     @property
     def changed(self) -> list[str]:
-        """Return the places whose first reading changed during the next step: a view into MuJoCo's memory, not a copy."""
+        """Return the IMUs whose first reading changed during the next step, so is a view into MuJoCo's memory and no copy."""
         later = self.got.later
         return [
             p for p, row in self.with_numbers.items() if not np.array_equal(_six(later.get(p)), row, equal_nan=True)
@@ -98,7 +98,7 @@ class World:
 
     @property
     def repeats_one(self) -> bool:
-        """Return whether every place has the readings of the first place, as code that ignores the name gives."""
+        """Return whether every IMU has the readings of the first one, as code that ignores the name gives."""
         rows = list(self.read.values())
         return len(rows) > 1 and all(same(each, rows[0], 1e-9) for each in rows[1:])
 
@@ -114,7 +114,7 @@ def _six(reading: Reading | None) -> Array:
 
 @dataclass(frozen=True)
 class Imus:
-    """Facts about a `read_all_imus`: its readings in the lab's model and in one with other places."""
+    """Facts about a `read_all_imus`: its readings in the lab's model and in one with other IMUs."""
 
     lab: World
     other: World
@@ -130,7 +130,7 @@ class Imus:
 
 
 def measure(student: Student, truth: Traces) -> Imus:
-    """Ask `read_all_imus` for the IMUs of the lab's robot, even if the class uses another, and of a model with other places."""
+    """Ask `read_all_imus` for the IMUs of the lab's robot, even if the class uses another, and of a model with other IMUs."""
     sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
     many = truth["reading_many"]
     lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))

@@ -25,7 +25,7 @@ _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 
 def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Chart]:
-    """Yield a report's charts of the first figures of `plot_imu_data`, then of the scripts; one of several that look alike."""
+    """Yield a report's charts of the first figures of `plot_imu_data`, then of the scripts; one of figures that look alike."""
     told: set[tuple[object, ...]] = set()
     for drawing in (*([plotted] if plotted else []), *drawings):
         for figure in sorted(drawing.figures, key=lambda figure: not figure.is_saved):

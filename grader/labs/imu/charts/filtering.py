@@ -23,7 +23,7 @@ _LEAST_GAIN = 1e-4
 
 
 def chart(runs: Sequence[FilterRun] | None, truth: Scenario) -> Chart | None:
-    """Return the chart of a filter's input, output and correct output, of the run with the smallest alpha."""
+    """Return the chart of input, output and correct output of the run with the smallest alpha; None if outputs are missing."""
     signal, alpha = truth["input"], float(truth["alpha"][0])
     output = runs[0].output if runs else None
     if output is None or output.shape != signal.shape or not np.isfinite(output).all():

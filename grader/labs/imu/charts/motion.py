@@ -15,7 +15,7 @@ _AXES = ("x", "y", "z")
 
 
 def chart(series: Collection | None, truth: Scenario) -> Chart | None:
-    """Return the chart of what `simulate_and_collect` recorded in each row, over what the sensors read in that step."""
+    """Return the chart of what `simulate_and_collect` recorded, over the true readings; None if it recorded no sensor."""
     if series is None:
         return None
     told = [

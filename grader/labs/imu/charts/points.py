@@ -18,7 +18,7 @@ def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
 
 
 def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
-    """Indices of at most `most` of the errors (n,): the largest of each stretch, so that thinning hides none."""
+    """Return indices of at most `most` of the errors (n,), the largest of each stretch, so that a thinned chart hides no peak."""
     n = len(error)
     width = -(-n // most)
     filled = np.full(width * -(-n // width), -1.0)

@@ -73,7 +73,7 @@ class Explained:
 
     @property
     def count_off(self) -> Run | None:
-        """The run whose number of rows is not its number of steps, or None. Unfilled rows after the last step do not count."""
+        """The run with another number of rows than of steps; None without one. Unfilled rows after the last step do not count."""
         if all(complete(run.series) and abs(run.series.filled_rows - run.steps) <= 1 for run in self.facts.runs):
             return None
         off = [run for run in self.facts.runs if abs(run.length - run.steps) > 1]
@@ -139,7 +139,7 @@ class Explained:
 
     @property
     def keeps_timestep(self) -> Run | None:
-        """The run whose stamps have the time step of another model, as code with a hard-coded one gives; None if there is none."""
+        """The run whose stamps have the time step of another model, as code with a hard-coded step gives; None without one."""
         push, later = self.facts.push, self.facts.later
         if self.stamps_off > TIME_ATOL:
             return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
@@ -199,7 +199,7 @@ class Explained:
 
     @property
     def one_is_late(self) -> bool:
-        """Return whether one sensor has its true rows, and the other one each row of the step before."""
+        """Return whether one sensor has its true rows, and the other sensor has in each row its reading of the step before."""
         return not self.plain and any(self.is_right(which) and self._is_late(1 - which) for which in BOTH)
 
     def _is_late(self, which: int) -> bool:
@@ -243,7 +243,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and end before the run does; rows to its end cost at the check sample_count."""
+        """Return whether rows leave out steps and end before the run; rows to its end are deducted by the check sample_count."""
         return (
             self.push is not None
             and self.push.skip != 1
@@ -273,7 +273,7 @@ class Explained:
 
     @property
     def second_is_empty(self) -> bool:
-        """Return whether the first recording has rows and the second has none."""
+        """Return whether the first recording has rows and the second, of the same process, has none."""
         return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property
@@ -289,7 +289,7 @@ class Explained:
     def push_claim(self) -> Claim | None:
         """The start of the first run (state, gravity, time step, forces) as the worker reports it.
 
-        None if its rows are true. A robot that only stands, and is pushed later, gives true rows from another start.
+        None if the rows are true. A robot that only stands, and is pushed later, gives true rows from another start.
         """
         return Claim.of(self.series.first_step) if self._settles_first else _claim_of(self.push, self.facts.push)
 

@@ -170,7 +170,7 @@ class Facts:
 
 
 def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
-    """Return the facts about these runs, those of the model from the traces, and the fields in `more`."""
+    """Build the facts from these runs, from the model that the traces name, and from the fields in `more`."""
     lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
     gravity = np.asarray(lab.scalars["gravity"], float)
     return Facts(push, later, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
@@ -180,7 +180,7 @@ def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Ask for the recording of a scenario: "push", or "push_dirty" with another time step and data of an earlier run."""
+    """Return the recording of a scenario: "push", or "push_dirty" with another time step and data of an earlier run."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":
@@ -306,7 +306,7 @@ def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[A
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Record another run with the sheet's push; return the velocities (nv,) at the start of both, () if one is unknown."""
+    """Record another run with the sheet's push; return the velocities (nv,) at the start of both; () if one is unknown."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()

@@ -133,7 +133,7 @@ def _by_cost(run: Run) -> Iterator[Iterable[RowOrigin]]:
 
 
 def explain_altered(run: Run) -> RowOrigin | None:
-    """Return the explanation by a run whose numbers were altered: of one sensor in any way, or of both by one treatment each."""
+    """Return the run whose rows were altered: one sensor in any way, or both by one treatment each; None if none fits."""
     known = [RowOrigin(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
     changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
     return hypothesis.explain((replace(origin, altered=keys) for keys in changed for origin in known), run)

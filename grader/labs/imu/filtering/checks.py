@@ -14,14 +14,14 @@ from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Run
 
 
 class Output(TypedDict):
-    """An output that was wanted, and what came."""
+    """Numbers of a message: the output that was wanted, and the output of the student's filter."""
 
     wanted: str
     came: str
 
 
 class Step(Output):
-    """The same of a later output, and what the recursion makes it of."""
+    """Numbers of a message on a later output: both outputs, and the values that the recursion computes it from."""
 
     x: str
     before: str
@@ -29,7 +29,7 @@ class Step(Output):
 
 
 class Constant(Output):
-    """The same after a number of equal measurements."""
+    """Numbers of a message on an output after a number of equal measurements."""
 
     samples: int
 

@@ -44,7 +44,7 @@ _FEWEST = 6
 
 
 def recursion(alpha: float, x: Array, start: Array) -> Array:
-    """Return what the sheet's filter gives for measurements x (n, 3), with the first output `start` (3,)."""
+    """Return the outputs (n, 3) of the sheet's filter for measurements x (n, 3), with the first output `start` (3,)."""
     steps = itertools.accumulate(x[1:], lambda y, sample: alpha * sample + (1 - alpha) * y, initial=start)
     return np.array(list(steps))
 

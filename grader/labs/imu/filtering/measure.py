@@ -65,7 +65,7 @@ class Run:
 
     @cached_property
     def weights(self) -> tuple[float, float] | None:
-        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all axes obey, if any; until the output has run away."""
+        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all axes obey, up to outputs that diverge; None if there are none."""
         away = np.abs(self.y).max(axis=1) > _AWAY
         end = int(away.argmax()) if away.any() else len(self.y)
         x, y = self.x[:end], self.y[:end]
@@ -90,11 +90,11 @@ class Run:
 class Ownership:
     """Outputs (60, 3) of six filters for equal measurements (alpha 0.3), which show who can change the state of a filter.
 
-    The six differ in what happens beside them.
+    The six differ in what other code does in the meantime.
 
     Attributes
     ----------
-    alone, again : nothing happened beside them; beside : a second filter ran on other data
+    alone, again : no other code ran; beside : a second filter ran on other data
     spoilt_input, spoilt_output : the caller wrote into the array that went in, or that came out
     another_past : measurements 2 to 40 are larger by 3 m/s²; the first one and the others are the same
     stumbles : what a filter raises if another one existed before it
@@ -136,12 +136,12 @@ class Facts:
     Attributes
     ----------
     runs : a noisy signal for each alpha that was asked for, and for none (taken for 0.1)
-    from_initial : the same from an initial value, and from zeros
+    from_initial : runs of the same signal from an initial value, and from zeros
     noise, slow, constant : noise, slow waves and a constant (alpha 0.2)
     own : outputs that show whether other code can change the filter's state
-    odd : in words, what came in place of a vector; nothing_at_first : whether only the first output was missing
-    needs_alpha : what it raises where no alpha is given
-    departs : the sheet's parameters that it could not be called with
+    odd : in words, what was returned in place of a vector; nothing_at_first : whether only the first output was missing
+    needs_alpha : the exception that the filter raises if no alpha is given
+    departs : the sheet's parameters that the filter could not be called with
     stopped : by check, what kept its property from being measured
     """
 
@@ -176,7 +176,7 @@ class Facts:
 
     @cached_property
     def off(self) -> list[NDArray[np.bool_]]:
-        """Mark, in each run, the outputs from the second on that do not follow from the one before as in the sheet."""
+        """Masks, one a run, of the outputs from the second on that do not follow from the one before as in the sheet."""
         return [run.off > ATOL for run in self.runs]
 
     @property

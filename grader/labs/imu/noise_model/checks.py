@@ -21,7 +21,7 @@ CHANNELS = [f"{name} {axis}" for name in SENSOR_NAMES for axis in "xyz"]
 
 
 class Bias(TypedDict):
-    """The default bias of one instance: all that the texts about a sensor have in common, and what came."""
+    """Numbers of a message on the default bias: those that all texts about a sensor have, and the bias of one instance."""
 
     sensor: str
     unit: str
@@ -29,7 +29,7 @@ class Bias(TypedDict):
 
 
 class Spread(Bias):
-    """Standard deviation that was asked for, the number of reads, and the step to which they are rounded."""
+    """Numbers of a message on the noise's size: the standard deviation asked for, the number of reads, and their rounding step."""
 
     std: float
     reads: int
@@ -48,7 +48,7 @@ class GivenBias(Bias):
 class Law(TypedDict):
     """Numbers of the message on noise that is not white and normal.
 
-    `beside` is the mean beside the bias, `grain` the step of rounding, `memory` the correlation with earlier reads, `most` the
+    `beside` is the mean without the bias, `grain` the step of rounding, `memory` the correlation with earlier reads, `most` the
     largest value, `ratio` Geary's ratio.
     """
 

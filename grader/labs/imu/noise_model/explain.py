@@ -34,7 +34,7 @@ Holds = Callable[[Facts], bool]
 
 
 def which(facts: Facts, holds: Callable[[Sensor], bool]) -> list[int]:
-    """Return the sensors (0 accelerometer, 1 gyroscope) for which a test is true."""
+    """Return the sensors (0 accelerometer, 1 gyroscope) for which the test `holds`; both, one or none."""
     return [i for i in BOTH if holds(facts.sensors[i])]
 
 
@@ -198,7 +198,7 @@ def missing_bias(facts: Facts) -> list[int]:
 
 
 def bias_beside(facts: Facts) -> list[int]:
-    """Return the sensors that add a bias of their own if the given one is zero."""
+    """Return the sensors whose readings have a bias of their own although the given bias is zero."""
     return which(facts, _has_another)
 
 

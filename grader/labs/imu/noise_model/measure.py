@@ -53,7 +53,7 @@ class Sensor:
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and bias
     default : (instances, reads, 3) reading minus truth, without noise and without a given bias. If reads without noise vary or have
-        no default bias: reads with noise whose generators start anew before each read, minus the first; NaN if these vary, too
+        no default bias: reads with noise whose generators start anew before each read, minus the first; NaN if such reads vary, too
     drifts : whether the bias moves from read to read
     twins : reads of instances with the same seed; `UNSEEDED` if nothing is wrong, as they were not asked for then
     """
@@ -106,9 +106,9 @@ class Facts:
     ----------
     sensors : the accelerometer and the gyroscope
     follows : whether the readings change with the state
-    exchanged : whether the two sensors are in each other's place; one_twice : whether both vectors are one sensor's
+    exchanged : whether the two sensors are swapped; one_twice : whether both vectors are one sensor's
     disturbance : (4,) largest change of time, qpos, qvel and sensordata in a read
-    timestep : of the robot's model, in seconds
+    timestep : time step of the robot's model, in seconds
     odd : the form in which the vectors were returned, in words, if it is not the sheet's
     departs : the sheet's parameters that the code does not accept
     stopped : by check, what kept its property from being measured

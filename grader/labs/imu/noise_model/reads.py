@@ -91,7 +91,7 @@ class Reads:
 
     @cached_property
     def restless(self) -> bool:
-        """Return whether reads often differ from the one before: noise that is held for two reads does, a rare event does not."""
+        """Return whether reads often differ from the one before: noise that is held for two reads counts, a rare event does not."""
         return bool(np.quantile(np.abs(self.increments).max(axis=2), _OFTEN) > EXACT * self.std)
 
     @cached_property
@@ -171,7 +171,7 @@ class Reads:
 
     @cached_property
     def grain(self) -> float:
-        """Step to which readings, or the noise in them, are rounded, or the spacing of half precision if that is larger; else 0."""
+        """Step to which readings or their noise are rounded, or the spacing of half precision if it is larger; 0 without either."""
         readings, noise = self.residual + self.truth[:, None, :], self.residual - self.residual[:, :1]
         if self.still:
             return 0.0
@@ -280,7 +280,7 @@ class Reads:
 
     @cached_property
     def paired(self) -> Reads:
-        """The same reads with `pairs` in place of their noise, so that a drift of the bias does not spoil tests of the noise."""
+        """These reads with `pairs` in place of their noise, so that a drift of the bias does not spoil tests of the noise."""
         return replace(self, residual=self.bias + self.pairs)
 
 
@@ -326,7 +326,7 @@ class Twins:
         return np.asarray(self.other - self.base)
 
     def adds_bias(self) -> bool:
-        """Return whether a changed bias changes every read by as much."""
+        """Return whether a changed bias changes every read by the same amount."""
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL)
 
     def begins_with_bias(self) -> bool:

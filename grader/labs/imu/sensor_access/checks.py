@@ -15,14 +15,14 @@ from grader.labs.imu.sensor_access.measure import FORM, Visit
 
 
 class Reading(TypedDict):
-    """A reading that was wanted, and what came."""
+    """Numbers of a message: the reading that was wanted, and the reading that the student's code returned."""
 
     wanted: str
     got: str
 
 
 class Values(Reading, Form):
-    """The same with the form of the answer, and with the smallest difference between two of its numbers."""
+    """Numbers of a message as in `Reading`, with the answer's form and the smallest difference between two of its numbers."""
 
     grain: float
 

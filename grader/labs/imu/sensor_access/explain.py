@@ -48,10 +48,10 @@ class Hypothesis:
 
     Attributes
     ----------
-    cost : how implausible it is
-    place, values : ids of the faults
+    cost : how implausible the hypothesis is
+    place, values : id of the fault of the address, and of the values
     start : returns the address that is read
-    change : what is done to the values at that address
+    change : returns the readings that the fault makes of the values at that address
     """
 
     cost: int
@@ -274,7 +274,7 @@ class Explained:
 
     @property
     def share_altered(self) -> float:
-        """The share of the reading that is altered, if one sensor's is; gravity is in the acceleration alone."""
+        """The share of the points that an altered sensor loses: gravity, for example, is in the acceleration alone."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 
@@ -297,7 +297,7 @@ class Explained:
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return a visit and a sensor that is not read at the address of its id; None if all are."""
+        """Return a visit and a sensor that is not read at the address of its id; None if every sensor is."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)

@@ -90,8 +90,8 @@ class Facts:
     others : the other IMUs of the robot, and those of a model with other names and another order
     later : (2, 3) the first reading, looked at again after the simulation moved on
     disturbance : largest changes of time, qpos, qvel and sensordata while reading
-    odd : in words, what is odd about the form; whole : whether each vector has three numbers
-    departs : the sheet's parameters that it could not be called with
+    odd : in words, how the returned form deviates from the sheet; whole : whether each vector has three numbers
+    departs : the sheet's parameters that the reader could not be called with
     reverse : the accelerations and angular velocities of another process that visits the states in reverse order
     stopped : by check, what kept its property from being measured
     """

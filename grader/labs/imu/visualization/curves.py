@@ -43,8 +43,8 @@ class Shown:
     Attributes
     ----------
     sensor, axis : sensor 0 or 1, axis 0 to 2
-    unit, x : the unit in which the numbers are drawn, and the kind of x values (time, index, …)
-    drawn : over which hundredths of the recorded time it is drawn
+    unit, x : the unit in which the values are drawn, and the kind of x values (time, index, …)
+    drawn : the hundredths of the recorded time over which the curve is drawn
     """
 
     sensor: int
@@ -148,7 +148,7 @@ class Plot:
 
     @property
     def x_labels(self) -> list[str]:
-        """Texts along the time axis, wherever they may stand; "" where there is none."""
+        """Texts that label the time axis: of each panel or of the figure; "" for a panel without such a text."""
         return [panel.axes.xlabel for panel in self.panels] + [self.figure.xlabel, *self.figure.texts]
 
     @property
@@ -228,7 +228,7 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether one of the six channels is drawn in none of these figures."""
+    """Return whether one of the six channels is drawn in none of these figures, so that further figures are needed."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
@@ -283,7 +283,7 @@ def factor_of(shown: Shown) -> str:
 
 
 def unit_in(rows: Array, true: Array, sensor: int) -> str:
-    """Return the unit in which rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if there is none."""
+    """Return the unit in which rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if no unit fits."""
     size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
     return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
 
@@ -292,7 +292,7 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
 
 
 def names_of(panel: Panel, figure: Figure) -> list[str | None]:
-    """Return the name of each shown curve: its legend entry, or a text beside it."""
+    """Return the name of each shown curve: its legend entry, or a text beside it; None for a curve without a name."""
     own = {s.curve.colour for s in panel.shown}
     neutral = [text for text in panel.axes.texts if text.colour not in own]
     names = names_of_curves([s.curve for s in panel.shown], panel, figure)
@@ -315,7 +315,7 @@ def _beside(shown: Shown, texts: Sequence[Placed]) -> str | None:
 
 
 def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> str | None:
-    """Return the legend entry whose sample looks most like the curve, else a text in its colour; None without one."""
+    """Return the legend entry whose sample looks most like the curve, else a text in its colour; None without either."""
     alike = [e for e in entries if e.colour == curve.colour]
     most = max((_likeness(e, curve) for e in alike), default=None)
     for entry in (e for e in alike if _likeness(e, curve) == most):

@@ -47,7 +47,7 @@ def to_the_end(
 
 
 def is_lost(facts: Facts) -> bool:
-    """Return whether no saved file shows in the end what the figure shows."""
+    """Return whether no saved file shows in the end what the figure shows, such as after an overwrite."""
     return not facts.file.formats or bool(facts.file.lost)
 
 
@@ -90,7 +90,7 @@ def share_missing(facts: Facts) -> float:
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return a deviation if a channel is not drawn; by the number of channels, and more if other numbers take their place."""
+    """Return a deviation by the number of channels that are not drawn, larger if other data is drawn instead; None without any."""
     if not (missing := _missing(facts)):
         return None
     affected = max(len(missing) / len(CHANNELS), _OTHER_NUMBERS if _shows_others(facts) else 0)
@@ -99,7 +99,7 @@ def missing_curves(facts: Facts) -> Deviation[Came] | None:
 
 @to_the_end
 def unseen_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return a deviation if a channel is drawn outside the limits, under another curve, or in the colour of the background."""
+    """Return a deviation if a channel is drawn outside the limits, covered, or in the background's colour; None if all are seen."""
     if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
         return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
     if not (facts.plot.hidden or facts.cut_off):
@@ -109,7 +109,7 @@ def unseen_curves(facts: Facts) -> Deviation[Came] | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
-    """Return a function that measures how many labels have the problem `name`, such as no unit; three such labels cost all."""
+    """Return a function that measures how many labels have the problem `name`, such as no unit; three such labels lose all."""
 
     def measured(facts: Facts) -> Deviation[Came] | None:
         texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]
@@ -151,7 +151,7 @@ def is_against_no_time(facts: Facts) -> bool:
 
 
 def another_unit(facts: Facts) -> str:
-    """Describe numbers in another unit than their label's; without one, than that of the data. Empty if all agree."""
+    """Describe numbers in another unit than their label's or, without a label, than the data's; "" if all units agree."""
     for shown, label, said in words.labelled_units(facts.plot):
         family = curves.UNITS[shown.sensor]
         own = shown.unit == family[0] and said == facts.recorded[shown.sensor]

@@ -27,7 +27,7 @@ _KINDS = {
 
 @cache
 def languages() -> Mapping[str, Mapping[str, Any]]:
-    """Return the words of every language, by its code."""
+    """Return the words that labels may use for sensors, axes and units, by language code."""
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
     blocks: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=loader)
@@ -93,7 +93,7 @@ _COUNTED = re.compile(rf"{_words('samples')}|n$")
 
 @_once
 def unit_of(text: str) -> str | None:
-    """The unit of `plots.UNITS` that a label names; None where it names none of them."""
+    """The unit of `plots.UNITS` that a label names; None if the label names no such unit."""
     words = plain(text)
     if _RATE_UNIT.search(words):
         if _DEGREES.search(words.replace("弧度", "rad")):
@@ -155,7 +155,7 @@ _AXIS_LETTERS = ("x", "y", "z")
 
 @_once
 def axis_of(text: str) -> int | None:
-    """Return the axis (0, 1, 2) that a curve's name means; None if it is uncertain."""
+    """Return the axis (0, 1, 2) that a curve's name means; None if the name does not tell."""
     words = plain(text)
     named = {axis for axis, pattern in enumerate(_AXES) if pattern.search(words)}
     spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower())

@@ -64,11 +64,11 @@ class File:
 
     Attributes
     ----------
-    size_px : of the largest saved picture of the curves; (0, 0) if there is none
+    size_px : size of the largest saved picture of the curves; (0, 0) without one
     formats : file formats of all saved pictures
     replaced, blank : whether a file was overwritten or damaged, or saved from an empty figure
     handed_in : whether no file shows the plot and a picture of it was handed in
-    lost : the channels that only a file showed that was overwritten
+    lost : the channels that only an overwritten file showed
     """
 
     size_px: tuple[int, int] = (0, 0)
@@ -88,7 +88,7 @@ class Comparison:
     saved : the pairs of curves in each saved figure of one program that has any
     drawn : whether any figure has such a pair
     meant : the number of curves of a figure that is meant to compare and has no such pair, and what they are in words
-    handed_in : whether a picture of it was handed in
+    handed_in : whether a picture of such a figure was handed in
     error : the exception that stopped a program
     clean : whether the noise model has lost points, so that no noise is asked for
     """

@@ -24,7 +24,7 @@ def quoted(text: str) -> str:
 
 @dataclass(frozen=True)
 class Misnamed:
-    """Texts on a panel that name only the other sensor. `share` is lost: 1 if all texts of the panel do, else 0.5."""
+    """Texts on a panel that name only the other sensor; `share` of the points is lost: 1 if all its texts do, else 0.5."""
 
     said: list[str]
     shows: str
@@ -32,7 +32,7 @@ class Misnamed:
 
 
 def misnamed(plot: Plot) -> Misnamed | None:
-    """Return the first panel whose texts name the other sensor."""
+    """Return the texts of the first panel that name the other sensor only; None if no panel has such texts."""
     for sensor, panel in [(which, panel) for which in (0, 1) for panel in plot.of_sensor(which)]:
         if said := _misnaming(plot, panel, sensor):
             written = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]
@@ -139,7 +139,7 @@ def x_is_wrong(plot: Plot) -> bool:
 
 
 def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
-    """Yield each shown curve with the label of its panel and the unit that this names."""
+    """Yield each shown curve with the label of its panel and the unit that this label names, None without a unit."""
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
         label = next(filter(labels.unit_of, texts), panel.axes.ylabel)
@@ -174,7 +174,7 @@ def share_nameless(plot: Plot) -> float:
 
 
 def exchanged_name(plot: Plot) -> str:
-    """Describe a curve under the name of another axis; "" if there is none. A channel under several names has a wrong curve."""
+    """Describe a curve under the name of another axis; "" without such a curve. A channel under several names has a wrong curve."""
     for panel in _crowded(plot):
         named = zip(panel.shown, curves.names_of(panel, plot.figure), strict=True)
         told = {(name, shown.channel) for shown, name in named if name}

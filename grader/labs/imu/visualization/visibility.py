@@ -51,7 +51,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return the figure with `visible_parts` set: which parts of each curve can be seen."""
+    """Return the figure with `visible_parts` set: the parts of each curve that can be seen in its pixels."""
     places = [[_place(curve, panel, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken(itertools.chain(*places), figure.pixels.shape[:2])
     axes = []

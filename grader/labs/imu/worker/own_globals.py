@@ -132,7 +132,7 @@ def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
 def globals_read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
     """Return which of model and data a function reads as globals although it has an unused parameter for it.
 
-    Call it while `set_model_and_data` is entered.
+    The list is empty if it is no Python function. Call this while `set_model_and_data` is entered.
     """
     import mujoco
 

@@ -43,7 +43,7 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
 
 
 def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]:
-    """Return the members that consist of three numbers."""
+    """Return the members that consist of three numbers, in which a vector of the sheet may be found."""
     found = []
     for name, part in parts:
         with suppress(TypeError, ValueError):

@@ -26,7 +26,7 @@ _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 def warm_up(thorough: bool) -> None:
     """Let callbacks of a simulation be called, and with `thorough` simulate a step, so that no forked worker pays for the first.
 
-    MuJoCo keeps its wrapper classes among the built-in functions of who steps. All steps are made by a function of the worker code
+    MuJoCo keeps its wrapper classes among the built-in functions of its caller. All steps are made by a function of the worker code
     (see `_watch_steps`), and the worker's built-in functions are its own.
     """
     own = globals()["__builtins__"]
