@@ -40,11 +40,11 @@ class Summary:
     Attributes
     ----------
     faults
-        The agreement for each fault that we name in a cell that differs.
+        The agreement for each fault that the grader names in a cell (criterion of a submission) where points and marks differ.
     dots
-        The mean of the marks and our points, both in percent, with the number of cells that have them; most cells first.
+        The mean of the marks and the grader's points, both in percent, with the number of cells that have them; most cells first.
     differences
-        Each cell where we differ, with the name of the submission and our deductions.
+        Each cell where points and marks differ, with the name of the submission and the grader's deductions.
     """
 
     criteria: tuple[Agreement, ...]

@@ -38,7 +38,7 @@ class ComparedCell:
 
     @property
     def difference(self) -> float:
-        """Our points less the mean of the marks: positive where we are milder."""
+        """The grader's points minus the mean of the marks: positive where the grader is milder."""
         return self.criterion.points - self.mean
 
     @property
@@ -49,7 +49,7 @@ class ComparedCell:
 
     @property
     def is_outside(self) -> bool:
-        """Whether no marker accepts our points."""
+        """Whether no marker accepts the grader's points."""
         return not any(mark.accepts(self.criterion.points) for mark in self.marks)
 
     @property
@@ -66,7 +66,7 @@ class ComparedCell:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """The faults that we name in this criterion."""
+        """The ids of the faults that the grader names in this criterion, each once."""
         return tuple(dict.fromkeys(id_ for check in self.criterion.checks for id_ in check.misconceptions))
 
 
@@ -79,12 +79,12 @@ class Agreement:
     apart
         Mean distance between two markers, in points; None with one marker.
     distance, uncertainty
-        Mean distance between us and the mean of the markers, and half of its 95 % confidence interval (Student's t over the
-        submissions, as the cells of one submission are not independent); None below three submissions.
+        Mean distance between the grader's points and the mean of the marks, and half of its 95 % confidence interval (Student's t over the
+        submissions, as the cells of one submission are not independent); `uncertainty` is None below three submissions.
     difference
-        Mean of our points less the markers': positive where we are milder.
+        Mean of the grader's points minus the marks: positive where the grader is milder.
     outside
-        Cells in which no marker accepts our points.
+        Number of cells in which no marker accepts the grader's points.
     """
 
     title: str
@@ -110,7 +110,7 @@ class Agreement:
 def compare(results: Mapping[str, Result], marks: Sequence[Marks]) -> list[ComparedCell]:
     """Return every marked cell of a submission that was graded as it was handed in, in the order of the class.
 
-    A repaired one is left out: the marker saw the files before the repair.
+    A repaired submission is left out: the marker saw the files before the repair.
     """
     return [
         ComparedCell(id_, part, given)
@@ -131,7 +131,7 @@ def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Summarize how far points and marks of these cells are apart; there must be at least one cell."""
+    """Summarize under `title` how far points and marks are apart in these cells, of which there must be at least one."""
     apart = [each.apart for each in cells if each.apart is not None]
     distances: dict[str, list[float]] = {}
     for each in cells:
@@ -163,7 +163,7 @@ def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
 
 
 def differing(cells: Iterable[ComparedCell]) -> list[ComparedCell]:
-    """Return the cells where we differ: false deductions, then missed faults, then the others, the largest difference first."""
+    """Return the cells where points and marks differ: false deductions, then missed faults, then the others, the largest difference first."""
     return sorted(
         (cell for cell in cells if cell.kind),
         key=lambda cell: (_FIRST.get(cell.kind, len(_FIRST)), -abs(cell.difference), cell.id),

@@ -37,7 +37,7 @@ class ChangedDeduction:
 
 @dataclass(frozen=True)
 class Proposal:
-    """Changed deductions, and what they do.
+    """Changed deductions, and their effect on the distance from the marks.
 
     Attributes
     ----------
@@ -48,11 +48,11 @@ class Proposal:
     before, after
         Mean distance from the marks in all compared cells, with the present and the proposed values.
     unseen
-        The same where each submission is measured with a proposal made without it. It is what to expect of work that nobody marked.
+        `after`, with each submission measured by a proposal made without it: what to expect of work that nobody marked.
     unnamed
         The part of `after` that lies in cells where no fault is named.
     moved
-        Whose final grade would change, the largest change first: name, present grade, future grade.
+        Each person whose final grade would change, the largest change first: name, present grade, future grade.
     """
 
     changes: tuple[ChangedDeduction, ...]

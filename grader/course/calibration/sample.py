@@ -31,7 +31,7 @@ _MOST_PICTURES = 4
 
 @dataclass(frozen=True)
 class BlindSubmission:
-    """A submission as its marker sees it: numbered code, submitted pictures, drawn figures, and nothing that we think of it.
+    """A submission as its marker sees it: numbered code, submitted pictures, drawn figures, and nothing of the grader's result.
 
     `files` are pairs of path and text with line numbers, `pictures` pairs of path and PNG in base64.
     """
@@ -45,8 +45,7 @@ class BlindSubmission:
 def draw(results: Mapping[str, Result], size: int) -> list[str]:
     """Return the ids of a sample to mark by hand: the same for the same results, in an order that reveals no grade.
 
-    A quarter is sound work. Each other one is the submission with most that the sample does not show yet: faults, and criteria that
-    lose points.
+    A quarter is sound work. Each other one adds the most that the sample does not show yet: faults, and criteria that lose points.
 
     Raises
     ------

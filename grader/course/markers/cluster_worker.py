@@ -26,7 +26,7 @@ _OURS = ("imugrade", "python")
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
-    """Return the versions that must be equal on every machine that marks a class: of Python, ours, and of the lab's packages."""
+    """Return the versions that must be equal on every machine that marks a class: of Python, imugrade and the lab's packages."""
     python = ".".join(platform.python_version_tuple()[:2])
     return {"imugrade": __version__, "python": python, **{name: version(name) for name in packages}}
 

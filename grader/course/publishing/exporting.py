@@ -138,8 +138,8 @@ def plan(order: Export) -> ExportPlan:
     Raises
     ------
     RequestError
-        If nothing was graded in OUT, the platform takes no grades, the template is missing, not wanted or not the platform's, or
-        reports that are asked for do not match the record.
+        If nothing was graded in OUT, the platform takes no grades, the template is missing, superfluous or of another
+        platform, or reports that are asked for do not match the record.
     """
     _refuse_unfit(order)
     with Store.existing(order.out) as store:

@@ -42,7 +42,7 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
 
 
 def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab) -> None:
-    """Write the two files of one submission unless they are current; the record holds a digest of both and of their data.
+    """Write `result.json` and the report of one submission unless they are current; the record holds a digest of both and of their data.
 
     `result.json` holds the automatic points only; the report shows the final grade.
     """
@@ -57,7 +57,7 @@ def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab) -> None:
 
 
 def publish_all(out: Path, final_grades: Iterable[FinalGrade], store: Store, lab: Lab) -> None:
-    """Write the two files of each submission, unless they are current."""
+    """Write `result.json` and the report of each submission, unless they are current."""
     for final_grade in final_grades:
         publish(out, final_grade, store, lab)
 
