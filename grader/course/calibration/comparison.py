@@ -79,7 +79,7 @@ class Agreement:
     apart
         Mean distance between two markers, in points; None with one marker.
     distance, uncertainty
-        Mean distance between the grader's points and the mean of the marks, and half of its 95 % confidence interval (Student's t over the
+        Mean distance between the grader's points and the mean of the marks, and half of its 95 % interval (Student's t over the
         submissions, as the cells of one submission are not independent); `uncertainty` is None below three submissions.
     difference
         Mean of the grader's points minus the marks: positive where the grader is milder.
@@ -163,7 +163,7 @@ def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
 
 
 def differing(cells: Iterable[ComparedCell]) -> list[ComparedCell]:
-    """Return the cells where points and marks differ: false deductions, then missed faults, then the others, the largest difference first."""
+    """Return the cells where points and marks differ: false deductions, then missed faults, then the largest differences."""
     return sorted(
         (cell for cell in cells if cell.kind),
         key=lambda cell: (_FIRST.get(cell.kind, len(_FIRST)), -abs(cell.difference), cell.id),

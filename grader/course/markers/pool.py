@@ -55,7 +55,7 @@ class Ended:
 
 @dataclass(frozen=True)
 class Bounds:
-    """Limits on the time and the memory of the process that grades one submission. Sound work takes a small part of them, even on a busy machine."""
+    """Limits on the process that grades one submission. Sound work takes a small part of them, even on a busy machine."""
 
     wall_s: float = 600.0
     memory_bytes: int = 3 << 30

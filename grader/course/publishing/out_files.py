@@ -42,7 +42,7 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
 
 
 def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab) -> None:
-    """Write `result.json` and the report of one submission unless they are current; the record holds a digest of both and of their data.
+    """Write `result.json` and the report of one submission unless the digest on record says that they are current.
 
     `result.json` holds the automatic points only; the report shows the final grade.
     """
