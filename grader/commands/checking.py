@@ -38,7 +38,7 @@ def check_on_save(
     waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Iterator[Result]:
-    """Mark a submission now and after every change, until interrupted. The marker stays warm in between.
+    """Mark a submission now and after every change, until interrupted. What marks it stays loaded in between, to save time.
 
     Parameters
     ----------

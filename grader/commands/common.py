@@ -58,7 +58,7 @@ def as_points(text: object) -> float:
 
 
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
-    """Return an option's value if it is one of the allowed words."""
+    """Return an option's value if it is one of the allowed words; refuse any other."""
     from grader.base.text import printable  # noqa: PLC0415
 
     if value is not None and value not in known:
@@ -67,13 +67,13 @@ def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
 
 
 def shown_path(path: Path) -> str:
-    """Return how a path is shown: relative to the working folder where it lies below it."""
+    """Return a path as text for messages: relative to the working folder if the path lies in it, else unchanged."""
     folder = Path.cwd()
     return str(path.relative_to(folder) if path.is_relative_to(folder) else path)
 
 
 def say(line: str) -> None:
-    """Print one line on stderr, with `imugrade:` in front."""
+    """Print one line for the user on stderr, with `imugrade:` in front, so that stdout holds only results."""
     from grader.base.text import printable  # noqa: PLC0415
 
     print(f"imugrade: {printable(line, 2000)}", file=sys.stderr, flush=True)

@@ -23,7 +23,7 @@ def checking_line(path: Path) -> str:
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Say which of the sheet's files are present and which are missing; a notebook may replace all programs."""
+    """Say which files of the lab sheet are present and which are missing; a notebook may replace all programs, but no pictures."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
@@ -41,7 +41,7 @@ def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | 
 
     Parameters
     ----------
-    secret : whether this machine has the instructor's; elsewhere nobody knows whether there is one
+    secret : whether this machine has the instructor's secret; without it nobody knows whether there are hidden scenarios
     """
     count = sum(len(part.checks) for part in rubric.criteria if only in (None, part.id))
     count += sum(len(part.checks) for part in rubric.extensions if part.file in submission.files or only == part.id)

@@ -16,13 +16,13 @@ _MOST_LINES, _LONGEST = 30, 300
 
 
 class Prints:
-    """Lines that student code printed, by the criterion that was checked, each with its count."""
+    """Lines that student code printed, by the criterion that was checked, each with how often it was printed."""
 
     def __init__(self) -> None:
         self._lines: dict[str, Counter[str]] = {}
 
     def add(self, part: str, text: str) -> None:
-        """Add text that was printed while a part was checked."""
+        """Add text that was printed while the criterion or extension `part` was checked; blank lines are left out."""
         lines = [printable(line, _LONGEST) for line in text.splitlines() if line.strip()]
         self._lines.setdefault(part, Counter()).update(lines)
 

@@ -95,7 +95,7 @@ def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mappin
 def recorded_calls(
     rubric: Rubric, submission: Submission, isolation_level: str | None = None
 ) -> tuple[Any, Mapping[str, Judgement]]:
-    """Run all checks on the public scenarios as `imugrade check` does; return the recorded calls and the judgements."""
+    """Run all checks on the public scenarios; return the recorded calls of student code, and the judgement of each check."""
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)

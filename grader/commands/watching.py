@@ -37,7 +37,7 @@ class WatchView:
             show_line(self._heading(), self._console)
 
     def show(self, lines: Lines, status: str) -> None:
-        """Show a result. It is laid out again when the size of the terminal changes."""
+        """Show a result, and keep it to be laid out again when the size of the terminal changes."""
         self._lines = lines
         self.tell(status)
         if not self._console.is_terminal:

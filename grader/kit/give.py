@@ -30,7 +30,7 @@ _EDITORS = {
 
 @dataclass(frozen=True)
 class Kit:
-    """A kit that was written: its place, its platform or "students", and the scenarios that it grades with."""
+    """The files that were written for students or a platform: their place, the platform or "students", and the scenarios used."""
 
     place: Path
     title: str
@@ -46,7 +46,7 @@ _JOBS = {
 
 
 def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write a platform's job, the wheel and the versions of the class into a folder that may hold other files.
+    """Write a platform's CI job, the grader's wheel and the package versions of the class into a folder that may hold other files.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write starter files, what the lab hands out beside them, a README, the guide and the wheel into a new folder.
+    """Write the students' kit into a new folder: starter files, the lab's other handouts, a README, the guide and the wheel.
 
     Raises
     ------

@@ -26,7 +26,7 @@ _FAULTS, _CHECKS = "faults", "checks"
 
 
 def build(lab: Lab, rubric: Path | None = None) -> str:
-    """Return the guide of a lab, with the points of a rubric. Its first page lists the others, which follow in that order."""
+    """Return the students' guide of a lab as one HTML page, with the points of a rubric; its first section lists the others."""
     folder = pages(lab)
     index = (folder / "index.md").read_text(encoding="utf-8")
     listed = re.findall(r"^- \[[^]]+\]\(([\w-]+)\.md\)", index, re.MULTILINE)
@@ -41,7 +41,7 @@ def build(lab: Lab, rubric: Path | None = None) -> str:
 
 
 def pages(lab: Lab) -> Path:
-    """Return the folder of the student pages: in the lab's folder of a build, else in the source tree."""
+    """Return the folder of the guide's pages: in the lab's folder of an installed package, else `docs/students` of the sources."""
     built = lab.folder / "guide"
     return built if built.is_dir() else beside("grader", "").parent / "docs" / "students"
 

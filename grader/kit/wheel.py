@@ -46,7 +46,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
 
     Parameters
     ----------
-    own : what the rubric names in the place of something of the lab's
+    own : the instructor's file that the rubric names in place of one of the lab's; None if it names none
 
     Raises
     ------

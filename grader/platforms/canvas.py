@@ -36,7 +36,7 @@ def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     Raises
     ------
     RequestError
-        If it is no gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
+        If the file is no gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
     """
     sheet = read_sheet(template.data, template.source)
     titles, section = sheet.titles, sheet.column("Section")
@@ -136,7 +136,7 @@ class _Reading:
 
 
 def read(download: Download) -> Shape | None:
-    """Read a Canvas download, whose files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`; None for any other."""
+    """Read a Canvas download, whose files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`; None for other downloads."""
     readings_of = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
     if not at_least_half(bool(readings_of.get(name)) for name in download.top):
         return None

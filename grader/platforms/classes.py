@@ -40,7 +40,7 @@ ATTEMPTS = ("latest", "best")
 
 @dataclass(frozen=True)
 class ClassEntry:
-    """Place and name of a submission. It is small and picklable; the process that grades it reads the files.
+    """Place and name of a submission, small enough to send to the process that grades it, which reads the files.
 
     Several attempts of the same people share an id. `sources` is empty where all of `path` is the submission; `required` are the
     names of the files that the lab asks for.
@@ -60,7 +60,7 @@ class ClassEntry:
 
 @dataclass(frozen=True)
 class Intake:
-    """Submissions of a class in the order of their names, unplaced files with reasons, and a line on each path."""
+    """Submissions of a class in the order of their names, files that belong to nobody with reasons, and notices about the paths."""
 
     entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]
@@ -102,7 +102,7 @@ def read_class(
     shape
         A platform that reads downloads, or "folders"; None recognises the shape of each path.
     attempts
-        One of `ATTEMPTS`: "latest" keeps the last attempt of the same people, "best" keeps all, to choose the best once graded.
+        "latest" keeps the last attempt of the same people; "best" keeps all attempts, to choose the best once they are graded.
     known
         Names of the class by the platform's number, to resolve ambiguous file names.
 

@@ -29,7 +29,7 @@ _REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE
 
 
 def identity_of(environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the fields that identify a submission, from the runner's environment. Collection refuses a result with others.
+    """Return the fields that identify a submission, from the runner's environment. Classroom 50 refuses a result with other fields.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
 
 
 def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
-    """Round `points` to integers that sum to the rounded sum, by largest remainder, none above its `most`."""
+    """Round `points` to integers that sum to the rounded sum, so that the total is right; none goes above its value in `most`."""
     whole = [math.floor(each + 1e-9) for each in points]
     open_ = math.floor(round(sum(points), 2) + 0.5) - sum(whole)
     by_remainder = sorted(range(len(points)), key=lambda i: (whole[i] - points[i], i))

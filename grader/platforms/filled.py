@@ -47,7 +47,7 @@ class Filled:
     replaced: list[str] = field(default_factory=list)
 
     def without_row(self, final_grade: FinalGrade) -> list[Person]:
-        """Return the people of a submission without a row of their own in the file; none if the submission has one."""
+        """Return the people of a submission who have no row in the file; none if the submission has a row for its whole group."""
         if Match(final_grade.id, None) in self.placed:
             return []
         return [person for person in final_grade.people if Match(final_grade.id, person) not in self.placed]
@@ -55,7 +55,7 @@ class Filled:
 
 @dataclass(frozen=True)
 class TemplateLayout:
-    """Description of a platform's file to fill in.
+    """Description of a platform's file to fill in: where the grades go, and how to read its rows.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class TemplateLayout:
     rows
         Rows of people, by row number.
     who, name
-        Functions that return a row's person for matching, and their name for messages.
+        Functions that return a row's person for matching, and the person's name for messages.
     out_of
         Function that returns the maximum of a grade in the file; "" if the file has none.
     locked
@@ -93,12 +93,12 @@ def fill_in(
     matches: Mapping[int, Match | None],
     final_grades: Mapping[str, FinalGrade],
 ) -> Filled:
-    """Fill the final points of everyone who has some into the sheet of a form; `matches` has the match of each row, by its number.
+    """Fill the final points into the sheet of a platform's file; `matches` says by row number whom a row belongs to, or None.
 
     Raises
     ------
     RequestError
-        If the maximum differs from the rubric's, and points are not to be scaled.
+        If the maximum in the file differs from the rubric's, and points are not to be scaled.
     """
     filled, known = Filled(), directory(final_grades)
     comma = any(
@@ -178,12 +178,12 @@ def reply_to(final_grade: FinalGrade, person: Person) -> str:
 
 
 def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
-    """Return an index of all people in the class, by which rows of a file are matched."""
+    """Return an index of all people with a submission, to find whom a row of a platform's file means."""
     return Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
 
 
 def matched(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
-    """Return the match of each row, by row number. Two rows that match the same person both get None."""
+    """Return whom each row belongs to, by row number; None without a clear match, and for rows that match the same person."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}
     for number, match in found.items():

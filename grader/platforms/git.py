@@ -30,7 +30,7 @@ def read(download: Download) -> Shape | None:
 
 
 def unassigned(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
-    """Return the files beside the clones, except the known ones, with the reason why they are left over."""
+    """Return the files beside the clones that belong to nobody, each with the reason; the files named in `known` are left out."""
     return tuple((name, _NOT_OURS) for name, is_folder in download.top.items() if not is_folder and name not in known)
 
 

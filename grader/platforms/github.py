@@ -26,9 +26,9 @@ _PLAIN = frozenset(" ,;?%—…·✓✗◐–")
 
 
 def commands(result: Result, places: Places) -> str:
-    """Return workflow commands, one per line, for each cause and place, the largest deduction first.
+    """Return workflow commands, with which GitHub shows messages at lines of code: one per cause and place, largest loss first.
 
-    GitHub shows ten of a kind for a step.
+    GitHub shows at most ten commands of a kind for a step of a job.
     """
     worst_first = sorted(_annotations(result, places), key=lambda each: -each[1].lost)
     lines = [*(_command(place, cause, result) for place, cause in worst_first), _closing(result)]

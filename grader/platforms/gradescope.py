@@ -39,7 +39,7 @@ def gradescope(result: Result, *, hidden: bool = False) -> str:
     result
         A complete result.
     hidden
-        Whether it comes from hidden scenarios; the output then says so.
+        Whether the result comes from hidden scenarios; the output then says so.
 
     Raises
     ------
@@ -183,9 +183,9 @@ _NO_FILES = f"{METADATA} names it, and it has no folder"
 
 
 def read(download: Download) -> Shape | None:
-    """Read the submissions of an export, one per group; None if it is no export.
+    """Read the submissions of a Gradescope export, one per group; None for any other download.
 
-    An export holds a folder `submission_<id>` for each, and `submission_metadata.yml`, whose keys are Ruby symbols with a colon.
+    An export has a folder `submission_<id>` for each group, and `submission_metadata.yml`, in which keys begin with a colon.
     """
     data = download.read(METADATA, MAX_METADATA) if METADATA in download.top else None
     if data is None:

@@ -24,7 +24,7 @@ from grader.platforms.platform import Platform, ResultContext
 
 @dataclass(frozen=True)
 class CiJob:
-    """Request of a CI job. If `path` or `out` is None, the platform's own place is used; `out` "-" is standard output.
+    """What a CI job is asked to grade, and how. If `path` or `out` is None, the platform's own place is used; `out` "-" is stdout.
 
     `private` says that students can read neither the files nor the output of the job.
     """
@@ -47,7 +47,7 @@ class CiJob:
 
 
 def named(name: str) -> Platform:
-    """Return the record of a platform by its `--format`; "auto" recognises it from the environment.
+    """Return the record of a platform by its `--format`; "auto" recognises the platform from the environment.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def submission_of(platform: Platform, root: Path = Path("/")) -> Path:
 
 
 def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
-    """Return the default path of the output; None is standard output."""
+    """Return the default path of a job's output; None, for standard output, if the platform names no file or lacks its folder."""
     if "/" not in platform.answer:
         return Path(platform.answer) if platform.answer else None
     place = root / platform.answer

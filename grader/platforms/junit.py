@@ -21,7 +21,7 @@ _COUNTED = {"tests": "testcase", "failures": "testcase/failure", "errors": "test
 
 
 def junit(result: Result, at: datetime) -> str:
-    """Return JUnit XML with a suite per criterion and a case per check; `at` is the time of marking."""
+    """Return JUnit XML, which most CI systems show: a suite per criterion and a case per check; `at` is the time of marking."""
     root = Element("testsuites", name="imugrade")
     for part in rows.parts(result):
         _suite(root, part, result, at)

@@ -34,12 +34,12 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Fill grades and comments into a grading worksheet; keep teachers' comments and all other bytes.
+    """Fill grades and comments into Moodle's grading worksheet; keep teachers' comments and all other bytes.
 
     Raises
     ------
     RequestError
-        If it is no grading worksheet, or the maximum of the assignment differs from the rubric's.
+        If the file is no grading worksheet, or the maximum of the assignment differs from the rubric's.
     """
     sheet, column = read_sheet(template.data, template.source), template.column or "Grade"
     grade = sheet.column(column)
@@ -152,7 +152,7 @@ _FEEDBACK = "feedback, not handed in by the student"
 
 
 def read(download: Download) -> Shape | None:
-    """Read the students or teams of a Moodle download; None if it is no such download.
+    """Read the submissions of the students or teams in a Moodle download; None for any other download.
 
     Each is a folder or loose files named `<full name>_<number>_assignsubmission_file[_]`.
     """

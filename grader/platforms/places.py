@@ -33,7 +33,7 @@ class Places:
     definitions: Mapping[str, FileLine] = field(default_factory=dict)
 
     def of(self, check: CheckResult) -> FileLine | None:
-        """Return the place to show for this check; None if none is known."""
+        """Return the line of code at which the CI shows this check's message; None if no line is known."""
         return self._named(check) or self.definitions.get(self.lab.name_of(check.id))
 
     def _named(self, check: CheckResult) -> FileLine | None:

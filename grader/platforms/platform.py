@@ -26,7 +26,7 @@ class Template:
     data, source
         The bytes of the file, and its name in messages.
     column
-        The column of the grades; None finds it.
+        What names the column of the grades, such as its title; None if the platform's code is to find it.
     scaled
         Whether points are scaled if the maximum in the file differs from the rubric's. Otherwise such a file is refused.
     missing
@@ -57,7 +57,7 @@ class ResultContext:
 
 @dataclass(frozen=True)
 class SecondOutput:
-    """A second output, appended to the file that an environment variable names. If it names none, nothing is written."""
+    """A second output, appended to the file that an environment variable names. Nothing is written if the variable is not set."""
 
     variable: str
     text: Callable[[Result, ResultContext], str]

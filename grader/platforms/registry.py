@@ -50,7 +50,7 @@ def platform(name: str) -> Platform:
     Raises
     ------
     GraderError
-        If the record does not support what its line says.
+        If the record does not support what its line in the list of platforms says.
     """
     module, listed = LISTED[name]
     record: Platform = importlib.import_module(module).PLATFORM

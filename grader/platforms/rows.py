@@ -18,30 +18,30 @@ NOTES_LIMIT = 20
 
 
 def parts(result: Result) -> Iterator[ResultPart]:
-    """Yield the criteria, then the attempted extensions."""
+    """Yield the parts of a result that a platform shows: the criteria, then the attempted extensions that have checks."""
     yield from result.criteria
     yield from (extension for extension in result.extensions if extension.attempted and extension.checks)
 
 
 def require_complete(result: Result) -> None:
-    """Refuse a result with a check that was not judged, for a format that has no word for it.
+    """Refuse a result with a check that was not judged, for a format that can only tell points.
 
     Raises
     ------
     GraderError
-        The platform then reports that the autograder failed, and the instructor runs it again.
+        If a check was not judged. The platform then reports that the autograder failed, and the instructor runs it again.
     """
     if result.status == "incomplete":
         raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
 
 
 def as_json(record: Mapping[str, Any]) -> str:
-    """Return the text of a JSON file with this record."""
+    """Return the text of a platform's JSON file: indented, with non-ASCII letters as they are."""
     return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def title(part: ResultPart) -> str:
-    """Return the title of a part, as ``Sensor access`` or ``Extension: allan variance``."""
+    """Return the title of a criterion or extension, as ``Sensor access`` or ``Extension: allan variance``."""
     if isinstance(part, CriterionResult):
         return printable(part.title, words.NAME_LIMIT)
     return f"Extension: {part.id.replace('_', ' ')}"
@@ -55,7 +55,7 @@ def lines(check: CheckResult, part: ResultPart, lab: LabName) -> list[words.Labe
 
 
 def plain(check: CheckResult, part: ResultPart, lab: LabName) -> str:
-    """Return the lines of a check as text, with the labels in a column."""
+    """Return the lines of a check as plain text, with the labels in a column, for a platform without markup."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
 
@@ -72,7 +72,7 @@ def _plain_line(line: words.LabelledLine) -> str:
 
 
 def notes(result: Result) -> list[str]:
-    """Return lines on repairs and notes of a result, at most `NOTES_LIMIT`; the last line counts those left out."""
+    """Return the lines on repairs and the notes of a result, at most `NOTES_LIMIT`; one more line counts those left out."""
     lines = [*words.repairs(result), *words.notes(result)]
     more = [f"… and {len(lines) - NOTES_LIMIT} more"] if len(lines) > NOTES_LIMIT else []
     return lines[:NOTES_LIMIT] + more

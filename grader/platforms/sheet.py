@@ -20,7 +20,7 @@ class SheetRow:
     end: str
 
     def value(self, column: int | None) -> str:
-        """Return a cell's text; "" for a missing one."""
+        """Return a cell's text; "" if the row has no such cell, or the column is None."""
         if column is None or column >= len(self.cells):
             return ""
         raw = self.cells[column]
@@ -29,7 +29,7 @@ class SheetRow:
 
 @dataclass
 class CsvSheet:
-    """Rows of a CSV file; the first one holds the titles. `marked` says that the file starts with a byte order mark."""
+    """Rows of a CSV file; the first row holds the titles. `marked` says that the file starts with a byte order mark."""
 
     delimiter: str
     rows: list[SheetRow] = field(default_factory=list)
@@ -45,7 +45,7 @@ class CsvSheet:
         return next((known.index(title.casefold()) for title in titles if title.casefold() in known), None)
 
     def set(self, row: SheetRow, column: int, text: str) -> None:
-        """Set a cell, in quotes only if it needs them."""
+        """Set a cell, in quotes only if its text needs them; a row that is too short gets empty cells."""
         row.cells += [""] * (column + 1 - len(row.cells))
         needs = any(sign in text for sign in (self.delimiter, '"', "\n", "\r", " "))
         row.cells[column] = '"{}"'.format(text.replace('"', '""')) if needs else text
@@ -73,7 +73,7 @@ def read_sheet(data: bytes, source: str) -> CsvSheet:
     Raises
     ------
     RequestError
-        If it is no UTF-8 CSV file.
+        If the file is no CSV file in UTF-8.
     """
     try:
         text = data.removeprefix(BOM).decode()

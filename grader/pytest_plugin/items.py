@@ -94,7 +94,7 @@ class PluginRun:
         return self.path / at.file if self.path.is_dir() else self.path
 
     def checks(self, criterion: str, file: Path) -> Iterator[str]:
-        """Yield the checks of a criterion that the arguments select, where `file` is the student's file that it is shown under."""
+        """Yield the checks of a criterion that the arguments select; `file` is the student's file that pytest lists them under."""
         for weight in self._rubric.checks:
             part, _, name = weight.id.partition(".")
             if part == criterion and self._asked.wants(file, part, name):
@@ -102,7 +102,7 @@ class PluginRun:
 
     @functools.cached_property
     def result(self) -> Result:
-        """The result of the whole submission: `imugrade check` makes it, in a process that this run cannot disturb."""
+        """Return the result of the whole submission. `imugrade check` makes it in a process that this run cannot disturb."""
         with tempfile.TemporaryDirectory(prefix="imugrade-") as private:
             file = Path(private, "result.json")
             asked = ["check", str(self.path), "--json", str(file)]
@@ -124,7 +124,7 @@ class PluginRun:
         return {check.id: check for part in self.result.parts for check in part.checks}
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Print the points of the tests that ran, by criterion; taken from their reports, so correct with xdist, too."""
+        """Print the points of the tests that ran, by criterion. They come from the tests' reports, so they hold with xdist, too."""
         ran: dict[str, Mapping[str, Any]] = {}
         for report in (each for reports in terminalreporter.stats.values() for each in reports):
             told = dict(getattr(report, "user_properties", ()))

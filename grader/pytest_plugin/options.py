@@ -25,7 +25,7 @@ class Name:
 
 @dataclass(frozen=True)
 class PluginOptions:
-    """What `pytest --imugrade` was asked for: a submission, and names of criteria and checks; without names, all."""
+    """What `pytest --imugrade` was asked for: a submission, and names of criteria and checks; without names, all checks run."""
 
     path: Path
     named: tuple[Name, ...]

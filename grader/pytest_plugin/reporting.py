@@ -13,7 +13,7 @@ _INDENT, _LABEL_WIDTH = 3, 10
 
 
 class Writer(Protocol):
-    """Protocol of pytest's terminal writer, as far as a report uses it."""
+    """The methods of pytest's terminal writer that a report of a check uses."""
 
     def line(self, s: str = "", **markup: bool) -> None: ...
 
@@ -36,7 +36,7 @@ class CheckFailure:
     Parameters
     ----------
     path, line
-        Where to point in the student's files.
+        The student's file and the line in it at which pytest shows the failure.
     """
 
     def __init__(self, check: CheckResult, lab: Lab, path: str, line: int) -> None:

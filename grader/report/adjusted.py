@@ -23,7 +23,7 @@ class Override:
 
 @dataclass(frozen=True)
 class RepairedFile:
-    """A person's patch on a submitted file; `lines` are those of its diff, each with its kind: "same", "added" or "removed"."""
+    """A person's repair of a submitted file; `lines` are those of its diff, each with its kind: "same", "added" or "removed"."""
 
     file: str
     points: str
@@ -38,7 +38,7 @@ def is_changed(final_grade: FinalGrade) -> bool:
 
 
 def total(final_grade: FinalGrade) -> tuple[str, str]:
-    """Format the final points with the maximum."""
+    """Return the final points and the maximum; a dash for an empty or unreadable submission that no person has reviewed."""
     points, most = words.total_points(final_grade.result).split(" / ")
     if final_grade.unseen:
         return "–", most
@@ -61,7 +61,7 @@ def explained(final_grade: FinalGrade) -> str:
 
 
 def is_composed(final_grade: FinalGrade) -> bool:
-    """Return whether the final grade is more than the automatic score, so that a page should explain it."""
+    """Return whether the final grade has terms or overrides beside the automatic score, so that a page should explain it."""
     return len(final_grade.terms) > 1 or any(not each.alone for each in final_grade.adjustments)
 
 
@@ -95,7 +95,7 @@ def _above(final_grade: FinalGrade) -> str:
 
 
 def late(final_grade: FinalGrade) -> tuple[str, str] | None:
-    """Return the late deduction and the times that it follows from; None if the submission is not late."""
+    """Return the late deduction, with the due and hand-in times that it follows from; None if the submission is not late."""
     late = final_grade.late
     if late is None:
         return None

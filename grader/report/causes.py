@@ -16,9 +16,9 @@ _LAST = 99
 
 @dataclass(frozen=True)
 class Cause:
-    """One fault and the checks that it cost points, each with what is said of this fault, or checks that failed with one message.
+    """One fault and the checks that lost points by it, or, without a known fault, the checks that failed with the same message.
 
-    `waiting` are skipped checks: those of a criterion wait for the first cause in it.
+    `waiting` are the skipped checks of a criterion whose first cause this is. A check of two faults is in two causes, in shares.
     """
 
     checks: tuple[CheckResult, ...]
@@ -26,7 +26,7 @@ class Cause:
 
     @property
     def lost(self) -> float:
-        """Return the points lost on a cause's failed checks and on those that wait for them."""
+        """Return the points lost on a cause's failed checks and on the skipped checks that wait for them."""
         return words.points_lost((*self.checks, *self.waiting))
 
     @property
@@ -36,12 +36,12 @@ class Cause:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """Return the ids of the faults for `imugrade explain`."""
+        """Return the ids of the known faults behind this cause, for `imugrade explain`; none if no fault was recognised."""
         return faults_of(self.checks[0])
 
     @property
     def steps(self) -> tuple[int, ...]:
-        """Return the steps of the lab sheet that the failed checks are about, to read again."""
+        """Return the steps of the lab sheet that the failed checks are about, for the student to read again."""
         return tuple(dict.fromkeys(check.lab_step for check in self.checks if check.lab_step is not None))
 
 
@@ -52,11 +52,11 @@ class Stop:
     Attributes
     ----------
     file, line
-        Where; "" and None if unknown.
+        File and line at which it stops; "" and None if unknown.
     error
         Python's own message, or that the call had no answer.
     lost
-        Points that it costs now, with those of checks for which code that needs it raised an exception.
+        Points that the stop costs now, with those of checks whose code needs what stops and so raised an exception.
     """
 
     file: str
@@ -108,7 +108,7 @@ def _stop(cause: Cause, lab: Lab) -> Stop:
 
 
 def faults_of(check: CheckResult) -> tuple[str, ...]:
-    """Return the ids of the check's faults that a student may see."""
+    """Return the ids of a check's faults, without those that only the instructor may see."""
     return tuple(each for each in check.misconceptions if each not in words.FOR_THE_INSTRUCTOR)
 
 
@@ -118,7 +118,7 @@ def part_of(check: CheckResult) -> str:
 
 
 def parts_of(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
-    """Return the criteria and the attempted extensions of a result, or only the one with the id `only`."""
+    """Return the criteria and attempted extensions, or only that with the id `only`; none if nothing could be read."""
     if result.status in ("empty", "unreadable"):
         return []  # all rows would say the same
     attempted = [extension for extension in result.extensions if extension.attempted and extension.checks]
@@ -179,7 +179,7 @@ def points_of(check: CheckResult) -> str:
 
 
 def cost_now(cause: Cause) -> list[words.LabelledLine]:
-    """Return what code that does not run costs, with the checks that could not run for it."""
+    """Return the line on what code that does not run costs, and how many checks it kept from running; none for other causes."""
     if not cause.does_not_run or not cause.lost:
         return []
     points = f"{words.counted_points(cause.lost)} now"
@@ -189,7 +189,7 @@ def cost_now(cause: Cause) -> list[words.LabelledLine]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
-    """Return each check of a cause with the lines that no earlier check of it has. Hints are left out: see `next_lines`."""
+    """Return each check of a cause with its feedback that no earlier check repeats. Hints are left out: see `next_lines`."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 
@@ -211,7 +211,7 @@ def _where(said: Iterable[words.LabelledLine]) -> list[words.LabelledLine]:
 
 
 def next_lines(cause: Cause, lab: LabName) -> list[words.LabelledLine]:
-    """Return the cost of code that does not run, then the hints and the reading of all checks of a cause."""
+    """Return what a student does next about a cause: the cost if code does not run, then the hints and what to read."""
     hints = dict.fromkeys(
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
     )
@@ -251,5 +251,5 @@ def next_step(found: Iterable[Cause], lab: Lab) -> str:
 
 
 def next_part(found: Iterable[Cause]) -> str:
-    """Return the id of the criterion or extension of the next step."""
+    """Return the id of the criterion or extension to continue with; "" if nothing failed."""
     return next((part_of(each.checks[0]) for each in found), "")

@@ -57,7 +57,7 @@ class PanelView:
 
 
 def views(chart: Chart) -> tuple[PanelView, ...]:
-    """Lay out the panels of a chart; panels without a curve of two points or more are left out."""
+    """Lay out the panels of a chart for an SVG; a panel is left out if none of its curves has two points."""
     return tuple(_view(panel) for panel in chart.panels if any(len(curve.x) > 1 for curve in panel.curves))
 
 

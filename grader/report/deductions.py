@@ -14,7 +14,7 @@ from grader.report.causes import Cause, causes_of, part_of
 
 @dataclass(frozen=True)
 class DeductedCheck:
-    """A check of a deduction, with the lines that no earlier check of the deduction has."""
+    """A check that lost points in a deduction, with its feedback that no earlier check of the deduction repeats."""
 
     anchor: str
     row: words.CheckText

@@ -37,7 +37,7 @@ def explain(lab: Lab, id_: str) -> str:
 
 
 def listing(lab: Lab) -> str:
-    """Return the ids that `imugrade explain` knows, a line each: faults, then checks, by criterion."""
+    """Return the ids that `imugrade explain` accepts, each on a line with its title: first the faults, then the checks."""
     lines = []
     for group, title in groups(lab).items():
         lines += ["", f"Faults: {title}", ""]
@@ -49,12 +49,12 @@ def listing(lab: Lab) -> str:
 
 
 def groups(lab: Lab) -> dict[str, str]:
-    """Return the titles of the groups of faults by id: the criteria, then the extensions, then the rest."""
+    """Return the headings under which faults are listed, by the group's id: the criteria, then the extensions, then any file."""
     return {**{part.id: part.title for part in lab.parts}, "extensions": "Extensions", "any": "Any file"}
 
 
 def fault(lab: Lab, entry: FaultRow, *, level: int = 1) -> str:
-    """Return what a fault is, wrong code, right code and the hint."""
+    """Return a fault's explanation in Markdown: what it is, wrong code, right code, the hint. `level` is that of the heading."""
     read = f"\nRead: {lab.label}, Step {entry.step}.\n" if entry.step is not None else ""
     rerun = f"\nRerun: `imugrade check --only {entry.group}`\n" if entry.group in {p.id for p in lab.parts} else ""
     return (
@@ -79,7 +79,7 @@ def _full(name: str, entry: FaultRow) -> str:
 
 
 def check(lab: Lab, weight: CheckWeight, *, level: int = 1) -> str:
-    """Return what a check tests, its points and the step of the lab sheet."""
+    """Return the explanation of a check in Markdown: what it tests, its points and the step of the lab sheet."""
     known = _checks(lab).get(weight.id)
     step = f" Read: {lab.label}, Step {known.lab_step}." if known else ""
     return (
@@ -89,7 +89,7 @@ def check(lab: Lab, weight: CheckWeight, *, level: int = 1) -> str:
 
 
 def criterion(lab: Lab, part: Criterion | Extension, *, level: int = 1) -> str:
-    """Return the points of a criterion or an extension with the table of its checks."""
+    """Return the points of a criterion or an extension in Markdown, with the table of its checks if it has any."""
     worth = f"{number(part.points)} points." if part.points else "No points: reported beside the score."
     where = f" File: `{part.file}`." if isinstance(part, Extension) else ""
     rows = [f"| `{w.id.partition('.')[2]}` | {number(w.max_points)} | {_title(lab, w.id)} |" for w in part.checks]

@@ -34,11 +34,11 @@ class ItemAnalysis:
     Attributes
     ----------
     judged
-        Submissions for which it was judged.
+        Number of submissions for which the check was judged.
     losers
-        How many of them lost points on it.
+        How many of those lost points on the check.
     difficulty
-        Mean share of its points, 0 (hard) to 1 (easy).
+        Mean share of the check's points that they got, 0 (hard) to 1 (easy).
     discrimination
         Correlation of that share with the score on all other checks, −1 to 1; None if it cannot be estimated.
     """
@@ -52,7 +52,7 @@ class ItemAnalysis:
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Return the 95 % confidence interval of the discrimination, by Fisher's z transform; None if it has none."""
+        """Return the 95 % confidence interval of the discrimination, by Fisher's z transform; None if that is not estimated."""
         if self.discrimination is None:
             return None
         z, half = math.atanh(max(-0.999, min(self.discrimination, 0.999))), _QUANTILE / math.sqrt(self.judged - 3)
@@ -60,12 +60,12 @@ class ItemAnalysis:
 
     @property
     def doubtful(self) -> bool:
-        """Return whether strong submissions fail it as often as weak ones, so that the check should be reviewed."""
+        """Return whether strong submissions fail the check as often as weak ones, so that a person should review it."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 
 def items(results: Iterable[Result]) -> list[ItemAnalysis]:
-    """Analyse every check of the criteria, in the order of the rubric. A result counts for the checks that were judged."""
+    """Analyse every check of the criteria, in the order of the rubric. A result counts only for those checks that were judged."""
     rows: dict[str, list[tuple[CheckResult, float]]] = {}
     for result in results:
         if result.status in ("empty", "unreadable"):

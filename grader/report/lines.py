@@ -30,13 +30,13 @@ class Setting:
         return self.width is not None and self.width >= 60 and self.console.encoding.startswith("utf")
 
     def head(self, sign: Text, title: str, points: str, style: str = "") -> list[Text]:
-        """Return the lines of one check: its sign and outcome, its sentence, its points."""
+        """Return the first lines of a check: the sign of its outcome, its title, and its points at the right end."""
         first = sign.copy()
         first.append(" " * (max(1, _SIGN_WIDTH - len(first)) if self.width is not None else _GAP))
         return self.hang(first, Text(title, style), points)
 
     def labelled(self, label: str, text: str) -> list[Text]:
-        """Return the lines of a text with a label, below a check."""
+        """Return the lines of a text below a check, behind a label such as "Got"; "" is no label."""
         return self.hang(Text(" " * _INDENT + label.ljust(_LABEL_WIDTH if label else 0), LABEL), Text(text))
 
     def hang(self, head: Text, body: Text, tail: str = "") -> list[Text]:

@@ -32,7 +32,7 @@ _LABELS = {
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of a cell of the class table, and the key by which the table sorts it."""
+    """Text of a cell of the class table, and the key by which the table sorts its column."""
 
     text: str
     key: float
@@ -43,7 +43,7 @@ _BLANK = Cell("–", -1.0)
 
 @dataclass(frozen=True)
 class Entry:
-    """One row of the class table; `tags` are the filters that it matches. Of a person without a submission most is blank."""
+    """One row of the class table; `tags` are the filters that it matches. Most cells of a person without a submission are blank."""
 
     name: str
     section: str
@@ -70,7 +70,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Filter:
-    """One drop-down list. A row must match the choices of all lists."""
+    """One drop-down list above the class table, which shows the rows that match the choices of all lists."""
 
     id: str
     title: str
@@ -79,7 +79,7 @@ class Filter:
 
 @dataclass(frozen=True)
 class HistogramBar:
-    """One bar of the histogram: its count, and its length in percent of the longest."""
+    """One bar of the histogram of grades: its count, and its length in percent of the longest bar."""
 
     tag: str
     label: str
@@ -102,7 +102,7 @@ class CommonFault:
 
 @dataclass(frozen=True)
 class CheckRow:
-    """A check's item analysis, with its criterion's title and the tag of the submissions that lost points on it."""
+    """A check's item analysis (how hard it is), with its criterion's title and the filter tag of who lost points on it."""
 
     item: ItemAnalysis
     tag: str
@@ -258,7 +258,7 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
 
 
 def deducting(result: Result) -> list[str]:
-    """Return the faults of a result that deduct from the score; those that only extensions show do not."""
+    """Return the faults of a result that deduct from the score: all but those found in extensions alone."""
     of_criteria = {id_ for part in result.criteria for check in part.checks for id_ in check.misconceptions}
     of_extensions = {id_ for part in result.extensions for check in part.checks for id_ in check.misconceptions}
     return [id_ for id_ in result.misconceptions if id_ in of_criteria or id_ not in of_extensions]
@@ -272,7 +272,7 @@ def by_name(name: str) -> list[tuple[str, int]]:
 
 
 def filters(entries: Iterable[Entry], faults: Iterable[CommonFault], checks: Iterable[CheckRow]) -> list[Filter]:
-    """Return the filters of the class table, each with the choices that match a row."""
+    """Return the filters of the class table (status, fault, check), without choices and filters that match no row."""
     counts = Counter(tag for each in entries for tag in each.tags)
     wanted = {
         ("status", "Status"): [
@@ -300,7 +300,7 @@ def figures(grades: list[float]) -> list[tuple[str, str]]:
 
 
 def bars(grades: list[float], top: float) -> list[HistogramBar]:
-    """Return the histogram of the grades in bins of equal width, highest first."""
+    """Return the histogram of the grades in bins of equal width, highest first. Grades outside 0 to `top` count in the end bins."""
     counts = Counter(_bin(grade, top) for grade in grades)
     tallest = max(counts.values(), default=1)
     edges = [words.number(round(place * top / _BINS, 2)) for place in range(_BINS + 1)]
@@ -317,7 +317,7 @@ def _bin(grade: float, top: float) -> int:
 
 
 def common_faults(final_grades: Iterable[FinalGrade]) -> list[CommonFault]:
-    """Return the faults by how many submissions have them, most first, and which."""
+    """Return the faults of a class, the most frequent first, each with the submissions that have it."""
     who: dict[str, list[Link]] = {}
     for final_grade in final_grades:
         for id_ in deducting(final_grade.result):
@@ -341,13 +341,13 @@ def similar_pairs(
 
 
 def isolation(final_grades: Iterable[FinalGrade]) -> list[tuple[str, int]]:
-    """Return the isolation levels that the class was graded at, each with the number of submissions, most frequent first."""
+    """Return how the class' code was isolated: each level with its number of readable submissions, the most frequent first."""
     provenances = (each.result.provenance for each in final_grades if each.result.status not in ("empty", "unreadable"))
     return Counter(printable(str(each.get("isolation", "not known")), 40) for each in provenances).most_common()
 
 
 def mixtures(results: Iterable[Result]) -> list[str]:
-    """Return what differs between results of the class that must not differ, as ``2 rubrics``."""
+    """Return what must be the same for the whole class but differs between results, as ``2 rubrics``; empty if all is the same."""
     found: dict[str, set[object]] = {key: set() for key in _SINGLE}
     for result in results:
         for key in _SINGLE:

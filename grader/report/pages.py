@@ -76,7 +76,7 @@ Drawn = Mapping[str, str]
 
 
 def drawn(shown: Iterable[Chart]) -> Drawn:
-    """Render charts, by the part that they belong to."""
+    """Render charts as SVG, by the id of the criterion or extension that they belong to."""
     macros: Any = _environment().get_template("charts.html.j2").module
     found: dict[str, str] = {}
     for chart in shown:
@@ -180,7 +180,7 @@ def index_page(
 def rendered(
     template: str, script: str | None, lab: LabName, *, more_style: str | None = None, **values: object
 ) -> str:
-    """Return a page with its style and script inlined; a policy in the page allows nothing else."""
+    """Return a page with its style and script inlined; a security policy in the page forbids the browser to load anything else."""
     style, style_hash = _inlined("style.css", *([more_style] if more_style else []))
     text, script_hash = _inlined(script) if script else (Markup(), "")
     policy = f"default-src 'none'; style-src '{style_hash}'; img-src data:"

@@ -18,7 +18,7 @@ def result_line(id_: str, result: Result) -> str:
 
 
 class ProgressLines:
-    """Print ``12/300 alice 87.5`` for each submission graded in this run. Resumed results count but print no line."""
+    """Print ``12/300 alice 87.5`` for each submission graded in this run. Results of an earlier run count but print no line."""
 
     def __init__(self) -> None:
         self._total = 0

@@ -30,7 +30,7 @@ _BLOCK = 256
 
 @dataclass(frozen=True)
 class Pair:
-    """Two similar submissions: shared hashes, and their share of the smaller submission's own hashes."""
+    """Two similar submissions: the number of code hashes that both have, and its share of the smaller submission's own hashes."""
 
     first: str
     second: str
@@ -52,7 +52,7 @@ def pairs(
     ----------
     fingerprints : id of the submission -> hashes of its code
     given : hashes of the lab's own code
-    most : how many
+    most : how many pairs to return
     """
     own = own_hashes(fingerprints, given)
     ids = sorted(id_ for id_, hashes in own.items() if len(hashes) >= FEWEST)

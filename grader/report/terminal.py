@@ -53,7 +53,7 @@ def screen(
     only
         The id of the one criterion or extension to show.
     before
-        The points of each check in the last run, by its id; None if unknown.
+        The points of each check in the last run, by the check's id; None if there was no such run.
     command
         The command that was called, without options.
     repeat

@@ -17,7 +17,7 @@ from grader.engine.traces import Scenario, Traces
 
 
 def listing(traces: Traces) -> str:
-    """Return a bundle's name, hash and versions, then its scenarios with the shapes of their arrays."""
+    """Return a text on a trace bundle, the recorded truth: its name, hash and versions, and its scenarios with array shapes."""
     versions = ", ".join(f"{name} {number}" for name, number in traces.versions.items())
     head = [f"{traces.name} traces, {traces.sha256[:16]}, recorded with {versions}"]
     return "\n".join([*head, *(line for scenario in traces.scenarios.values() for line in _described(scenario))])
@@ -29,7 +29,7 @@ def _described(scenario: Scenario) -> list[str]:
 
 
 def save(traces: Traces, out: Path) -> Path:
-    """Write a bundle as `<name>.npz` and `<name>.json`, readable only by its owner because it may be secret.
+    """Write a trace bundle as `<name>.npz` and `<name>.json`, readable only by their owner because hidden traces are secret.
 
     Raises
     ------

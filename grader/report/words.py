@@ -72,7 +72,7 @@ class CheckText:
 
 
 def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
-    """Format one check of the criterion or extension `part` of a lab."""
+    """Format the feedback on one check of the criterion or extension `part`; one that has none gets nothing to read or to rerun."""
     lost = tells(check)
     return CheckText(
         outcome=_WORDS[_outcome(check)],
@@ -91,7 +91,7 @@ def _outcome(check: CheckResult) -> Outcome:
 
 
 def tells(check: CheckResult) -> bool:
-    """Return whether a check has feedback of its own. A skipped check refers to the check that it needs."""
+    """Return whether a check has feedback of its own: not if it passed, was not judged, or was skipped for another check."""
     return check.outcome not in ("passed", "skipped", "not_judged")
 
 
@@ -167,7 +167,7 @@ NO_SUBMISSION = "no submission"
 
 
 def status(final_grade: FinalGrade) -> str:
-    """Return the status of a submission; "no submission" for a person who has points by an override alone."""
+    """Return the status of a submission; "no submission" for a person who has points only by an override."""
     return NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
 
 
@@ -190,7 +190,7 @@ def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]
 
 
 def late(final_grade: FinalGrade) -> str:
-    """Format how late a submission is as ``2 d 3 h``; "" if it is not late."""
+    """Format how late a submission is as ``2 d 3 h``; "late" if nobody knows how much, "" if it is not late."""
     if final_grade.late is None:
         return ""
     if final_grade.late.seconds is None:
@@ -213,7 +213,7 @@ def notes(result: Result) -> list[str]:
 
 
 def repairs(result: Result) -> list[str]:
-    """Return a line on each repair: ``filters.py was repaired by Eve (−5 points): a colon was missing``."""
+    """Return a line on each repair by a person: ``filters.py was repaired by Eve (−5 points): a colon was missing``."""
     return [
         f"{printable(each.file, 200)} was repaired by {printable(each.author, 80)} ({minus(each.deduction)} points): "
         f"{printable(each.comment, 300)}"
@@ -222,7 +222,7 @@ def repairs(result: Result) -> list[str]:
 
 
 def faults(result: Result) -> list[str]:
-    """Return the names of the faults that a student may see."""
+    """Return the faults of a result as words, without those that only the instructor may see."""
     return [fault_in_words(id_) for id_ in result.misconceptions if id_ not in FOR_THE_INSTRUCTOR]
 
 
@@ -241,5 +241,5 @@ def _lines(check: CheckResult) -> tuple[LabelledLine, ...]:
 
 
 def counted(count: int, what: str) -> str:
-    """Return the number with the noun, in the plural where there is not one."""
+    """Return a number with its noun, which gets an "s" unless the number is 1: ``1 check``, ``0 checks``."""
     return f"{count} {what}{'' if count == 1 else 's'}"
