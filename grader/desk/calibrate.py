@@ -18,7 +18,7 @@ from grader.intake.names import safe_id
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
-    """Show the sample; with `id`, one submission to mark; with `compare`, how far the grades are from all marks."""
+    """Show the sample to mark by hand; with `id`, one submission of it; with `compare`, how far the grades are from all marks."""
     return _page(book, web_request, _Calibration(book, web_request.author), {})
 
 

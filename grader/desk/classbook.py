@@ -36,7 +36,7 @@ _MOST_PAIRS = 20_000
 
 @dataclass(frozen=True)
 class Similar:
-    """Groups of similar submissions, and the pairs that they consist of."""
+    """Groups of similar submissions, the pairs that they consist of, and whether there are `more` pairs than are listed."""
 
     groups: tuple[SimilarityGroup, ...] = ()
     pairs: tuple[Pair, ...] = ()
@@ -92,7 +92,7 @@ class Classbook:
         self.thread.shutdown()
 
     def final_grades(self) -> dict[str, FinalGrade]:
-        """Return all submissions by id. Results are read again only after another process wrote; overrides after any change."""
+        """Return all final grades by id. Results are read again only after another process wrote; overrides after any change."""
         seen = self.store.changes()
         if seen != self._seen:
             self._marked, self._seen, self._similar = self.store.final_grades(), seen, None
@@ -156,7 +156,7 @@ class Classbook:
         return made
 
     def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
-        """Record a review. A reviewed empty or unreadable submission is no longer left blank, so its page changes."""
+        """Record reviews, or their withdrawal. A reviewed empty or unreadable submission is no longer left blank on its page."""
         self.store.keep_reviews([Review(*key, done, author, now()) for key in keys])
         self._seen = -1
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
@@ -173,7 +173,7 @@ class Classbook:
 
     @property
     def no_repairs(self) -> str:
-        """Return why nothing can be graded here, so that no repair can be previewed or saved; "" if it can."""
+        """Return why nothing can be graded here, so that no repair can be previewed or saved; "" if grading is possible."""
         try:
             class_settings.refuse_without_secret(self.store.settings(), self._secret)
         except RequestError as problem:
@@ -186,7 +186,7 @@ class Classbook:
 
     @property
     def trouble(self) -> str:
-        """Return why files of OUT could not be written; "" if they were."""
+        """Return why pages in OUT could not be written in the background; "" if all were."""
         return self._publisher.trouble
 
 

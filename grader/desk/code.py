@@ -44,7 +44,7 @@ class Listing:
 
 @dataclass(frozen=True)
 class Picture:
-    """A submitted picture, by its index among the files; `why` is the reason if it is not shown."""
+    """A submitted picture; `place` is its index among the files, `why` the reason if the desk does not show it, else ""."""
 
     path: str
     place: int
@@ -53,7 +53,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class SubmittedFiles:
-    """Submitted files for display: text, pictures, and the others by name and size."""
+    """Submitted files for display: text, pictures, the others by name and size, and how many `more` there were."""
 
     listings: tuple[Listing, ...]
     pictures: tuple[Picture, ...]
@@ -70,7 +70,7 @@ def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles
     Parameters
     ----------
     kept
-        The files.
+        The files as the record keeps them.
     named
         Lines that a check names, by file.
     """
@@ -87,13 +87,13 @@ def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles
 
 
 def named_lines(checks: Iterable[CheckResult], paths: Iterable[str]) -> dict[str, set[int]]:
-    """Return the lines that checks name, by file."""
+    """Return the lines that the feedback of checks names, by file; an empty set for a file without any."""
     named = [check.where for check in checks if check.where is not None]
     return {path: {each.line for each in named if each.file == path and each.line is not None} for path in paths}
 
 
 def defined(kept: Kept, names: Sequence[str]) -> Iterator[tuple[str, int]]:
-    """Yield file and line of each definition of these names."""
+    """Yield file and line, from 1, of each function or class with one of these names; none without names."""
     if not names:
         return
     wanted = re.compile(rf"^[ \t]*(?:async )?(?:def|class)[ \t]+(?:{'|'.join(map(re.escape, names))})\b", re.MULTILINE)
@@ -111,7 +111,7 @@ def _listing(anchor: str, path: str, content: bytes, named: set[int]) -> Listing
 
 
 def coloured(path: str, text: str) -> list[Markup]:
-    """Return the lines as escaped text with syntax spans; without spans if the file is too long."""
+    """Return the lines as escaped HTML with syntax colours; without colours if it is no Python or notebook, or too long."""
     text = "\n".join(
         printable(line, LONGEST_LINE, newlines=True) for line in text[:_SHOWN].split("\n")[: MOST_LINES + 1]
     )

@@ -33,7 +33,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Excerpt:
-    """The lines of one file that another submission shares: `count` of `of`."""
+    """The lines of one file that another submission shares: `count` lines of `of` in all."""
 
     path: str
     pieces: tuple[Piece, ...]
@@ -48,7 +48,7 @@ def show_all(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
-    """Return the page with the shared lines of two submissions side by side."""
+    """Return the page with the shared lines of two submissions side by side; raise RequestError if there is no such pair."""
     final_grades = book.final_grades()
     two = [final_grades.get(web_request.path[place]) for place in ("first", "second")]
     first, second = two

@@ -28,7 +28,7 @@ def keep(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def drop(book: Classbook, web_request: WebRequest) -> None:
-    """Drop the draft of a form that was sent."""
+    """Drop the draft of a form that was sent; do nothing if the form names no draft."""
     if form := web_request.text("draft"):
         book.store.drop_draft(web_request.author, form)
 

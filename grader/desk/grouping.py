@@ -64,7 +64,7 @@ def _page(book: Classbook, web_request: WebRequest, group: Group, errors: Mappin
 
 
 def decide(book: Classbook, web_request: WebRequest) -> Response:
-    """Record one decision for the selected submissions of a group."""
+    """Record one decision for the selected submissions of a group, or show the form again with its errors."""
     group = _one(book, web_request)
     chosen = [id_ for id_ in group.ids if id_ in set(web_request.all("id"))]
     target, points, comment = map(web_request.text, ("target", "points", "comment"))
@@ -80,7 +80,7 @@ def decide(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def take_back(book: Classbook, web_request: WebRequest) -> Response:
-    """Undo a decision on several submissions, where no later override has replaced it."""
+    """Undo a decision on several submissions, except for those where a later override has replaced it."""
     requests = adjusting.undone_decision(book.store, web_request.number("number") or 0)
     book.decide(requests, web_request.author, web_request.number("seen"))
     return RedirectResponse("/groups#decisions", 303)

@@ -73,7 +73,7 @@ def class_page(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def find(book: Classbook, web_request: WebRequest) -> Response:
-    """Open the submission with this id, or the class page with the rows that match."""
+    """Open the submission with the id in `who`, or if there is none the class page with the rows that match it."""
     who = web_request.text("who")
     if who in book.final_grades() or who in book.absent():
         return RedirectResponse(f"/submission/{quote(who, safe='')}", 303)
@@ -81,7 +81,7 @@ def find(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
-    """Mark items of the queue as reviewed, or open them again."""
+    """Mark items of the queue as reviewed, or open them again; raise RequestError if one has left the queue."""
     known = {each.key: each for each in queue(book)}
     looked = [known.get(key) for key in web_request.all("look")]
     found = [(each.id, each.reason.kind, each.reason.about) for each in looked if each]
@@ -94,7 +94,7 @@ def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 200, /, **values: object) -> Response:
-    """Render a page inside the frame that all pages share."""
+    """Render a page, with these values, inside the frame that all pages of the desk share."""
     final_grades = book.final_grades()
     lab = next((each.result.lab for each in final_grades.values()), None)
     frame = {

@@ -109,7 +109,7 @@ def add(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def added(new: int, read: int) -> str:
-    """Return ``1 regrade request added``, with the number that the record already had."""
+    """Return a line such as ``1 regrade request added``, with the number that were already on record if any were."""
     known = f", {read - new} already on record" if read > new else ""
     return f"{new} regrade request{'' if new == 1 else 's'} added{known}"
 

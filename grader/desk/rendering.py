@@ -56,10 +56,10 @@ def points(value: float | None) -> str:
 
 
 def safe_text(value: str, limit: int = 2000) -> str:
-    """Return untrusted text without control characters. Jinja escapes it."""
+    """Return untrusted text without control characters, cut at `limit`. Jinja escapes it later."""
     return printable(value, limit, newlines=True)
 
 
 def address(value: FinalGrade | str) -> str:
-    """Return the address of a submission's page."""
+    """Return the address of the page of a submission, given by its grade or id."""
     return f"/submission/{quote(value if isinstance(value, str) else value.id, safe='')}"

@@ -40,12 +40,12 @@ class RepairForm:
 
 @dataclass(kw_only=True)
 class Job(ABC):
-    """One request to grade, and its outcome. The type says what is done.
+    """One request to grade a repair, and its outcome. Each kind of work is a subclass.
 
     Attributes
     ----------
     records
-        Whether it changes the record, so that the editor is closed after it.
+        Whether the job changes the record, so that the editor is closed after it.
     id, file
         The submission and the file.
     form
@@ -57,7 +57,7 @@ class Job(ABC):
     lines
         What was done, a line each.
     problem
-        Why it failed; "" if it did not.
+        Why the job failed; "" if it did not.
     """
 
     records: ClassVar[bool] = False
@@ -77,7 +77,7 @@ class Job(ABC):
         """Do the work of the job, on the thread that grades, while the page waits."""
 
     def grading_step(self) -> str:
-        """Return what is being done while a copy is graded, in words."""
+        """Return what the page shows as the present step while a copy is graded."""
         return "Grading the edited copy in the sandbox"
 
     @property
@@ -108,7 +108,7 @@ class RepairJobs:
         self._results: OrderedDict[str, Result] = OrderedDict()
 
     def start(self, job: Job) -> Job:
-        """Queue a job for the thread that grades."""
+        """Queue a job for the thread that grades, and return it with its number; the oldest jobs are forgotten."""
         job.number = max(self._jobs, default=0) + 1
         self._jobs[job.number] = job
         while len(self._jobs) > _KEPT_JOBS:

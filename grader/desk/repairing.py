@@ -60,7 +60,7 @@ class Editor:
     earlier
         Points that the repairs in force deduct.
     job
-        What was asked last; None if nothing was.
+        The job that was asked for last; None if there was none.
     rows, still, diff
         The comparison, where the edited copy still does not run, and the change.
     alike
@@ -302,5 +302,5 @@ class UndoJob(Job):
 
 
 def answer(final_grade: FinalGrade, job: Job) -> Response:
-    """Redirect to the page that shows the job, after a moment in which a quick one ends."""
+    """Redirect to the page of the submission that shows how far its job is."""
     return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}?job={job.number}#edit", 303)

@@ -65,7 +65,7 @@ def address(group: Group) -> str:
 class Reason:
     """Reason to review a submission. `about` is a digest of the fact, so that a review holds for this fact only.
 
-    `file` is the file to repair if code does not run.
+    `file` is the file to repair if code does not run, else "".
     """
 
     kind: str

@@ -43,7 +43,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 
 @dataclass(frozen=True)
 class RubricPreview:
-    """Effect of a changed rubric: changed grades, largest first, both distributions, and grades above their maximum."""
+    """Effect of a changed rubric: changed grades, largest change first, both distributions, and grades above their maximum."""
 
     changes: tuple[GradeChange, ...]
     more: int

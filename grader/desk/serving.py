@@ -37,7 +37,7 @@ def open_socket(port: int) -> socket.socket:
 
 
 def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
-    """Return the HTTP server of the desk."""
+    """Return the HTTP server of the desk, not started yet."""
     config = uvicorn.Config(
         application(book, keys, author),
         log_level="warning",
@@ -53,7 +53,7 @@ def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
 
 
 def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
-    """Run the desk until interrupted. `announce` is called with the address that has the token.
+    """Run the desk until interrupted. `announce` is called with the address that holds the access token.
 
     Raises
     ------

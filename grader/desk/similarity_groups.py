@@ -18,7 +18,7 @@ class SimilarityGroup:
 
 
 def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
-    """Yield groups of submissions that contain every similar pair at least once, largest first."""
+    """Yield groups of submissions all similar to each other, largest first; every similar pair is in at least one."""
     by_ids = {frozenset((pair.first, pair.second)): pair for pair in pairs}
     near: dict[str, set[str]] = {}
     for pair in pairs:

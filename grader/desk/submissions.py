@@ -75,7 +75,7 @@ class Overrides:
 
     @property
     def asked(self) -> bool:
-        """Return whether a person gave points, commented, asked for a regrade or filled in a refused form."""
+        """Return whether there are points, a comment, a regrade request or a refused form, so that the row is shown open."""
         return bool(self.points or self.comment or self.requests or self.typed)
 
     @property
@@ -102,7 +102,7 @@ class Row:
 
     @property
     def folded(self) -> bool:
-        """Return whether the check passed and has no override, comment, regrade request or refused form."""
+        """Return whether to show the check folded: it passed and has no override, comment, regrade request or refused form."""
         return self.row.outcome.kind == "passed" and not (self.overrides and self.overrides.asked)
 
 
@@ -193,7 +193,7 @@ def _page(
 
 
 def override(book: Classbook, web_request: WebRequest) -> Response:
-    """Record the override or comment of a form, or undo the last one, and show the page again."""
+    """Record the override or comment of a form, or undo or withdraw the last one, and show the page again."""
     final_grade = one(book, web_request)
     target, points, comment = map(web_request.text, ("target", "points", "comment"))
     if web_request.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
@@ -213,7 +213,7 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
-    """Return the errors of a form that overrides `target` for these submissions, by field."""
+    """Return the errors of a form that overrides `target` for these submissions, by field; empty if it can be recorded."""
     errors = {} if comment else {"comment": "say why in a comment"}
     for each in final_grades:
         request = OverrideRequest(each.id, target, points, comment, alone=not points)
@@ -238,7 +238,7 @@ def _comments(book: Classbook) -> list[str]:
 
 
 def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
-    """Return the final grade of the submission in the address; a blank one for a person without a submission."""
+    """Return the grade of the submission in the address, blank for a person without one; raise RequestError if it is unknown."""
     id_ = web_request.path["id"]
     final_grade = book.final_grades().get(id_) or book.absent().get(id_)
     if final_grade is None:

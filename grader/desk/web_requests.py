@@ -17,7 +17,7 @@ _NAME = 80
 
 
 class TooLargeError(Exception):
-    """The request body is larger than any form of the desk."""
+    """Exception: the body of a request is larger than any form of the desk."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class WebRequest:
         return (self.form.get(name) or self.query.get(name) or [""])[0].strip()
 
     def number(self, name: str) -> int | None:
-        """Return a field as a whole number, or None."""
+        """Return a field as a whole number; None if it is missing or not one."""
         text = self.text(name)
         return int(text) if text.isascii() and text.isdigit() and len(text) < 16 else None
 
@@ -57,14 +57,14 @@ class WebRequest:
 
 
 async def read(request: Request, cookie: str, author: str) -> WebRequest:
-    """Read a request.
+    """Read the fields of a request; its author is the name in the cookie, else `author`.
 
     Raises
     ------
     TooLargeError
         If the body is larger than `MOST_BYTES`.
     RequestError
-        If it has more than `_MOST_FIELDS` fields.
+        If the form has more than `_MOST_FIELDS` fields.
     """
     data = bytearray()
     if request.method == "POST":
@@ -78,7 +78,7 @@ async def read(request: Request, cookie: str, author: str) -> WebRequest:
 
 
 def name(text: str) -> str:
-    """Return the name under which a person decides, without control characters."""
+    """Return a typed name, under which decisions are recorded, without control characters; "" if it is blank."""
     return printable(text.strip(), _NAME)
 
 

@@ -39,7 +39,7 @@ class ClassSettings:
         The whole text of the rubric, the name of its file, the folder in which its relative paths start, and the instructor's own
         checks beside it.
     rubric_sha256, late
-        Digest of all in it that scores depend on, and its late policy as text.
+        Digest of all in the rubric that scores depend on, and its late policy as text.
     roster, roster_source
         The whole text of the roster, "" where there is none, and the name of its file.
     attempts
@@ -128,7 +128,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
     Raises
     ------
     RubricError
-        If it has problems.
+        If the rubric has problems.
     """
     if path is not None or settings is None:
         return load(lab, path)
@@ -138,7 +138,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
 
 
 def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
-    """Return the people of the roster who have no submission and no points on record."""
+    """Return the people of the roster who have no submission and no points on record; none without a roster."""
     known = {person for hand_in in hand_ins.values() for person in hand_in.people}
     unplaced = roster.place(
         roster_of(settings).people, hand_ins
@@ -154,7 +154,7 @@ def roster_of(settings: ClassSettings | None, path: Path | None = None, zone: tz
     Raises
     ------
     RequestError
-        If it is no roster.
+        If the file cannot be read as a roster.
     """
     if path is not None:
         return roster.load(path, zone)
@@ -178,9 +178,9 @@ class Change:
     chosen_anew
         Whether another of several attempts may count.
     left
-        How many on record are not in the download and stay as they are.
+        How many submissions on record are not in the download and stay as they are.
     to_repair
-        How many on record do not run and may get a repair.
+        How many submissions on record do not run and may get a repair.
     """
 
     causes: tuple[str, ...]
@@ -198,7 +198,7 @@ class Change:
         return bool(self.moved or self.regraded or self.chosen_anew or self.to_repair)
 
     def in_words(self) -> str:
-        """Return one line: what differs and what it does."""
+        """Return one line: what differs in the settings, and what that does to the scores on record."""
         effects = [f"{self.moved} of {self.of} scores change" if self.moved else "no score changes"] if self.of else []
         if self.moved and self.means:
             effects.append(f"mean of graded {self.means[0]:.1f} to {self.means[1]:.1f}")
@@ -298,7 +298,7 @@ def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> l
 
 
 def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
-    """Refuse to grade a class on public scenarios that was graded on hidden ones.
+    """Refuse to grade on public scenarios a class that was graded on hidden ones, made from a secret.
 
     Raises
     ------
@@ -313,7 +313,7 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
 
 
 def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
-    """Refuse to grade one submission of a class on other hidden scenarios than the class.
+    """Refuse to grade one submission on other scenarios than the hidden ones that its class was graded on.
 
     Raises
     ------

@@ -225,11 +225,11 @@ class Database:
 
 
 class ForeignError(Exception):
-    """A row holds data that imugrade does not write; the message describes it."""
+    """Exception: a row of the record holds data that imugrade does not write; the message says what is wrong with it."""
 
 
 def read(parse: Callable[[Any], T], record: object) -> T:
-    """Parse a row; raise ForeignError if it cannot be parsed, because any program can write to the file."""
+    """Parse a value of the record; raise ForeignError if that fails, because any program can write to the file."""
     try:
         return parse(record)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:

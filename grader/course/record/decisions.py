@@ -18,12 +18,12 @@ _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decis
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a fact in the review queue. If the fact changes, its review no longer counts."""
+    """Return a digest of a fact in the review queue and of whom it concerns. If either changes, its review no longer counts."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
 def why_empty(result: Result) -> str:
-    """Return why there is nothing to grade in a submission."""
+    """Return why there is nothing to grade in a submission: its notes, or else its status in words."""
     return " ".join(words.notes(result)) or words.STATUS[result.status]
 
 
@@ -38,7 +38,7 @@ class OvertakenError(RequestError):
 
 @dataclass(frozen=True)
 class Review:
-    """Record that a person reviewed an item of the queue, or (`done` False) opened it again. `about` is a digest of the fact."""
+    """Record that a person reviewed an item of the queue, or (`done` False) opened it again. `about` is a digest of its fact."""
 
     id: str
     reason: str
@@ -63,7 +63,7 @@ class RegradeRequest:
 
 
 class Decisions(Database):
-    """The tables of `OUT/results.sqlite` that people's decisions append to."""
+    """The tables of `OUT/results.sqlite` for what people decide: overrides, comments, reviews and regrade requests."""
 
     def adjust(self, adjustments: Iterable[tuple[str, Adjustment]], seen: int | None = None, what: str = "") -> int:
         """Append adjustments with the ids of their submissions, all or none. Earlier adjustments stay in the history.
@@ -129,7 +129,7 @@ class Decisions(Database):
             ]
 
     def last_adjustment(self) -> int:
-        """Return the number of the last adjustment on record; 0 if there is none."""
+        """Return the number of the last adjustment on record, for `seen` of `adjust`; 0 if there is none."""
         return int(self._value("SELECT coalesce(max(seq), 0) FROM adjustments"))
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:

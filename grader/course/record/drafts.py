@@ -15,7 +15,7 @@ CREATE TABLE IF NOT EXISTS drafts (
 
 
 class Drafts(Database):
-    """The drafts of each author by form. A record of an earlier version has no table for them until the first one is kept."""
+    """Unsent forms of each author, kept as drafts. A record of an earlier version has no table for them until the first one."""
 
     def keep_draft(self, author: str, form: str, fields: str) -> None:
         """Record what a person has typed into a form and not sent, in place of the earlier draft."""
@@ -27,7 +27,7 @@ class Drafts(Database):
             self._write("DELETE FROM drafts WHERE author = ? AND form = ?", author, form)
 
     def drafts(self, author: str) -> dict[str, str]:
-        """Return the fields of each form that this person has not sent yet, by form."""
+        """Return the fields of each form that this person has filled in and not sent, by form; empty if there is none."""
         if not self._has_drafts():
             return {}
         with self._errors_in_one_line():

@@ -19,7 +19,7 @@ _NO_NEWLINE = b"\\ No newline at end of file\n"
 
 
 def diff_of(path: str, before: bytes, after: bytes) -> str:
-    """Return the unified diff that makes `after` of `before`; "" where they are equal. Bytes that are no UTF-8 are escaped."""
+    """Return the unified diff that turns `before` into `after`; "" if they are equal. Bytes that are no UTF-8 are escaped."""
     name = printable(path, 200)
     old, new = ([line.decode("utf-8", "surrogateescape") for line in _lines(each)] for each in (before, after))
     found = difflib.unified_diff(old, new, f"a/{name}", f"b/{name}")
@@ -27,7 +27,7 @@ def diff_of(path: str, before: bytes, after: bytes) -> str:
 
 
 def applied(before: bytes, diff: str, place: str = "patch") -> bytes:
-    """Apply a unified diff to a file's content and return the result.
+    """Apply a unified diff to a file's content and return the result. `place` begins the error messages.
 
     Raises
     ------

@@ -48,11 +48,11 @@ class RepairLog(Database):
             return [_logged(row) for row in self._db.execute(f"SELECT {_FIELDS} FROM repairs ORDER BY number")]
 
     def repairs_in_force(self, id_: str = "") -> list[LoggedRepair]:
-        """Return the repairs that nobody took back, of one submission or of all."""
+        """Return the repairs that nobody took back, oldest first, of one submission; of all if `id_` is ""."""
         return [each for each in self.repairs() if not each.undone_at and id_ in ("", each.id)]
 
     def keep_repair(self, made: LoggedRepair) -> None:
-        """Record a repair and give it its number."""
+        """Record a repair under the next free number; the number in `made` is ignored."""
         diff = made.diff.encode("utf-8", "surrogateescape")
         self._write(
             "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
@@ -73,7 +73,7 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
 
 
 def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
-    """Return what the record keeps in place of the digest of a submission for its repaired copy.
+    """Return the value that stands in the record for the digest of a repaired copy of a submission.
 
     It is no digest of files: a student who hands in exactly these files has repaired them without help.
     """

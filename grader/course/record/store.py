@@ -75,7 +75,7 @@ class Store(Decisions, RepairLog, Drafts):
         super().__init__(out)
 
     def keep(self, key: Key, result: Result) -> None:
-        """Commit one result and make it the submission's present one."""
+        """Commit one result and make it the present one, by which the submission counts."""
         with self._errors_in_one_line(), self._transaction():
             evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
             self._db.execute(_KEEP, (*astuple(key), result.status, _text(result), *evidence))
@@ -100,7 +100,7 @@ class Store(Decisions, RepairLog, Drafts):
         return None if record is None else self._read(_result, record)
 
     def is_first_search(self, key: Key) -> bool:
-        """Record that a repair of these files was searched for, and return whether it is the first search."""
+        """Record that a repair of these files was searched for, and return whether that was the first time, so none is repeated."""
         return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
@@ -221,7 +221,7 @@ class Store(Decisions, RepairLog, Drafts):
         return "" if record is None else hashlib.sha256(self._read(str.encode, record)).hexdigest()
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
-        """Return the charts of a submission's present result, for its report."""
+        """Return the charts of a submission's present result, for its report; empty if there are none."""
         return self._read(unpacked, self.packed_charts(id_))
 
     def packed_charts(self, id_: str) -> bytes:
@@ -230,7 +230,7 @@ class Store(Decisions, RepairLog, Drafts):
         return b"" if record is None else self._read(_blob, record)
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
-        """Return the fingerprint of every submission's code, by id."""
+        """Return the fingerprint of every submission's code, hashes that show similar code, by id."""
         query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._errors_in_one_line():
             return {id_: read(_hashes, record) for id_, record in self._db.execute(query)}
@@ -255,7 +255,7 @@ class Store(Decisions, RepairLog, Drafts):
             self._write(_HAND_IN, *row)
 
     def page_digest(self, id_: str) -> str:
-        """Return the digests that `keep_page_digest` last recorded for a submission; "" if there are none."""
+        """Return the digests of a submission's pages that `keep_page_digest` last recorded; "" if there are none."""
         return str(self._value("SELECT digest FROM pages WHERE id = ?", id_) or "")
 
     def keep_page_digest(self, id_: str, digests: str) -> None:
@@ -292,7 +292,7 @@ class Store(Decisions, RepairLog, Drafts):
         return found
 
     def make_current(self, key: Key) -> None:
-        """Make a recorded result the submission's present one."""
+        """Make the result recorded under this key the one by which its submission counts."""
         with self._errors_in_one_line(), self._transaction():
             self._make_current(key)
 

@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack the files of a submission from the bytes that `pack` made."""
+    """Unpack the files of a submission from the bytes that `pack` made; none from empty bytes."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()
@@ -77,7 +77,7 @@ def source(path: str, content: bytes) -> str:
 
 
 def unshowable(content: bytes) -> str:
-    """Return why the desk does not show a picture; "" if it does."""
+    """Return why the desk does not show a picture, such as one that is not a PNG; "" if the desk shows it."""
     if not content.startswith(PNG) or content[12:16] != b"IHDR":
         return "it is not a PNG"
     width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))

@@ -182,7 +182,7 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
 
 
 def person_lookup(store: Store) -> PersonLookup:
-    """Return the resolver of names, e-mail addresses and numbers to the submissions of a class and to people without one."""
+    """Return what finds submissions by name, e-mail address or number, also for people who have no submission."""
     handed_in = {id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people}
     return PersonLookup({**{id_: (person,) for id_, person in absent_by_id(store).items()}, **handed_in})
 
@@ -200,7 +200,7 @@ def listing(store: Store) -> Iterator[str]:
 
 
 def said(adjustment: Adjustment) -> str:
-    """Return the points of an adjustment as text, `comment` or `withdrawn`."""
+    """Return the points of an adjustment as text; `comment` if it has none, `withdrawn` if it takes an earlier one back."""
     if adjustment.withdraws:
         return "withdrawn"
     return ALONE if adjustment.points is None else words.number(adjustment.points)
@@ -227,7 +227,7 @@ def _problem(
 
 
 def objections(override: OverrideRequest, final_grade: FinalGrade) -> dict[str, str]:
-    """Return the problems of a request for an override, by field of the form: points and comment."""
+    """Return the problems of a request for an override, by field of the form, points or comment; empty if it has none."""
     found = {}
     most = maximum_points(final_grade.result, override.criterion)
     if override.points and not override.alone and most is not None:

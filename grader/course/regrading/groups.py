@@ -20,7 +20,7 @@ FAULT, CHECK, ALIKE = "fault", "check", "alike"
 
 @dataclass(frozen=True)
 class Group:
-    """Submissions that have something in common. `checks` maps the ids of the failed checks concerned to their titles."""
+    """Submissions with a common fault, failed check or code. `checks` maps the ids of the failed checks to their titles."""
 
     kind: str
     key: str

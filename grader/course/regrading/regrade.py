@@ -44,7 +44,7 @@ def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
     Raises
     ------
     RequestError
-        As `regraded` does. The record is then unchanged.
+        In the cases of `regraded`. The record is then unchanged.
     """
     after = store.remark_class(lambda before: regraded(before, rubric), rubric)
     write_class(out, after, store, rubric.lab)

@@ -42,7 +42,7 @@ _STATEMENTS = ("return", "break", "continue", "pass")
 
 @dataclass(frozen=True)
 class Candidates:
-    """Edited copies of a file, and the CPU time that it took to make them."""
+    """Edited copies of a file, each a possible repair, and the CPU time that it took to make them."""
 
     files: tuple[bytes, ...] = ()
     cpu_s: float = 0.0
@@ -74,7 +74,7 @@ def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -
 
 
 def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:
-    """Yield edited copies of a file that parse, likeliest first, each with a different syntax tree.
+    """Yield edited copies of a file as possible repairs, likeliest first; all parse, each to a different syntax tree.
 
     Parameters
     ----------

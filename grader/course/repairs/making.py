@@ -67,7 +67,7 @@ class RepairRequest:
 
 @dataclass(frozen=True)
 class Grading:
-    """Settings of the class, and the marker that grades a submission by them in the sandbox."""
+    """Rubric and traces of a class, and the function that grades a submission by them in the sandbox."""
 
     rubric: Rubric
     traces: Traces
@@ -90,7 +90,7 @@ class GradingSettings:
 
     @contextmanager
     def opened(self) -> Iterator[Grading]:
-        """Return a grading in this process, whose marker is opened when the first submission is graded."""
+        """Open a grading in this process. Its marker is opened when the first submission is graded, and closed at the end."""
         with ExitStack() as stack:
             marker = cache(lambda: stack.enter_context(self.open_marker()))
             yield self.by(lambda submission, cpu_s=None: marker().mark(submission, cpu_s))
@@ -153,7 +153,7 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Su
 
     Returns
     -------
-    The grades without and with the repair, and the suggestion. Without one the grades are equal, and it is None.
+    The grades without and with the repair, and the suggestion; if there is no suggestion, equal grades and None.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
@@ -166,7 +166,7 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Su
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
-    """Yield the diff of a suggested repair with a line on what it earns; one line where there is none. Nothing is recorded."""
+    """Yield a line on what a suggested repair earns, then its diff; a line that says so if there is none. Nothing is recorded."""
     grades, found = suggestion(out, who, grading)
     if found is None:
         yield f"{printable(who, 80)}: no repair to suggest"
@@ -181,7 +181,7 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
 def validated_repair(
     request: RepairRequest, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
 ) -> LoggedRepair:
-    """Validate a request and return its repair; `now` holds the files with the repairs already in force."""
+    """Return the repair of a request, or raise RequestError if it is not valid; `now` holds the files as repaired so far."""
     most = final_grade.result.max_score
     if request.file not in now:
         raise RequestError(
@@ -280,7 +280,7 @@ def _final_grade(store: Store, who: str) -> FinalGrade:
 
 
 def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
-    """Return the submission as it was handed in, from the record."""
+    """Return the submission as it was handed in, from the record; raise RequestError if code may be missing there."""
     sha256 = str(final_grade.result.provenance.get("submission_sha256", ""))
     kept = read(unpack, store.files(sha256))
     if not kept.files or kept.more or any(map(is_code, kept.others)):
@@ -308,7 +308,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
     Raises
     ------
     RequestError
-        If there is none.
+        If there is no such repair.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)

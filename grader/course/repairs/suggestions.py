@@ -21,7 +21,7 @@ from grader.intake import Submission
 
 
 class MarkCopy(Protocol):
-    """Protocol of a function that grades a submission in the sandbox; its code has `cpu_s` seconds, or those of the rubric."""
+    """Protocol of a function that grades a submission in the sandbox within `cpu_s` CPU seconds; None takes those of the rubric."""
 
     def __call__(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
@@ -63,7 +63,7 @@ class _Left:
 
 
 def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: MarkCopy) -> Suggestion | None:
-    """Return the repair of the costliest place whose valid repairs all earn the same; None if there is no such place.
+    """Return a repair of the place that costs most points and whose valid repairs all earn the same; None without such a place.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from grader.engine.lab import Lab
 
 
 def settings_on_record(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> GradingSettings:
-    """Return the rubric, traces and marker that graded the class in OUT.
+    """Return the rubric, traces and marker that graded the class in OUT; the shipped ones if no settings are on record.
 
     Raises
     ------

@@ -78,7 +78,7 @@ class RunOutcome:
         return [id_ for id_, result in self.results.items() if result.status == "incomplete"]
 
     def below(self, points: float) -> list[str]:
-        """Return the ids of the fully judged submissions with fewer points."""
+        """Return the ids of the fully judged submissions with fewer points than these."""
         judged = {id_: result for id_, result in self.results.items() if result.status != "incomplete"}
         return [id_ for id_, result in judged.items() if result.score < points]
 
@@ -92,7 +92,7 @@ def on_record(out: Path) -> ClassSettings | None:
 
 
 def lab_on_record(out: Path) -> Lab:
-    """Return the lab that the class in OUT was graded as."""
+    """Return the lab of the class in OUT; the one that `IMUGRADE_LAB` names, or the shipped one, if none is on record."""
     settings = on_record(out)
     return chosen_lab(settings.lab if settings else "")
 
@@ -125,7 +125,7 @@ def change(request: GradeRequest, found: Class) -> Change | None:
 
 
 def forecast(request: GradeRequest, found: Class) -> list[str]:
-    """Return how many submissions a run would grade, and which files on record others would replace; nothing is graded."""
+    """Return lines on how many submissions a run would grade, and for which other files than on record would then count."""
     kept: list[bool] = []
     given: dict[str, set[str]] = {}
     present: dict[str, Result] = {}
@@ -144,7 +144,7 @@ def forecast(request: GradeRequest, found: Class) -> list[str]:
 
 
 def installed_since(store: Store, lab: Lab) -> set[str]:
-    """Return the ids whose code failed to import a package that student code can import now."""
+    """Return the ids of submissions to grade again: they failed to import a package that student code can import now."""
     failed = {id_: missing_packages.failed(each.result) for id_, each in store.final_grades().items()}
     there = missing_packages.available(lab) if any(failed.values()) else set()
     return {id_ for id_, names in failed.items() if names.keys() & there}
@@ -368,7 +368,7 @@ def opener(request: GradeRequest) -> OpenMarker:
 def guarded_marker(
     rubric: Rubric, traces: Traces, isolation_level: str | None, trusted: bool, at_least: str = ""
 ) -> Iterator[Marking]:
-    """Open a marker for students' code; refuse if nothing isolates it, or only a level weaker than `at_least`."""
+    """Open a marker for students' code; refuse if it is neither isolated nor `trusted`, or isolated less than `at_least`."""
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.isolates and not trusted:
             raise RequestError(

@@ -61,7 +61,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
-    """Return which packages submissions import that student code cannot import here. No code is run."""
+    """Return by id which known packages submissions import that student code cannot import here. No code is run."""
     there = available(rubric.lab)
     with ReadingProcess() as reader:
         found = {entry.id: imported(submission, rubric) for entry, submission in reader.each(entries)}
@@ -77,7 +77,7 @@ def failed(result: Result) -> Mapping[str, float]:
 
 
 def many(missing: Missing) -> Missing:
-    """Return the packages that many submissions of the class lack."""
+    """Return only those missing packages that many submissions import, so that a package of one student is left out."""
     users = Counter(name for names in missing.values() for name in names)
     least = max(_MANY, _SHARE * len(missing))
     return {id_: {name: n for name, n in names.items() if users[name] >= least} for id_, names in missing.items()}
@@ -89,7 +89,7 @@ def available(lab: Lab) -> set[str]:
 
 
 def lines(missing: Missing) -> list[str]:
-    """Return what to tell an instructor: each package with its submissions and their points, then the command that installs all."""
+    """Return lines for an instructor: each missing package with who needs it, then the command to install all; empty if none is."""
     users: dict[str, dict[str, float]] = {}
     for id_, names in missing.items():
         for name, points in sorted(names.items()):
@@ -105,7 +105,7 @@ def lines(missing: Missing) -> list[str]:
 
 
 def command(distributions: Iterable[str]) -> str:
-    """Return the command that installs packages beside the grader."""
+    """Return the shell command that installs packages into the Python in which the grader runs."""
     return shlex.join([sys.executable, "-m", "pip", "install", *distributions])
 
 

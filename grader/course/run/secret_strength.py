@@ -36,7 +36,7 @@ def refuse_guessable(secret: str | None) -> None:
 
 
 def guessable(secret: str) -> str:
-    """Return why a secret can be guessed; "" if it cannot."""
+    """Return why a secret can be guessed, as the end of a message; "" if it is strong enough."""
     if len(secret) < MIN_LENGTH:
         return f"it has fewer than {MIN_LENGTH} characters"
     if len(set(secret)) < MIN_DIFFERENT:

@@ -113,7 +113,7 @@ def _unread_times(request: GradeRequest) -> Iterator[str]:
 
 
 def listing(found: Class) -> Iterator[str]:
-    """Yield a line for each submission found: its id, people, time and lateness."""
+    """Yield a line for each submission found: its id, people, time and lateness, without those that are unknown."""
     for entry in found.entries:
         hand_in = entry.hand_in
         people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)

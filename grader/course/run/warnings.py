@@ -37,7 +37,7 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
 
 
 def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
-    """Yield lines about submissions and names to which a late policy cannot be applied."""
+    """Yield lines about submissions late only on the platform, and due dates for unknown names; none without a late policy."""
     if policy is None:
         return
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
@@ -126,6 +126,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield a warning with names, `A_LINE` names a line, separated by semicolons because many names are ``Last, First``."""
+    """Yield a warning with `A_LINE` names a line, separated by semicolons, because many names hold a comma; none without names."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
