@@ -24,7 +24,7 @@ _NO_FILE = {
     "FileNotFoundError": re.compile(r"No such file or directory: '([^']+)'|^(\S+) not found"),
     "ValueError": re.compile(r"Error opening file '([^']+)'"),
 }
-"""File that does not exist, as Python and NumPy name it, and as MuJoCo does, by the type of the exception."""
+"""Patterns that find the name of a file that does not exist in a message of Python or of a library, by the type of exception."""
 _MOST = 24  # most statements to record per submission as ending their process
 
 

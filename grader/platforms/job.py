@@ -24,7 +24,7 @@ from grader.platforms.platform import Platform, ResultContext
 
 @dataclass(frozen=True)
 class CiJob:
-    """What a CI job is asked to grade, and how. If `path` or `out` is None, the platform's own place is used; `out` "-" is stdout.
+    """Request of a CI job: what to grade, and how. None as `path` or `out` is the platform's own place; `out` "-" is stdout.
 
     `private` says that students can read neither the files nor the output of the job.
     """

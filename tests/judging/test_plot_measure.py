@@ -16,7 +16,7 @@ from grader.engine.load_report import SteppedOver
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.collection import KEYS, Collection
 from grader.labs.imu.returned import Array
-from grader.labs.imu.visualization import measure
+from grader.labs.imu.visualization import measure, pictures
 from grader.sandbox.wire import Frame
 from tests.judging.fake_students import FakeStudent, truth
 from tests.judging.test_check_visualization import SHEET, Plotted
@@ -128,5 +128,5 @@ PICTURE = Picture((800, 600), 0.2, np.zeros((60, 80), np.uint8), np.full((256, 3
 )
 def test_a_picture_that_may_be_a_plot_shows_something(picture: Picture | None, something: bool) -> None:
     student = Plotted(Drawing(()), pictures={"imu_data.png": picture})
-    assert measure._handed_in(student, "imu_data.png") is something
-    assert not measure._handed_in(student, "another.png")
+    assert pictures.was_handed_in(student, "imu_data.png") is something
+    assert not pictures.was_handed_in(student, "another.png")

@@ -17,7 +17,7 @@ Arrays = Mapping[str, Array]
 
 ACCELERATION_NAME = re.compile(r"acc|specific|force|linear", re.IGNORECASE)
 RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
-"""What names of values, keys and columns contain that hold the one or the other sensor."""
+"""Patterns by which the name of a value, a key or a column tells that it holds an acceleration or an angular velocity."""
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:

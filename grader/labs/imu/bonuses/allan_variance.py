@@ -145,7 +145,7 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a student's curves are: an Allan deviation (`fault` ""), the estimate of a known fault, or unexplained (None)."""
+    """Explanation of a student's curves: an Allan deviation (`fault` ""), the estimate of a known fault, or unknown (None)."""
 
     fault: str | None
     seconds: bool = True

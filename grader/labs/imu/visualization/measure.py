@@ -1,16 +1,15 @@
-"""Facts about the two plots: the figure of the data and its picture file, and the comparison of raw and filtered data."""
+"""Facts about the plot of the data: the figure that is judged, what is seen of it, and its picture file."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from grader.base.errors import NoAnswer
-from grader.base.text import printable
 from grader.engine.figures import Curve, Figure
 from grader.engine.findings import (
     NEEDS_REVIEW,
@@ -24,30 +23,24 @@ from grader.engine.findings import (
     Skipped,
     StudentError,
 )
-from grader.engine.load_report import not_handed_in
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.collection import KEYS, SENSORS, Collection
 from grader.labs.imu.returned import Array
 from grader.labs.imu.robot import torso_ids
 from grader.labs.imu.student import Student
-from grader.labs.imu.visualization import comparing, curves
+from grader.labs.imu.visualization import compared_plots, curves
+from grader.labs.imu.visualization.compared_plots import Comparison
 from grader.labs.imu.visualization.curves import Channel, Plot
 from grader.labs.imu.visualization.panel_words import labelled_units
+from grader.labs.imu.visualization.pictures import PICTURE, was_handed_in
 
-PICTURE, COMPARISON = "imu_data.png", "filtered_imu.png"
 DOING = "plotting IMU data"
 OF_WORDS = ("two_labelled_panels", "axis_labels_with_units", "legend_names_curves", "titles")
 """Checks that read the panels; what nobody sees has no words either."""
 OF_PLOT = ("saves_image", "curves_match_data", *OF_WORDS)
 _KEEPS = {"saves_image": 0.5} | dict.fromkeys(OF_PLOT[1:], 0.0)
 """Share of each check for a picture that no code draws: nobody knows what it shows."""
-_INK = (0.005, 0.6)
-"""Share of a handed-in picture that has none of its commonest colours: less is a blank sheet, more a photograph or noise.
-
-The sheet's figure has 0.05 to 0.13 in any style and frame, noise 0.66 and more.
-"""
-_SMALLEST_PX = 150
 _NOT_THERE = ("KeyError", "AttributeError", "TypeError", "IndexError", "ValueError")
 """Exceptions of a plot that looks in a recording for what the sheet's recording does not have, or not in that form."""
 _NEARER = 0.75
@@ -77,45 +70,6 @@ class File:
     blank: bool = False
     handed_in: bool = False
     lost: frozenset[Channel] = frozenset()
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Figures of raw and filtered data that the submission's programs draw.
-
-    Attributes
-    ----------
-    saved : the pairs of curves in each saved figure of one program that has any
-    drawn : whether any figure has such a pair
-    meant : the number of curves of a figure that is meant to compare and has no such pair, and what they are in words
-    handed_in : whether a picture of such a figure was handed in
-    error : the exception that stopped a program
-    clean : whether the noise model has lost points, so that no noise is asked for
-    """
-
-    saved: tuple[Sequence[comparing.Compared], ...] = ()
-    drawn: bool = False
-    meant: tuple[int, str] = (0, "")
-    handed_in: bool = False
-    error: StudentError | None = None
-    clean: bool = False
-
-    @property
-    def noisy(self) -> bool:
-        """Return whether noise is seen in a raw curve, or none is asked for."""
-        return self.clean or any(pair.noisy for pairs in self.saved for pair in pairs)
-
-    @property
-    def in_words(self) -> str:
-        return "both curves, and no saved file that shows them" if self.drawn else self.meant[1] or "no figure of both"
-
-    @property
-    def stop_in_words(self) -> str:
-        """The exception that stopped a program, with its file and line; "" if none did."""
-        if self.error is None:
-            return ""
-        said = printable(f"{self.error.type}: {self.error.message}", 300) + not_handed_in(self.error)
-        return f"{said} at {self.error.where}" if self.error.where else said
 
 
 @dataclass(frozen=True)
@@ -155,7 +109,7 @@ def measure(student: Student, truth: Traces) -> Facts:
             raise Raised(drawing.error, DOING)
     except (Missing, NoAnswer, Raised) as stop:
         stopped = _drawn_by_no_code(student) or dict.fromkeys(OF_PLOT, stop)
-        return Facts(_NO_PLOT, comparison=_comparison(student), stopped=stopped)
+        return Facts(_NO_PLOT, comparison=compared_plots.measure(student), stopped=stopped)
     plots = candidates(student, truth, drawing)
     plot, file = best_of(plots) or _NO_PLOT, _file(student, drawing, plots)
     stopped = {} if any(map(curves.has_curves, drawing.figures)) else _drawn_by_no_code(student)
@@ -168,7 +122,7 @@ def measure(student: Student, truth: Traces) -> Facts:
     return Facts(
         plot,
         file,
-        _comparison(student),
+        compared_plots.measure(student),
         outside,
         _recorded_units(student, truth, plot),
         drawing.error,
@@ -279,7 +233,7 @@ def _file(student: Student, drawing: Drawing, plots: Sequence[Plot]) -> File:
         formats=frozenset(figure.format for figure in saved),
         replaced=not saved and "overwritten" in events,
         blank=not saved and any(figure.is_saved for figure in drawing.figures),
-        handed_in=not saved and _handed_in(student, PICTURE),
+        handed_in=not saved and was_handed_in(student, PICTURE),
         lost=frozenset(gone - shown) if saved else frozenset(),
     )
 
@@ -298,7 +252,7 @@ def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
 
     Without a picture there are none.
     """
-    if not _handed_in(student, PICTURE):
+    if not was_handed_in(student, PICTURE):
         return {}
     student.note(
         GraderText(
@@ -310,12 +264,6 @@ def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
         name: Charged(Charge(f"visualization.{name}", (Cost("plot-not-drawn", 1 - kept, Deviation({})),)))
         for name, kept in _KEEPS.items()
     }
-
-
-def _handed_in(student: Student, name: str) -> bool:
-    """Return whether a picture of that name was handed in, and may be a plot."""
-    picture = student.picture(name)
-    return picture is not None and _INK[0] < picture.ink < _INK[1] and min(picture.size_px) >= _SMALLEST_PX
 
 
 # ---- what is seen of it ----
@@ -385,67 +333,3 @@ def _distance(y: Array, other: Array) -> float:
     if y.shape != other.shape or not y.size:
         return math.inf
     return float(np.sqrt(np.mean((y - other) ** 2)))
-
-
-# ---- raw and filtered ----
-
-
-def _comparison(student: Student) -> Comparison:
-    """Run the submission's programs until one saves a figure of noisy and filtered data.
-
-    A figure without noise counts only if no other figure is meant as the comparison: in any plot, one channel of a robot that comes
-    to rest is smoother than another.
-    """
-    drawn, meant = False, (0, "")
-    error: StudentError | None = None
-    clean: Comparison | None = None
-    charged = _past_the_plot(student)
-    for drawing in student.scripts():
-        error = error or (drawing.error if drawing.error != charged else None)
-        pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
-        if saved := tuple(pair for figure, pair in pairs if pair and figure.is_saved):
-            _note_stopped(student, drawing.error)
-            found = Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
-            if found.noisy:
-                return found
-            clean = clean or found
-        drawn = drawn or any(pair for figure, pair in pairs if not figure.is_saved)
-        meant = max(meant, *_meant(figure for figure, pair in pairs if not pair))
-    if clean is not None and meant[0] < 2:
-        return clean
-    return Comparison((), drawn, meant, _handed_in(student, COMPARISON), error)
-
-
-def _past_the_plot(student: Student) -> StudentError | None:
-    """Let scripts go on beside a stand-in where `plot_imu_data` does not end, which is charged. Return what it raised."""
-    drawing = student.stored_answer("plot")
-    if drawing is None or drawing.error is not None:
-        student.replace_broken(["plot_imu_data"])
-    return None if drawing is None else drawing.error
-
-
-def _note_stopped(student: Student, error: StudentError | None) -> None:
-    """Add a note on a statement that stopped in a program and was stepped over, unless the import has noted it.
-
-    A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault.
-    """
-    if error is None or not error.where or (error.type == "AttributeError" and student.broken):
-        return
-    if not any(note.startswith(f"{error.where} ") for note in student.notes):
-        why = printable(error.type or error.message, 60)
-        student.note(
-            f"{error.where} was stopped when the file was run: {why}. The grader went on with the next line",
-            GraderText("A statement was stopped when a file was run as a script. The grader went on with the next one"),
-        )
-
-
-def _compared(student: Student, figure: Figure) -> Sequence[comparing.Compared]:
-    """Return the raw and filtered curves; those of a filter that has been charged already go by their names."""
-    found = comparing.comparisons(figure)
-    return found or (comparing.named_comparisons(figure) if "LowPassFilter" in student.broken else [])
-
-
-def _meant(figures: Iterable[Figure]) -> list[tuple[int, str]]:
-    """Return the curves of each figure that is meant to compare: its file's name says so, or the names of its curves."""
-    meant = (f for f in figures if f.file_name == COMPARISON or comparing.named_comparisons(f))
-    return [(0, ""), *map(comparing.in_words, meant)]
