@@ -1,4 +1,4 @@
-"""`python -m grader` is `imugrade`, but for one thing: Python runs a `grader.py` that lies where it is called first."""
+"""Run `imugrade` as `python -m grader`. Beware: Python runs a `grader.py` in the working folder instead, if there is one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 
 
 def _import_nothing_from_here() -> None:
-    """With `-m` modules are looked for in the current folder first, which may be a student's."""
+    """Take the working folder off Python's path, where `-m` has put it: it may be a student's, with modules of any name."""
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     if sys.path[0] == os.getcwd() != home:
         del sys.path[0]

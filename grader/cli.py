@@ -1,7 +1,7 @@
-"""The command line: words to calls, results to an exit code. Nothing heavy is imported until a command runs.
+"""The command line `imugrade`: it calls one command and turns its end into an exit code. A command's modules load when it runs.
 
-Exit codes: 0 done, 1 done but below --min-score, 2 the request was wrong, 3 the grader itself failed, 130 interrupted,
-141 nobody reads on.
+Exit codes: 0 done, 1 done but below --min-score, 2 the request was wrong, 3 the grader itself failed, 130 interrupted, 141 the
+reader of the output went away.
 """
 
 from __future__ import annotations
@@ -69,13 +69,11 @@ for _command in (
     app.command()(_command)
 app.add_typer(traces.app, name="traces")
 atexit.register(gc.freeze)  # what is left goes with the process: to search it for cycles takes a tenth of a second
-gc.set_threshold(
-    50_000
-)  # a class of thousands is millions of objects without a cycle: to search them often takes a second
+gc.set_threshold(50_000)  # a class of thousands is millions of objects without a cycle: a search takes a second
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code: the one place where failures become codes and lines."""
+    """Run one command and return its exit code; only here do exceptions become exit codes and messages."""
     _accept_any_encoding()
     _keep_to_one_core()
     try:
@@ -83,9 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED  # newer versions of typer return it themselves
     except SystemExit as left:
-        return (
-            UNREAD if left.code else 0
-        )  # typer and rich do it with a 1 when nobody reads on, which here means a low score
+        # typer and rich leave with a 1 when nobody reads on, which here would mean a low score
+        return UNREAD if left.code else 0
     except RequestError as problem:
         return _fail(str(problem), 2)
     except GraderError as problem:
@@ -109,7 +106,7 @@ def _misused(problem: Exception, message: str) -> int:
 
 
 def _fail(message: str, code: int) -> int:
-    """Print a message on stderr, with a traceback if IMUGRADE_DEBUG is set, and return the exit code."""
+    """Print a message on stderr, with a traceback if IMUGRADE_DEBUG is set and nobody interrupted; return the exit code `code`."""
     if os.environ.get("IMUGRADE_DEBUG") and code != INTERRUPTED:
         traceback.print_exc()
     for line in message.splitlines() or [""]:
@@ -120,14 +117,14 @@ def _fail(message: str, code: int) -> int:
 def _keep_to_one_core() -> None:
     """Limit the threads of NumPy's linear algebra to one; NumPy reads these variables when it is imported.
 
-    More threads gain nothing on matrices as small as ours, and several markers share the cores.
+    More threads gain nothing on matrices as small as ours, and several processes that grade share the cores.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 
 def _accept_any_encoding() -> None:
-    """Replace characters that the terminal's encoding lacks, such as ✓, by a question mark."""
+    """Print a question mark for characters that the terminal's encoding lacks, such as ✓, in place of an exception."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError):
             stream.reconfigure(errors="replace")  # type: ignore[union-attr] # not every stand-in for stdout has it

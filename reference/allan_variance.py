@@ -23,10 +23,10 @@ PER_DECADE = 12  # averaging times, as closely as a plot needs them
 
 
 def allan_deviation(samples: ArrayLike, sample_rate_hz: float) -> tuple[FloatArray, FloatArray]:
-    """Overlapping Allan deviation at averaging times that are spread evenly on a logarithmic axis.
+    """Return the overlapping Allan deviation at averaging times that are spread evenly on a logarithmic axis.
 
-    With the integral x of the samples and τ = m / sample rate, NIST SP 1065, equation (11):
-    σ²(τ) = Σ (x[k + 2m] − 2 x[k + m] + x[k])² / (2 τ² · number of terms).
+    With the integral x of the samples and τ = m / sample rate, NIST SP 1065, equation (11): σ²(τ) = Σ (x[k + 2m] − 2 x[k + m] +
+    x[k])² / (2 τ² · number of terms).
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def allan_deviation(samples: ArrayLike, sample_rate_hz: float) -> tuple[FloatArr
 
 
 def cluster_sizes(n: int) -> NDArray[np.int64]:
-    """Numbers of samples to average, from 1 to n // 2, about `PER_DECADE` in a decade."""
+    """Return the numbers of samples to average, from 1 to n // 2, about `PER_DECADE` for each factor of ten."""
     largest = n // 2
     count = int(np.ceil(PER_DECADE * np.log10(largest))) + 2
     return np.unique(np.geomspace(1, largest, count).round().astype(np.int64))
@@ -69,7 +69,7 @@ def _deviation(integral: FloatArray, m: int, tau: float) -> FloatArray:
 
 
 def noise_density(taus_s: FloatArray, adev: FloatArray) -> float:
-    """Density N of white noise, in the samples' unit times √s: the deviation at τ = 1 s of a line of slope −1/2.
+    """Return the density N of white noise in the samples' unit times √s: the deviation at τ = 1 s on a line of slope −1/2.
 
     For noise that is white with standard deviation σ at the rate f, N = σ / √f. Fitted over the shortest decade of τ.
     """

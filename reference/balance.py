@@ -20,10 +20,10 @@ ROUNDS = 20
 
 
 def missing_forces(model: mujoco.MjModel) -> NDArray[np.float64]:
-    """Generalised forces (nv,) that would have to be added for the initial pose to rest; zero in balance.
+    """Return the generalised forces (nv,) that would have to be added for the initial pose to rest; zero in balance.
 
-    Inverse dynamics at zero velocity and zero acceleration. The soft contacts' forces follow from how deep the pads are
-    in the floor alone, so this is exact.
+    Inverse dynamics at zero velocity and zero acceleration. The soft contacts' forces follow from how deep the pads are in the
+    floor alone, so this is exact.
     """
     data = mujoco.MjData(model)
     mujoco.mj_inverse(model, data)
@@ -31,7 +31,7 @@ def missing_forces(model: mujoco.MjModel) -> NDArray[np.float64]:
 
 
 def pads(model: mujoco.MjModel) -> list[int]:
-    """The geoms that the robot stands on."""
+    """Return the numbers of the geoms that the robot stands on, by their names: toe and heel pads."""
     return [geom for geom in range(model.ngeom) if re.search("_(toe|heel)_", model.geom(geom).name or "")]
 
 
@@ -48,7 +48,7 @@ def settle(model: mujoco.MjModel) -> None:
 
 
 def balanced(text: str) -> str:
-    """The model's text with height, pads and springs in balance, and otherwise as it was, comments included."""
+    """Return the model's text with height, pads and springs in balance, and otherwise as it was, comments included."""
     model = mujoco.MjModel.from_xml_string(text)
     settle(model)
     text = _set_pos(text, r'<body name="pelvis" pos="', model.qpos0[:3])
@@ -72,7 +72,7 @@ def _sinking(model: mujoco.MjModel) -> float:
 
 
 def _set_pos(text: str, before: str, pos: NDArray[np.float64]) -> str:
-    """Replace the `pos` that follows the pattern `before`."""
+    """Replace the numbers of the `pos` attribute that the pattern `before` ends with."""
     return re.sub(f'({before})[^"]*', rf"\g<1>{' '.join(f'{number:.9g}' for number in pos)}", text)
 
 

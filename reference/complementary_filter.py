@@ -1,7 +1,7 @@
 """Extension: attitude from an accelerometer and a gyroscope, each trusted where it is good.
 
-The gyroscope's integral follows fast motion but drifts; the accelerometer's tilt never drifts but takes every shove for
-a tilt. The filter takes the short times from the one and the long times from the other.
+The gyroscope's integral follows fast motion but drifts; the accelerometer's tilt never drifts but takes every shove for a tilt. The
+filter takes fast changes from the gyroscope and slow ones from the accelerometer.
 
 References
 ----------
@@ -27,7 +27,7 @@ STEEPEST = (
 
 
 class ComplementaryFilter:
-    """Roll and pitch of a sensor whose axes point forward, right and down.
+    """Estimate roll and pitch of a sensor whose axes point forward, right and down, from both of its readings.
 
     The first update starts at the accelerometer's tilt. From then on the gyroscope's step has the weight `alpha` and the
     accelerometer's tilt the rest, so that a wrong angle dies away with the time constant alpha dt / (1 − alpha).
@@ -84,7 +84,7 @@ class ComplementaryFilter:
         return self.roll, self.pitch
 
     def _blend(self, integrated: float, measured: float) -> float:
-        """The weighted mean of two angles, the short way round."""
+        """Return the weighted mean of two angles, the short way round."""
         return wrapped(integrated + (1.0 - self.alpha) * wrapped(measured - integrated))
 
     def _turn(self, rate: float, mag: ArrayLike | None) -> None:
@@ -107,7 +107,7 @@ def tilt_of(accel: ArrayLike) -> tuple[float, float]:
 
 
 def euler_rates(roll: float, pitch: float, gyro: ArrayLike) -> tuple[float, float, float]:
-    """Rates (rad/s) of roll, pitch and heading from the angular velocity (3,) in the sensor's own frame.
+    """Return the rates (rad/s) of roll, pitch and heading from the angular velocity (3,) in the sensor's own frame.
 
     The kinematics of the z-y-x angles; Diebel, J. (2006), Representing attitude, Stanford University, section 5.6.
     """
@@ -118,7 +118,7 @@ def euler_rates(roll: float, pitch: float, gyro: ArrayLike) -> tuple[float, floa
 
 
 def heading_of(mag: ArrayLike, roll: float, pitch: float) -> float:
-    """Heading (rad) of a magnetic field (3,) in the sensor's frame, after turning it level by roll and pitch."""
+    """Return the heading (rad) from a magnetic field (3,) in the sensor's frame, after turning it level by roll and pitch."""
     x, y, z = (float(value) for value in np.asarray(mag, dtype=np.float64))
     forward = x * math.cos(pitch) + (y * math.sin(roll) + z * math.cos(roll)) * math.sin(pitch)
     right = y * math.cos(roll) - z * math.sin(roll)

@@ -1,4 +1,7 @@
-"""Simulate the scenarios of the extensions: motions of a tilting IMU, kinds of noise, many IMUs, a robot to watch."""
+"""Simulate the scenarios that grade the extensions: motions of a tilting IMU, kinds of noise, many IMUs, a robot to watch.
+
+The first line of a scenario's docstring is its description in the traces.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +26,14 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Wave:
-    """A sum of sines: amplitudes, frequencies (Hz) and phases (rad), each (k,)."""
+    """A smooth motion as a sum of sines: amplitudes, frequencies (Hz) and phases (rad), each (k,)."""
 
     size: FloatArray
     frequency: FloatArray
     phase: FloatArray
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Value, first and second derivative (n,)."""
+        """Return value, first and second derivative, each (n,), at the times (n,) in s."""
         omega = 2.0 * np.pi * self.frequency
         angle = time[:, None] * omega + self.phase
         return (
@@ -42,7 +45,7 @@ class Wave:
 
 @dataclass(frozen=True)
 class Ride:
-    """A motion of the gimbal and the errors of its sensors.
+    """A motion of an IMU on a gimbal that rides on a carriage, and the errors of its sensors.
 
     Attributes
     ----------
@@ -67,7 +70,7 @@ STEEP = Ride(0.02, 2000, (0.2, 0.3, 0.5), (1.1, 0.25, 0.35), 4.0, 0.015)
 
 
 def _wave(rng: np.random.Generator, amplitude: float, low: float, high: float) -> Wave:
-    """Return a rotation that starts level, so that a slow filter does not begin with an error."""
+    """Return a random rotation that starts level, so that a slow filter does not begin with an error."""
     shares = np.array([0.75, 0.25])
     return Wave(amplitude * shares, rng.uniform(low, high, 2), rng.choice([0.0, np.pi], 2))
 
@@ -85,7 +88,7 @@ def _drift_of(rng: np.random.Generator, size: float) -> FloatArray:
 
 
 def _ridden(scene: Scene, ride: Ride) -> dict[str, Any]:
-    """Sensors and truth along a ride whose joints are prescribed: MuJoCo's inverse dynamics reads the accelerometer."""
+    """Return noisy sensors and true tilt along a random ride, whose joints are prescribed: inverse dynamics gives the readings."""
     time = np.arange(1, ride.n + 1, dtype=np.float64) * ride.dt
     waves = [_shake(scene.rng, ride.shaking) for _ in range(3)]
     still = Wave(np.zeros(1), np.zeros(1), np.zeros(1))
@@ -99,7 +102,7 @@ def _ridden(scene: Scene, ride: Ride) -> dict[str, Any]:
 
 
 def _sensed(model: mujoco.MjModel, motion: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Sensor readings (n, 9) and true roll and pitch (n, 2) along a prescribed motion (6, 3, n)."""
+    """Return sensor readings (n, 9) and true roll and pitch (n, 2) along a prescribed motion (6, 3, n)."""
     data = mujoco.MjData(model)
     samples, tilt = np.zeros((motion.shape[2], model.nsensordata)), np.zeros((motion.shape[2], 2))
     for row in range(motion.shape[2]):
@@ -111,7 +114,7 @@ def _sensed(model: mujoco.MjModel, motion: FloatArray) -> tuple[FloatArray, Floa
 
 
 def true_tilt(world_from_site: FloatArray) -> FloatArray:
-    """Roll and pitch (2,) in rad of a frame forward-right-down, from its rotation (3, 3) into the world."""
+    """Return roll and pitch (2,) in rad of a frame forward-right-down, from its rotation (3, 3) into the world."""
     up = world_from_site[2]  # the world's z axis in the site's frame: gravity's reaction, at rest
     return np.array([np.arctan2(-up[1], -up[2]), np.arctan2(up[0], np.hypot(up[1], up[2]))])
 
@@ -123,7 +126,10 @@ def _recorded(record: Callable[[Scene], Recording], scene: Scene, ride: Ride) ->
 
 
 def _rms(arrays: dict[str, Any], alpha: float) -> float:
-    """Error (rad) over the second half of one sensor alone; the gyroscope starts from the true tilt."""
+    """Return the error (rad) over the second half that one sensor alone makes (alpha 1: gyroscope, 0: accelerometer).
+
+    A student's filter has to be better than both. The gyroscope starts from the true tilt.
+    """
     dt = float(arrays["time"][0])
     single = ComplementaryFilter(dt, alpha)
     single.start(*arrays["tilt"][0])
@@ -178,7 +184,7 @@ def allan(scene: Scene) -> Recording:
 
 
 def flicker(rng: np.random.Generator, n: int) -> FloatArray:
-    """Noise (n,) whose power goes with 1 / frequency, of unit standard deviation: white noise, shaped."""
+    """Return noise (n,) whose power goes with 1 / frequency, of unit standard deviation, made by shaping white noise."""
     spectrum = np.fft.rfft(rng.normal(0.0, 1.0, 2 * n))
     spectrum[1:] /= np.sqrt(np.arange(1, len(spectrum)))
     spectrum[0] = 0.0
@@ -225,7 +231,7 @@ def watched(scene: Scene) -> Recording:
 
 
 def _channels(model: mujoco.MjModel, names: list[str], push: float) -> FloatArray:
-    """Readings (n, 3 × sensors) after each step from reset."""
+    """Return readings (n, 3 × sensors) after each step from reset, with the robot pushed forward by `push` (m/s)."""
     starts = [int(model.sensor_adr[sensor_id(model, name)]) for name in names]
     columns = [start + axis for start in starts for axis in range(3)]
     data = mujoco.MjData(model)

@@ -14,7 +14,7 @@ GRAVITY_READING = -9.81  # m/s² on a z axis that points down, standing still
 
 
 class LowPassFilter:
-    """Exponential moving average: y[n] = alpha x[n] + (1 − alpha) y[n−1].
+    """Smooth measurements by an exponential moving average: y[n] = alpha x[n] + (1 − alpha) y[n−1].
 
     Parameters
     ----------

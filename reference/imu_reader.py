@@ -20,7 +20,7 @@ GRAVITY_READING = -9.81  # m/s² on a z axis that points down, standing still
 
 
 def sensor_id(model: mujoco.MjModel, name: str) -> int:
-    """Id of a sensor by its name.
+    """Return the id of a sensor by its name.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def sensor_id(model: mujoco.MjModel, name: str) -> int:
 
 
 def list_sensors(model: mujoco.MjModel) -> list[str]:
-    """One line a sensor: its name, type, dimension and the place of its first number in `sensordata`."""
+    """Return one line for each sensor: its name, type, dimension and the index of its first number in `sensordata`."""
     names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, i) for i in range(model.nsensor)]
     columns = zip(names, model.sensor_type, model.sensor_dim, model.sensor_adr, strict=True)
     return [f"{name}: type={kind}, dim={dim}, address={address}" for name, kind, dim, address in columns]

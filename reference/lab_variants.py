@@ -1,4 +1,4 @@
-"""Variants of the lab model in which all that the sheet says of it stays true: it stands, is pushed, sways and stays up."""
+"""Random variants of the lab model, for hidden traces, of which all stays true that the sheet says: it stands, sways, stays up."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STILL_S = 0.5
 
 
 def lab_variant(xml: str, rng: np.random.Generator) -> str:
-    """The first variant out of the generator that keeps the sheet's facts."""
+    """Return the first random variant of the lab model, drawn from `rng`, that keeps what the sheet says of it."""
     while True:
         text = at_rest(vary(xml, rng))
         if keeps_the_facts(mujoco.MjModel.from_xml_string(text)):
@@ -61,14 +61,14 @@ def keeps_the_facts(model: mujoco.MjModel) -> bool:
 
 
 def _hides_its_sensors(model: mujoco.MjModel) -> bool:
-    """Return whether no IMU lies where the students' model has one, at a sensor's id, or too far for the generated models."""
+    """Return whether no IMU's address can be guessed: none is one in the students' model, an id, or beyond the generated models."""
     addresses = worlds.imu_addresses(model)
     unlike = all(int(model.sensor_adr[i]) != i for i in range(model.nsensor) if int(model.sensor_adr[i]) in addresses)
     return unlike and worlds.LAB_ADDRESSES.isdisjoint(addresses) and max(addresses) <= FARTHEST
 
 
 def _stands(model: mujoco.MjModel) -> bool:
-    """At rest from the first step on; half a second shows it, since nothing moves by then if nothing moved before."""
+    """Return whether the robot rests from the first step on and reads as the sheet says, within half a second."""
     trace = roll(model, mujoco.MjData(model), round(0.5 / model.opt.timestep), LAB_PAIR)
     still = np.ptp(trace["acceleration"], axis=0).max() < STILL_WITHIN
     return bool(still and not _far_from_standing(trace["acceleration"][0]))

@@ -33,7 +33,7 @@ PANELS = (
 
 @dataclass
 class Trace:
-    """One panel: the lines that grow, and what they show so far."""
+    """One panel of the live plot: its growing lines, and the samples that they show so far."""
 
     sensor: int
     axes: Any
@@ -51,7 +51,7 @@ def live_plot(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds: floa
     """Simulate on from the state in `data` and draw the torso IMU's six channels as they come in, 25 times a second.
 
     In a window it takes as long as it simulates: where drawing is slow, pictures are left out, not more than for half a second.
-    Without one it is as fast as it can be, and nothing is seen.
+    Without a window it runs as fast as it can, and nothing is seen.
     """
     figure, traces = canvas(model, duration_seconds, start=data.time)
     window = getattr(figure.canvas, "required_interactive_framework", None) is not None
@@ -72,7 +72,7 @@ def live_plot(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds: floa
 
 
 def write_animation(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds: float, path: Path) -> None:
-    """Run `live_plot` into a GIF that plays at the speed of the simulation."""
+    """Write the animation of `live_plot` into a GIF that plays at the speed of the simulation."""
     from matplotlib.animation import PillowWriter  # noqa: PLC0415 - only without a window
 
     figure, traces = canvas(model, duration_seconds, start=data.time)
@@ -84,7 +84,7 @@ def write_animation(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds
 
 
 def frames(model: mujoco.MjModel, data: mujoco.MjData, traces: list[Trace], duration_seconds: float) -> Iterator[None]:
-    """Step through the simulation, with a stop wherever a picture is due: the lines then show everything so far."""
+    """Step through the simulation and yield wherever a picture is due: the lines then show everything so far."""
     n_steps = round(duration_seconds / model.opt.timestep)
     every = max(1, round(1.0 / (FRAMES_PER_SECOND * model.opt.timestep)))
     times: list[float] = []
@@ -101,7 +101,7 @@ def frames(model: mujoco.MjModel, data: mujoco.MjData, traces: list[Trace], dura
 
 
 def canvas(model: mujoco.MjModel, duration_seconds: float, *, start: float) -> tuple[Any, list[Trace]]:
-    """Return the two panels with empty lines, over the whole time that will be drawn."""
+    """Return the figure and its two panels with empty lines, over the whole time that will be drawn."""
     figure, panels = plt.subplots(2, 1, figsize=(9, 6), sharex=True)
     traces = []
     for axes, (name, label, legend) in zip(panels, PANELS, strict=True):

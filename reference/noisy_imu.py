@@ -21,7 +21,7 @@ GYRO_BIAS_STD = 0.01  # rad/s
 
 
 class NoisyIMU:
-    """Wraps a clean IMU and adds what a real one adds.
+    """Read an IMU of the simulation with the noise and the constant bias of a real device.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class NoisyIMU:
         return self._rng.normal(0.0, std, 3) if given is None else np.array(given, dtype=np.float64)
 
     def read(self) -> tuple[FloatArray, FloatArray]:
-        """One noisy reading: acceleration (3,) in m/s² and angular velocity (3,) in rad/s, in the site's frame."""
+        """Return one noisy reading: acceleration (3,) in m/s² and angular velocity (3,) in rad/s, in the site's frame."""
         acceleration, angular_velocity = get_imu_readings(self.model, self.data, self.accel_id, self.gyro_id)
         return (
             acceleration + self.accel_bias + self._rng.normal(0.0, self.accel_noise_std, 3),

@@ -1,4 +1,4 @@
-"""The instructor's own robot: its model as one text, the two sensors of its IMU, and why a model cannot be graded.
+"""Read an instructor's own robot: its model as one text, the two sensors of its IMU, and why a model cannot be graded.
 
 `python -m reference.robot MODEL --accelerometer NAME --gyroscope NAME` prints the text.
 """
@@ -33,7 +33,7 @@ Problem = tuple[str, str]
 
 
 class UnfitError(ValueError):
-    """The model cannot be graded; `problems` says why."""
+    """The model cannot be graded; `problems` has for each reason the rubric's key that it is about, and a sentence."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__("; ".join(text for _, text in problems))
@@ -42,26 +42,26 @@ class UnfitError(ValueError):
 
 @dataclass(frozen=True)
 class Robot:
-    """A model: the name of its file, its text, and its IMU as (accelerometer, gyroscope)."""
+    """An instructor's robot: the file name of its model, the MJCF text, and its IMU as (accelerometer, gyroscope)."""
 
     file: str
     xml: str
     imu: tuple[str, str]
 
     def about(self) -> dict[str, Any]:
-        """Return the manifest's entry: also the ids and the time step that students may have learnt by heart."""
+        """Return the robot's entry in the manifest of traces: file, IMU, and the ids and time step that students' code may hold."""
         model = mujoco.MjModel.from_xml_string(self.xml)
         ids = [int(model.sensor(name).id) for name in self.imu]
         return {"file": self.file, "imu": list(self.imu), "ids": ids, "timestep": float(model.opt.timestep)}
 
 
 def read(path: Path, accelerometer: str, gyroscope: str) -> Robot:
-    """Read a model and prove that it can be graded.
+    """Read a model and prove that it can be graded: it can be pushed, has both sensors, and its simulation is stable.
 
     Raises
     ------
     UnfitError
-        If it cannot.
+        If the model cannot be loaded or graded.
     """
     xml = _text(path)
     model = mujoco.MjModel.from_xml_string(xml)
@@ -100,7 +100,7 @@ def _not_loaded(path: Path, error: Exception) -> str:
 
 
 def _absent_includes(path: Path, folder: Path, seen: set[Path]) -> Iterator[str]:
-    """Files that a model includes, directly or not, and that are not there."""
+    """Yield the files that a model includes, directly or not, and that are not there."""
     try:
         root = ET.parse(path).getroot()
     except (OSError, ET.ParseError):
@@ -140,7 +140,7 @@ def _sensors_of(model: mujoco.MjModel, key: str) -> str:
 
 
 def sensors(model: mujoco.MjModel, kind: mujoco.mjtSensor) -> list[str]:
-    """Names of the sensors of one kind, in their order."""
+    """Return the names of the sensors of one kind, in the model's order; sensors without a name are left out."""
     names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, i) for i in range(model.nsensor)]
     return [name for name, own in zip(names, model.sensor_type, strict=True) if name and own == kind]
 
@@ -160,7 +160,7 @@ def is_steady(model: mujoco.MjModel) -> bool:
 
 
 def all_imus(model: mujoco.MjModel, first: tuple[str, str]) -> tuple[tuple[str, str], ...]:
-    """The IMU itself, then every other accelerometer with the gyroscope of its site."""
+    """Return the IMU `first`, then every other accelerometer together with the gyroscope at its site."""
     accels, gyros = (sensors(model, kind) for kind in _KINDS.values())
     at = {name: int(model.sensor_objid[model.sensor(name).id]) for name in (*accels, *gyros)}
     pairs = [(accel, gyro) for accel in accels for gyro in gyros if at[accel] == at[gyro]]

@@ -1,7 +1,7 @@
-"""Simulate the ground truth. Name and seed determine every number.
+"""Simulate the ground truth of all scenarios; name and seed determine every number.
 
-Convention: a row holds what the sensors read right after `mj_step`, as on the lab sheet, and the simulation's time
-after that step. (MuJoCo computes sensors before it integrates, so the row is the state at the step's beginning.)
+Convention: a row holds what the sensors read right after `mj_step`, as on the lab sheet, and the simulation's time after that step.
+(MuJoCo computes sensors before it integrates, so the row is the state at the step's beginning.)
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ EXTRA_ROWS = 2  # after the last one, so that an answer that is late or one samp
 
 @dataclass(frozen=True)
 class Bundle:
-    """Recorded scenarios of one seed, with the MJCF texts of their models."""
+    """The recorded scenarios of one seed, with the MJCF texts of their models by name."""
 
     models: Mapping[str, str]
     recordings: tuple[Recording, ...]
 
 
 def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
-    """Run every scenario.
+    """Run every scenario and return the recordings.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
     seed : str
         Any text.
     robot : Robot, optional
-        The instructor's own, in the place of the lab's.
+        The instructor's own robot, in place of the lab's.
     """
     public = name == "public"
     text = worlds.lab() if public else lab_variant(worlds.lab(), generator(name, seed, "lab"))
@@ -125,7 +125,10 @@ _DRAWS = 50
 
 
 def _retold(recording: Recording) -> Recording:
-    """Return the recording; if it is of the main robot, its description says "instructor's model" and not "lab model"."""
+    """Return the recording of an instructor's robot with a description that says "instructor's model" and not "lab model".
+
+    Recordings of other models are unchanged.
+    """
     if recording.model != "lab":
         return recording
     said = recording.description
@@ -355,7 +358,10 @@ _TRIES = 500
 
 
 def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """Return a random state (qpos, qvel) whose six sensor channels are well away from zero and from each other."""
+    """Return a random state (qpos, qvel) whose six sensor channels are well away from zero and from each other.
+
+    If no draw is far enough, the best one counts.
+    """
     best, most = state_in_the_air(scene.rng, scene.lab), -1.0
     for _ in range(_TRIES):
         state = best if most < 0 else state_in_the_air(scene.rng, scene.lab)
@@ -370,7 +376,7 @@ def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
 
 
 def _distinct(rng: np.random.Generator) -> FloatArray:
-    """Return a bias (3,) in standard deviations: values of 3 to 9, well apart in size, with random signs."""
+    """Return a bias (3,) in standard deviations of the noise: 3 to 9, well apart in size, with random signs."""
     sizes = rng.permutation([3.0, 5.0, 8.0]) + rng.uniform(0.0, 1.0, 3)
     return np.asarray(sizes * rng.choice([-1.0, 1.0], 3), dtype=np.float64)
 

@@ -1,4 +1,4 @@
-"""Shared parts of the scenarios: generator, settings, compiled models, and the roll-out of a motion."""
+"""What all scenarios share: random generator, settings, compiled models, and the recording of a motion."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SPRING_TORQUE = 10.0  # N m, at most, in a random state: a throw, not an explosi
 
 @dataclass(frozen=True)
 class Recording:
-    """One scenario's truth. `model` is a key of the bundle's models, or None where nothing is simulated."""
+    """The true data of one scenario. `model` is a key of `Bundle.models`, or None where nothing is simulated."""
 
     name: str
     description: str
@@ -32,7 +32,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Settings:
-    """The settings that differ between the public bundle and hidden ones, beside the random states."""
+    """Durations, rates and noise of the scenarios: by default those of the public traces; `drawn_settings` gives hidden ones."""
 
     push_s: float = 1.2
     dirty_s: float = 0.6
@@ -46,10 +46,10 @@ class Settings:
 
 @dataclass(frozen=True)
 class Scene:
-    """The inputs of a scenario: its own generator, the settings and the compiled models.
+    """What a scenario is made from: its own random generator, the settings and the compiled models.
 
-    `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` are its pairs of accelerometer and
-    gyroscope, the IMU that is graded first. `sheet` is the lab's robot, whichever is graded on.
+    `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` are its pairs of accelerometer and gyroscope,
+    the IMU that is graded first. `sheet` is the lab's robot, whichever is graded on.
     """
 
     rng: np.random.Generator
@@ -78,7 +78,10 @@ class Scene:
 
 
 def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
-    """A generator for one purpose. Any text is a seed; a new scenario does not move the numbers of the others."""
+    """Return a random generator for one purpose, so that a new scenario does not change the numbers of the others.
+
+    Any text is a seed.
+    """
     digest = hashlib.sha256("\0".join(("imugrade", name, seed, purpose)).encode()).digest()
     return np.random.default_rng(np.frombuffer(digest, dtype="<u4").astype(np.uint64))
 
@@ -89,7 +92,7 @@ def first_line(record: Callable[[Scene], Recording]) -> str:
 
 
 def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
-    """Settings of a hidden bundle. Durations are multiples of the time step, which is another one than the model's own."""
+    """Return random settings for hidden traces. Durations are multiples of the time step, which differs from the model's own."""
     timestep = float(rng.choice([each for each in (0.001, 0.0025, 0.004) if each != usual_timestep]))
     return Settings(
         push_s=round(0.01 * int(rng.integers(100, 151)), 2),
@@ -104,7 +107,7 @@ def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
 
 
 def paced(settings: Settings, timestep: float) -> Settings:
-    """Return the settings for a robot with this time step: durations of a few hundred whole steps, and a shorter second time step.
+    """Return the settings for a robot with this time step: durations of a few hundred whole steps, and a shorter second step.
 
     A time step that is longer than the instructor's might not be stable.
     """
@@ -123,7 +126,7 @@ _FEWEST_STEPS, _MOST_STEPS = 150, 2000
 
 
 def roll(model: mujoco.MjModel, data: mujoco.MjData, n_steps: int, pair: tuple[str, str]) -> dict[str, FloatArray]:
-    """Step on from the state in `data`, recording one IMU: `time` (n,), `acceleration`, `angular_velocity` (n, 3)."""
+    """Step on from the state in `data`, recording one IMU: return `time` (n,), `acceleration`, `angular_velocity` (n, 3)."""
     accel, gyro = (sensor_id(model, name) for name in pair)
     time, acceleration, angular_velocity = np.zeros(n_steps), np.zeros((n_steps, 3)), np.zeros((n_steps, 3))
     for i in range(n_steps):
@@ -142,7 +145,7 @@ def at_state(model: mujoco.MjModel, qpos: FloatArray, qvel: FloatArray, time: fl
 
 
 def state_in_the_air(rng: np.random.Generator, model: mujoco.MjModel) -> tuple[FloatArray, FloatArray]:
-    """Random attitude, joint angles and velocities, clear of the floor: `qpos` (nq,) and `qvel` (nv,)."""
+    """Return random attitude, joint angles and velocities, clear of the floor: `qpos` (nq,) and `qvel` (nv,)."""
     qpos, qvel = np.array(model.qpos0), rng.normal(0.0, 0.4, model.nv)
     for joint in range(model.njnt):
         place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
@@ -166,7 +169,7 @@ def readings(
     states: Sequence[tuple[FloatArray, FloatArray]],
     pairs: Sequence[tuple[str, str]],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Arrays and scalars: `k` states, all sensors in each, and which sensors make the `p` IMUs."""
+    """Return what the sensors and the bodies of a model hold in k states, and which sensors make the p IMUs: arrays and scalars."""
     ids = np.array([[sensor_id(model, sensor) for sensor in pair] for pair in pairs], dtype=np.int64)
     sites = model.sensor_objid[ids[:, 0]]
     bodies = model.site_bodyid[sites]

@@ -1,7 +1,7 @@
-"""One text for a model that is spread over files: what it includes is written out, and nothing in it needs another file.
+"""Write a model that is spread over several files as one text that needs no other file, so that it can be sent and stored.
 
-MuJoCo itself writes out includes. What is left are meshes, height fields, textures and skins. What only shows is left out; a
-mesh that touches becomes its convex hull, which is what MuJoCo collides; and bodies keep the inertia that their meshes gave them.
+MuJoCo itself writes out includes. What is left are meshes, height fields, textures and skins. What only shows is left out; a mesh
+that touches becomes its convex hull, which is what MuJoCo collides; and bodies keep the inertia that their meshes gave them.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ _CLOSE = 1e-3
 
 
 class NotOneTextError(ValueError):
-    """MuJoCo's own writing of a model, without its files, is not the same model."""
+    """The text that was written of a model, without its other files, is not the same model."""
 
 
 def self_contained(path: Path) -> str:
-    """The MJCF text of a model that needs no other file.
+    """Return the MJCF text of a model, changed so that it needs no other file.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def _with_heights(root: ET.Element, model: mujoco.MjModel) -> None:
 
 
 def _without_meshes(root: ET.Element, model: mujoco.MjModel) -> None:
-    """Hulls for the meshes that touch, specks for the others; every body that had one gets its inertia in so many words."""
+    """Put hulls in place of the meshes that touch, specks in place of the others; write out the inertia of bodies that had one."""
     owners = _owners(root)
     elements = [geom for owner in owners for geom in owner.findall("geom")]
     if len(owners) != model.nbody or len(elements) != model.ngeom:
@@ -132,7 +132,7 @@ def _owners(root: ET.Element) -> list[ET.Element]:
 
 
 def _replace(geom: ET.Element, index: int, model: mujoco.MjModel, hulls: dict[str, str], *, touches: bool) -> None:
-    """Replace a geom of a mesh by a convex hull, by the plain shape that was fitted to it, or by a speck if it never collides."""
+    """Replace a mesh's geom by a convex hull, by the plain shape that was fitted to it, or by a speck if it never collides."""
     for name in _OF_MESHES:
         geom.attrib.pop(name, None)
     geom.set("pos", _numbers(model.geom_pos[index]))
@@ -159,7 +159,7 @@ def _hull(model: mujoco.MjModel, mesh: int) -> Any:
 
 
 def _give_inertia(root: ET.Element, owners: list[ET.Element], model: mujoco.MjModel, of_meshes: set[int]) -> None:
-    """Write the mass and inertia that MuJoCo computed from a mesh into its body."""
+    """Write the mass and inertia that MuJoCo computed from a mesh into its body, so that they stay without the mesh."""
     always = any(compiler.get("inertiafromgeom") == "true" for compiler in root.findall("compiler"))
     for body in range(1, model.nbody) if always else sorted(of_meshes - {0}):
         if model.body_mass[body] == 0:

@@ -1,7 +1,7 @@
-"""Record ground-truth traces: run the scenarios and write them as a bundle, the only way in which the truth travels.
+"""Record ground-truth traces: run the scenarios and write them as a bundle of files, all that the grader gets of the truth.
 
-A bundle is `<name>.npz`, whose arrays are called `<scenario>/<array>`, and `<name>.json`, its manifest. The same seed
-and the same versions give the same bytes. `python -m reference.traces --out DIR` records the public bundle.
+A bundle is `<name>.npz`, whose arrays are called `<scenario>/<array>`, and `<name>.json`, its manifest. The same seed and the same
+versions give the same bytes. `python -m reference.traces --out DIR` records the public bundle.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ FRAMES = {
 
 
 def fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any]) -> str:
-    """SHA-256 over names, types, shapes and bytes of the arrays, then the manifest but for versions and the hash."""
+    """Return the SHA-256 of a bundle: names, types, shapes and bytes of the arrays, then the manifest without versions and hash."""
     digest = hashlib.sha256()
     for key in sorted(arrays):
         array = arrays[key]
@@ -63,7 +63,7 @@ def fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any])
 
 
 def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public", own: Robot | None = None) -> Path:
-    """Simulate and write a bundle.
+    """Simulate all scenarios and write them as a bundle.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public", own: Robot 
     name : str
         "public" or "hidden".
     own : Robot, optional
-        The instructor's own, in the place of the lab's.
+        The instructor's own robot, in place of the lab's.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def flat_arrays(bundle: Bundle) -> dict[str, NDArray[Any]]:
 
 
 def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Like `np.savez_compressed`, but with a fixed date in the archive: the same arrays are the same file."""
+    """Write arrays as `np.savez_compressed` does, but with a fixed date in the archive: the same arrays give the same file."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for key in sorted(arrays):
             member = zipfile.ZipInfo(f"{key}.npy", date_time=(1980, 1, 1, 0, 0, 0))

@@ -1,8 +1,8 @@
-"""Another robot of the same kind: any model's text with masses, springs, friction, IMUs, sensors and time step redrawn.
+"""Draw another robot of the same kind: masses, springs, friction, IMUs, sensors and time step of any model's text.
 
-A hidden motion must not be one that students can record beforehand, so under a secret the model itself is another one.
-Nothing here knows a particular model: what is there is found in the compiled model and written back, as explicit values,
-into the elements of the text.
+A hidden motion must not be one that students can record beforehand, so under a secret the model itself is another one. Nothing here
+knows a particular model: what is there is found in the compiled model and written back, as explicit values, into the elements of
+the text.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ _SWAPS = 1000
 
 
 def vary(xml: str, rng: np.random.Generator) -> str:
-    """A variant of a model.
+    """Return a random variant of a model, for hidden traces.
 
     Parameters
     ----------
     xml : str
         MJCF of a model that needs no other file.
     rng : Generator
-        The same one in the same state gives the same variant.
+        A generator in the same state gives the same variant.
 
     Returns
     -------
@@ -68,14 +68,14 @@ def vary(xml: str, rng: np.random.Generator) -> str:
 
 @dataclass(frozen=True)
 class Robot:
-    """A model's tree of elements and what MuJoCo makes of it. Bodies, joints and geoms stand in the same order in both."""
+    """A model as its XML tree and as MuJoCo compiles it. Bodies, joints and geoms stand in the same order in both."""
 
     root: ET.Element
     model: mujoco.MjModel
 
     @classmethod
     def of(cls, xml: str) -> Robot:
-        """Read a model; where elements generate others, they are written out first."""
+        """Read a model from its text; elements that generate others, such as `replicate`, are written out first."""
         model, root = mujoco.MjModel.from_xml_string(xml), ET.fromstring(xml)
         if any(root.find(f".//{tag}") is not None for tag in _GENERATED):
             root = ET.fromstring(_written_out(model))
@@ -85,12 +85,12 @@ class Robot:
         return ET.tostring(self.root, encoding="unicode") + "\n"
 
     def bodies(self) -> Iterator[ET.Element]:
-        """The world first, then each body before those that hang on it, as MuJoCo numbers them."""
+        """Yield each body before those attached to it, as MuJoCo numbers them; the world itself is not among them."""
         for world in self.root.findall("worldbody"):
             yield from world.iter("body")
 
     def parts(self, *tags: str) -> Iterator[ET.Element]:
-        """Yield the direct children of the bodies, body by body."""
+        """Yield the elements with these tags that belong to the world and to each body, body by body."""
         for owner in (*self.root.findall("worldbody"), *self.bodies()):
             yield from (part for part in _hanging_on(owner) if part.tag in tags)
 
@@ -114,12 +114,12 @@ def _written_out(model: mujoco.MjModel) -> str:
 
 
 def numbers(values: FloatArray) -> str:
-    """Write a vector for MJCF without rounding: inertias that are just possible stay so."""
+    """Format a vector for MJCF without rounding, which could make an inertia that is just possible impossible."""
     return " ".join(repr(float(value)) for value in np.atleast_1d(values))
 
 
 def _set_section(root: ET.Element, tag: str, name: str, value: str) -> None:
-    """Set an attribute that several sections of one name could hold: the last one wins."""
+    """Set an attribute once, in the last section `tag`, which is made if there is none; MuJoCo reads it from all such sections."""
     for section in root.findall(tag):
         section.attrib.pop(name, None)
     last = [*root.findall(tag)][-1:] or [ET.SubElement(root, tag)]
@@ -130,7 +130,7 @@ def _set_section(root: ET.Element, tag: str, name: str, value: str) -> None:
 
 
 def _vary_bodies(robot: Robot, rng: np.random.Generator) -> None:
-    """Give every body an explicit inertia, whether it came from geoms or not."""
+    """Redraw the mass of every body, as an explicit inertia, whether it came from geoms or not."""
     model = robot.model
     for body, element in enumerate(robot.bodies(), start=1):
         factor = rng.uniform(*MASSES)
@@ -186,7 +186,7 @@ def _vary_friction(robot: Robot, rng: np.random.Generator) -> None:
 
 
 def _vary_imus(robot: Robot, rng: np.random.Generator) -> None:
-    """Move and turn each site that an accelerometer or a gyroscope sits on."""
+    """Move and turn each site that carries an accelerometer or a gyroscope, by little, so that their readings change."""
     sites = {sensor.get("site") for sensor in robot.sensors() if sensor.tag in _IMU}
     for element in [site for site in robot.parts("site") if site.get("name") in sites]:
         site = robot.model.site(element.get("name"))
@@ -199,7 +199,7 @@ def _vary_imus(robot: Robot, rng: np.random.Generator) -> None:
 
 
 def _out_of_frames(root: ET.Element, element: ET.Element) -> None:
-    """Hang it on the body itself, which is what the compiled model's positions refer to."""
+    """Move an element out of `frame` elements to its body, which is what the compiled model's positions refer to."""
     owners = {part: owner for owner in root.iter() for part in owner}
     owner = owners[element]
     if owner.tag == "frame":
@@ -210,7 +210,7 @@ def _out_of_frames(root: ET.Element, element: ET.Element) -> None:
 
 
 def _turned(quat: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """A mounting (4,) turned about its own axes: freely about z, hardly about the others."""
+    """Return a mounting, the quaternion (4,), turned about its own axes: freely about z, hardly about the others."""
     across, yaw = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-YAW_RAD, YAW_RAD)
     tilt = rng.uniform(0.0, TILT_RAD)
     turned = np.array(quat, dtype=np.float64)
@@ -222,7 +222,7 @@ def _turned(quat: FloatArray, rng: np.random.Generator) -> FloatArray:
 
 
 def _vary_sensors(robot: Robot, rng: np.random.Generator) -> None:
-    """Put the sensors into another order, with others of one, three and four numbers among them."""
+    """Put the sensors into another order, with others of one, three and four numbers among them, so that addresses change."""
     old = robot.sensors()
     dims = dict(zip(old, (int(dim) for dim in robot.model.sensor_dim), strict=True))
     for element in _extra_sensors(robot, rng):
@@ -249,7 +249,7 @@ def _extra_sensors(robot: Robot, rng: np.random.Generator) -> Iterator[ET.Elemen
 def _order(
     sensors: list[ET.Element], dims: list[int], model: mujoco.MjModel, rng: np.random.Generator
 ) -> list[ET.Element]:
-    """Return the sensors in a random order in which (nearly) no address of an IMU's sensor can be guessed from the public model."""
+    """Return the sensors in a random order in which, if possible, no IMU's address can be guessed from the public model."""
     old = {int(adr) for adr, sensor in zip(model.sensor_adr, sensors, strict=False) if sensor.tag in _IMU}
     limit = int(model.nsensordata)  # an address that is learnt from the variant is in range in other models, too
 
@@ -270,7 +270,7 @@ def _order(
 
 
 def _guesses(order: list[ET.Element], dims: list[int], old: set[int], limit: int) -> int:
-    """Count an IMU's sensors where a fault looks for them: at their id, three times it, after their partner, at the old place."""
+    """Count the IMU sensors that wrong code finds by luck: at their id, three times it, after their partner, at the old place."""
     starts = np.concatenate([[0], np.cumsum(dims)]).astype(int)
     place = {
         (sensor.get("site"), sensor.tag): (i, int(starts[i])) for i, sensor in enumerate(order) if sensor.tag in _IMU

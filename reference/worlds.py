@@ -1,4 +1,4 @@
-"""The models that scenarios take place in, as MJCF text: the lab's humanoid and small worlds of our own."""
+"""The MJCF texts of the models in which scenarios take place: the lab's humanoid, and small worlds made for single scenarios."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ GIMBAL = """\
 
 
 def lab() -> str:
-    """The lab model's text."""
+    """Return the lab model's MJCF text."""
     return LAB_MODEL.read_text(encoding="utf-8")
 
 
@@ -92,13 +92,13 @@ def imu_addresses(model: mujoco.MjModel) -> frozenset[int]:
 
 
 def constant_spin(radius: float) -> str:
-    """A turntable about the vertical, with an IMU `radius` metres from its axis: x outward, y along, z up."""
+    """Return a turntable about the vertical, with an IMU `radius` metres from its axis: x outward, y along, z up."""
     return _SPIN.format(radius=radius)
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """A line of a generated model's sensor list."""
+    """A sensor of a generated model: its name, its number of values, and its line of MJCF."""
 
     name: str
     dim: int
@@ -107,7 +107,7 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Shuffled:
-    """A generated model: its text, and the names of its IMUs as (accelerometer, gyroscope)."""
+    """A generated model with sensors in random order: its MJCF text, and the names of its IMUs as (accelerometer, gyroscope)."""
 
     xml: str
     imus: tuple[tuple[str, str], ...]
@@ -115,7 +115,7 @@ class Shuffled:
 
 @dataclass(frozen=True)
 class Many:
-    """A generated model: its text, the places that have an IMU, and those among them that have a magnetometer."""
+    """A generated model with many IMUs: its MJCF text, the places that have an IMU, and those of them that have a magnetometer."""
 
     xml: str
     places: tuple[str, ...]
@@ -123,11 +123,11 @@ class Many:
 
 
 def shuffled(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Shuffled:
-    """Free bodies in space with IMUs mounted at random, their sensors renamed and in random order.
+    """Return a model of free bodies in space with IMUs mounted at random, their sensors renamed and in random order.
 
-    No mistake about addresses is right by luck: for no IMU is the id the address, the gyroscope the next three numbers
-    after its accelerometer, or either at an address `learnt` from a lab model; and no mistaken address is out of range. Three
-    times the id is in range, too: a slice would be cut short there without a word, where a list of indices raises.
+    No mistake about addresses is right by luck: for no IMU is the id the address, the gyroscope the next three numbers after its
+    accelerometer, or either at an address `learnt` from a lab model; and no mistaken address is out of range. Three times the id is
+    in range, too: a slice would be cut short there without a word, where a list of indices raises.
     """
     bodies = int(rng.integers(3, 5))
     imus = _imu_names(rng, bodies)
@@ -179,7 +179,7 @@ def _numbers(values: NDArray[np.float64]) -> str:
 
 
 def _unit(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    """A random direction in n dimensions; for n = 4, a random rotation's quaternion."""
+    """Return a random direction in n dimensions; for n = 4, a random rotation's quaternion."""
     vector = rng.normal(size=n)
     return np.asarray(vector / np.linalg.norm(vector), dtype=np.float64)
 
@@ -236,7 +236,7 @@ def _sensors(imus: tuple[tuple[str, str], ...]) -> list[Sensor]:
 
 
 def many_imus(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Many:
-    """Free bodies with an IMU each, their sensors called `<place>_accelerometer` and so on as in the lab model, elsewhere.
+    """Return a model of free bodies with an IMU each, whose sensors are named as in the lab model but have other addresses.
 
     Some places have a magnetometer too, and one has an accelerometer alone: that is no IMU.
     """

@@ -34,9 +34,7 @@ def adjust(
     take_back: Annotated[
         int | None,
         typer.Option(
-            "--take-back",
-            metavar="N",
-            help="Undo decision N for several students; the list has the numbers.",
+            "--take-back", metavar="N", help="Undo decision N for several students; the list has the numbers."
         ),
     ] = None,
     table: Annotated[

@@ -37,10 +37,7 @@ def check(
         Path | None, typer.Option("--html", metavar="FILE", help="Write the report as an HTML page.")
     ] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON.")] = None,
-    only: Annotated[
-        str | None,
-        typer.Option("--only", metavar="CRITERION", help="Check only this criterion."),
-    ] = None,
+    only: Annotated[str | None, typer.Option("--only", metavar="CRITERION", help="Check only this criterion.")] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Check again whenever a file is saved.")] = False,
     prints: Annotated[bool, typer.Option("--prints", "-s", help="Show what your own code prints.")] = False,
     verbose: Annotated[
@@ -109,9 +106,9 @@ def check(
 
 
 def _keep_versions(lab: Lab, path: Path) -> None:
-    """Write the versions of this machine into a student's folder, so that a report from another machine can name both.
+    """Write the package versions of this machine into a student's folder, so that a report from another machine can name both.
 
-    Only where the class's kit is installed, so that an instructor's check changes no hand-in. It is no trouble if it fails.
+    This happens only where the class's kit is installed, so that an instructor's check changes no hand-in. A failure is ignored.
     """
     from grader.base import class_versions  # noqa: PLC0415
     from grader.base.errors import RequestError  # noqa: PLC0415
@@ -129,7 +126,7 @@ _CHECKING = "checking …"
 
 @dataclass(frozen=True)
 class _Arguments:
-    """The arguments of `check`."""
+    """The arguments of `imugrade check`, as typed."""
 
     path: Path
     only: str | None
@@ -146,7 +143,7 @@ class _Arguments:
 
     @property
     def repeat(self) -> str:
-        """Return the command that writes a check as a program, with ``{}`` for its id; "" without a Python file."""
+        """Return the `imugrade repro` command for a check, with ``{}`` for the check's id; "" if there is no Python file."""
         if not any(next(self.path.glob(each), None) for each in ("*.py", "*/*.py")):
             return ""
         rubric = () if self.rubric is None else ("--rubric", str(self.rubric))
@@ -160,7 +157,7 @@ class _Arguments:
 
 
 def _typed(*arguments: str) -> str:
-    """Return a command as it is typed in the system's shell."""
+    """Return a command as it is typed in the system's shell, with quotes where it needs them."""
     return subprocess.list2cmdline(arguments) if sys.platform == "win32" else shlex.join(arguments)
 
 
@@ -223,7 +220,7 @@ def _lines(
     before: Mapping[str, float],
     prints: Sequence[Text],
 ) -> list[Text]:
-    """Return the lines of the report for the terminal, with what the student's code printed."""
+    """Return the lines of the report for the terminal, followed by `prints`, what the student's code printed."""
     from grader.report import terminal  # noqa: PLC0415
 
     lines = terminal.screen(

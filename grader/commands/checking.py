@@ -1,4 +1,4 @@
-"""One submission on one's own machine, checked again whenever a file in it is saved."""
+"""Check a submission on one's own machine again whenever a file in it is saved, for `imugrade check --watch`."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ def check_on_save(
     waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Iterator[Result]:
-    """Mark a submission now and after every change, until interrupted. What marks it stays loaded in between, to save time.
+    """Grade a submission now and after every change, until interrupted; worker processes stay loaded in between, to save time.
 
     Parameters
     ----------
     written : files that the caller writes for each result; their changes are ignored
-    begins, waits : called before each marking, and repeatedly between two markings
-    waiting : called with what a marking waits for, if that takes long
+    begins, waits : called before each grading, and repeatedly between two gradings
+    waiting : called with what a grading waits for, if that takes long
     listen : called with what the student's code prints
     """
     handed_in = SingleSubmission(path, rubric.lab.files)
@@ -60,7 +60,10 @@ def check_on_save(
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
-    """Yield once at the start, then when a file under `path` that is not one of `written` has changed and all are still again."""
+    """Yield once at the start, then after each change of a file under `path` when no file changes any more for a second.
+
+    The files in `written` do not count. `waits` is called in between.
+    """
     ours = {os.path.realpath(each) for each in written}
     marked: object = None
     seen, since = None, 0.0

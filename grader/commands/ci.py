@@ -27,8 +27,7 @@ def ci(
         ),
     ] = registry.AUTO,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="The output file; - is standard output."),
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="The output file; - is standard output.")
     ] = None,
     min_score: Annotated[
         float | None,
@@ -36,15 +35,13 @@ def ci(
     ] = None,
     rubric: RubricOption = None,
     traces_: Annotated[
-        Path | None,
-        typer.Option("--traces", metavar="FILE", help="A trace bundle (.npz) that students cannot read."),
+        Path | None, typer.Option("--traces", metavar="FILE", help="A trace bundle (.npz) that students cannot read.")
     ] = None,
     trust: Annotated[
         bool, typer.Option("--trust-submissions", help="Allow hidden scenarios without isolation.")
     ] = False,
     private: Annotated[
-        bool,
-        typer.Option("--private", help="Allow hidden scenarios: students cannot read this job."),
+        bool, typer.Option("--private", help="Allow hidden scenarios: students cannot read this job.")
     ] = False,
     isolation_level: LevelOption = None,
 ) -> int:

@@ -58,7 +58,7 @@ def as_points(text: object) -> float:
 
 
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
-    """Return an option's value if it is one of the allowed words; refuse any other."""
+    """Return an option's value if it is None or one of the allowed words; raise RequestError for any other."""
     from grader.base.text import printable  # noqa: PLC0415
 
     if value is not None and value not in known:
@@ -86,7 +86,7 @@ def console() -> Console:
 
 
 def login() -> str:
-    """Return the login name, the author of a decision if none is given; "unknown" if the machine has none."""
+    """Return the user's login name, which signs a decision without --author; "unknown" if the machine has none."""
     import getpass  # noqa: PLC0415
 
     try:

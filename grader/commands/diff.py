@@ -14,8 +14,7 @@ from grader.commands.common import shown_path
 def diff(
     first: Annotated[Path, typer.Argument(metavar="OUT1", help="A graded class.")],
     second: Annotated[
-        Path | None,
-        typer.Argument(metavar="OUT2", help="The same class, graded again.", show_default=False),
+        Path | None, typer.Argument(metavar="OUT2", help="The same class, graded again.", show_default=False)
     ] = None,
 ) -> int:
     """Compare two gradings: whose scores changed, by which checks, and why.

@@ -12,11 +12,7 @@ from grader.commands.common import console
 
 def explain(
     id_: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="ID",
-            help="A fault, a check or a criterion. Without it: list them all.",
-        ),
+        str | None, typer.Argument(metavar="ID", help="A fault, a check or a criterion. Without it: list them all.")
     ] = None,
 ) -> int:
     """Explain a fault that a report names, or what a check tests.

@@ -35,13 +35,11 @@ def export(
         str | None, typer.Option("--column", metavar="TITLE", help="The column of the grades, if it is ambiguous.")
     ] = None,
     feedback: Annotated[
-        Path | None,
-        typer.Option("--feedback", metavar="ZIP", help="Write an archive of all reports for the platform."),
+        Path | None, typer.Option("--feedback", metavar="ZIP", help="Write an archive of all reports for the platform.")
     ] = None,
     scale: Annotated[bool, typer.Option("--scale", help="Scale the points to the maximum on the platform.")] = False,
     unreadable: Annotated[
-        str,
-        typer.Option("--unreadable", metavar="HOW", help="Grade of an empty or unreadable submission: blank or 0."),
+        str, typer.Option("--unreadable", metavar="HOW", help="Grade of an empty or unreadable submission: blank or 0.")
     ] = "blank",
     missing: Annotated[
         str, typer.Option("--missing", metavar="HOW", help="Grade of a person without a submission: blank or 0.")

@@ -58,8 +58,7 @@ def grade(
         ),
     ] = None,
     roster: Annotated[
-        Path | None,
-        typer.Option("--roster", metavar="FILE", help="A CSV file with names, sections and due dates."),
+        Path | None, typer.Option("--roster", metavar="FILE", help="A CSV file with names, sections and due dates.")
     ] = None,
     attempts: Annotated[
         str | None,
@@ -194,7 +193,7 @@ def _notices(outcome: RunOutcome, *, secret: bool) -> Iterator[str]:
 
 
 def _ask_about_packages(request: GradeRequest, found: Class) -> None:
-    """Ask before a class is graded on a machine that lacks packages which many submissions import; without a terminal, refuse."""
+    """Ask before a class is graded on a machine without packages that many submissions import; refuse without a terminal."""
     from grader.course.run import missing_packages  # noqa: PLC0415
 
     lines = missing_packages.lines(missing_packages.many(missing_packages.of_class(found.entries, request.rubric)))
@@ -205,7 +204,10 @@ def _ask_about_packages(request: GradeRequest, found: Class) -> None:
 
 
 def _confirmed(changed: Change, change: bool) -> bool:
-    """Print the effect of changed settings on the scores; return whether to change them, which a terminal is asked."""
+    """Return whether to change settings that are on record: as `change` says, or if scores move, after a yes on a terminal.
+
+    The effect on the scores is printed.
+    """
     if changed.moves_scores and not change:
         return sys.stdin.isatty() and typer.confirm(f"{changed.in_words()}. Change them?")
     say(changed.in_words())

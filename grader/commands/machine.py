@@ -1,4 +1,4 @@
-"""Findings of `imugrade doctor`: isolation levels, versions, traces, packages that a class imports."""
+"""What `imugrade doctor` finds out: isolation levels, versions, traces, packages that a class imports."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class DoctorFinding:
 
 
 def examine(tell: Callable[[str], None]) -> list[tuple[str, list[DoctorFinding]]]:
-    """Return all findings under their headings. Isolation levels and the recording of traces are tried out.
+    """Return all findings about this machine under their headings; isolation levels and the recording of traces are tried out.
 
     `tell` is called with what is tried next, because each takes some seconds.
     """
@@ -70,7 +70,7 @@ def report(out: Path) -> list[str]:
 
 
 def packages_of(paths: Sequence[Path]) -> list[DoctorFinding]:
-    """Return a finding for each package that submissions import but that is missing here, or that none is. No code is run."""
+    """Return a finding for each package that submissions import and that is missing here, else one that none is. No code is run."""
     lab = chosen_lab()
     missing = missing_packages.of_class(read_class(paths, lab.files).entries, rubrics.load(lab))
     lines = missing_packages.lines(missing)
@@ -79,7 +79,7 @@ def packages_of(paths: Sequence[Path]) -> list[DoctorFinding]:
 
 
 def _isolation() -> list[DoctorFinding]:
-    """Return the findings about isolation: each level, the level in use, and copies of the grader that student code could open."""
+    """Return the findings about isolation: each level, the level in use, and files of the grader that student code could open."""
     tried = probe()
     best = next(each.isolation_level for each in tried if each.usable)
     rows = [
@@ -93,7 +93,7 @@ def _isolation() -> list[DoctorFinding]:
 
 
 def _one_copy(isolation_level: IsolationLevel) -> DoctorFinding:
-    """Return whether a submission could read the solution of a second install, of a checkout, or of this one."""
+    """Return whether code in the sandbox can open files of the grader, such as the solution in a second install or a checkout."""
     try:
         search = one_copy.search(isolation_level, chosen_lab().packages)
     except GraderError as error:

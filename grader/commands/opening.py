@@ -1,4 +1,4 @@
-"""First lines of a check, printed before any code runs: the files found, and the checks to run."""
+"""First lines of `imugrade check`, printed before any code runs: the files found, and the checks to run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def checking_line(path: Path) -> str:
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Say which files of the lab sheet are present and which are missing; a notebook may replace all programs, but no pictures."""
+    """Say which files of the lab sheet are there and which are missing; a notebook may replace all programs, but no pictures."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
@@ -39,9 +39,7 @@ def found(lab: Lab, submission: Submission) -> str:
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
     """Return the line that says how many public checks run, and that hidden scenarios may follow.
 
-    Parameters
-    ----------
-    secret : whether this machine has the instructor's secret; without it nobody knows whether there are hidden scenarios
+    `secret` is whether this machine has the instructor's secret; without it nobody knows whether there are hidden scenarios.
     """
     count = sum(len(part.checks) for part in rubric.criteria if only in (None, part.id))
     count += sum(len(part.checks) for part in rubric.extensions if part.file in submission.files or only == part.id)

@@ -1,6 +1,6 @@
-"""Collect what a student's own code printed, by the part that was being checked.
+"""Collect what a student's own code printed, by the criterion that was being checked, for `imugrade check --prints`.
 
-Each part is called many times, so equal lines are counted in place of being repeated.
+The code is called many times, so equal lines are counted instead of repeated.
 """
 
 from __future__ import annotations
@@ -35,11 +35,8 @@ class Prints:
         lines = [Text(), Text("Printed by your code")]
         for part, counted in self._lines.items():
             if counted:
-                lines += [
-                    Text(),
-                    Text(f"While checking: {lab.titles.get(part, 'extensions')}", "bold"),
-                    *_first(counted),
-                ]
+                title = Text(f"While checking: {lab.titles.get(part, 'extensions')}", "bold")
+                lines += [Text(), title, *_first(counted)]
         return lines if len(lines) > 2 else [Text(), Text("Your code printed nothing.")]
 
 

@@ -1,4 +1,4 @@
-"""Reproduction of a check of one submission, as a program with an array file."""
+"""Repeat the calls of one check of a submission as a program with an array file, for `imugrade repro`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FOLDER = HOME_VERSIONS[0]
 
 
 def folder_in(path: Path) -> Path:
-    """Make the folder for a program in the submission's folder, with a `.gitignore`.
+    """Make the folder `.imugrade` in the submission's folder, with a `.gitignore`, and return it.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 
     Returns
     -------
-    The program; the arrays that it reads lie beside it.
+    The path of the program; the arrays that it reads lie beside it.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mappin
 def recorded_calls(
     rubric: Rubric, submission: Submission, isolation_level: str | None = None
 ) -> tuple[Any, Mapping[str, Judgement]]:
-    """Run all checks on the public scenarios; return the recorded calls of student code, and the judgement of each check."""
+    """Run all checks on the public scenarios; return the session that recorded the calls of student code, and all judgements."""
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)
@@ -112,7 +112,7 @@ def recorded_calls(
 
 
 def _repeating(lab: Lab) -> Any:
-    """Return the module of the lab that records its calls and writes them as a program."""
+    """Return the lab's module that records calls and writes them as a program; raise RequestError if the lab has none."""
     if not lab.repeating:
         raise RequestError(f"{lab.label} has no programs that repeat its calls")
     return importlib.import_module(lab.repeating)

@@ -11,17 +11,13 @@ from grader.commands.common import LevelOption, RubricOption
 
 
 def repro(
-    check: Annotated[
-        str,
-        typer.Argument(metavar="CHECK", help="The id of a check, as in the report."),
-    ],
+    check: Annotated[str, typer.Argument(metavar="CHECK", help="The id of a check, as in the report.")],
     path: Annotated[
         Path, typer.Argument(metavar="PATH", help="A folder. Default: the working folder.", show_default=False)
     ] = Path(),
     *,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="The output folder. Default: PATH/.imugrade."),
+        Path | None, typer.Option("--out", "-o", metavar="DIR", help="The output folder. Default: PATH/.imugrade.")
     ] = None,
     rubric: RubricOption = None,
     isolation_level: LevelOption = None,

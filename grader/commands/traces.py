@@ -67,7 +67,7 @@ def plot(
 def _recorded(
     lab: Lab, path: Path, traces: Traces, rubric: Path | None, isolation_level: str | None
 ) -> Mapping[str, Any]:
-    """Return what the submission's own code records in a sandbox; print what could not be obtained."""
+    """Return what the submission's own code records in a sandbox; print what is missing, and raise RequestError without any."""
     from grader.base.errors import RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415
@@ -104,7 +104,7 @@ def record(
 
 
 def _obtained(seed: str | None, rubric: Path | None) -> Traces:
-    """Obtain the traces of the robot that the rubric names."""
+    """Return the traces of the robot that the rubric names: the public ones, or with a seed the hidden ones."""
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""`imugrade check --watch`: show the current state, then as much of the last result as the terminal holds."""
+"""The display of `imugrade check --watch`: the current state, then as much of the last result as the terminal holds."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class WatchView:
             show_line(self._heading(), self._console)
 
     def show(self, lines: Lines, status: str) -> None:
-        """Show a result, and keep it to be laid out again when the size of the terminal changes."""
+        """Show a result. `lines` is called again to lay it out anew when the size of the terminal changes."""
         self._lines = lines
         self.tell(status)
         if not self._console.is_terminal:

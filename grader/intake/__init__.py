@@ -1,6 +1,6 @@
-"""Read submissions (folders and archives) into memory as bytes that are never trusted.
+"""Read one submission (a folder, an archive or a single file) into memory, as bytes that are never trusted.
 
-One submission is here at once; `classes.read_class` finds those of a class without reading them.
+`read_class` finds the submissions of a whole class without reading them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Zip and tar archives, read as streams into memory. Nothing is unpacked to disk, and no declared size is believed.
 
-`budget` bounds what is kept; the bounds here are on the work that goes into the rest: decompression, tables of contents.
+`FileBudget` limits what is kept; the limits here are on the work for all the rest: decompression, tables of contents.
 """
 
 from __future__ import annotations
@@ -53,20 +53,20 @@ _FOREIGN = (b"Rar!", b"7z\xbc\xaf")
 
 
 class _Exhausted(Exception):  # noqa: N818 - an end of reading, not an error of ours
-    """A bound of this module was reached; what was read before it counts."""
+    """Exception: the archive reached a limit of this module, such as on unpacked bytes; what was read before it counts."""
 
 
 def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) -> FileBudget:
-    """Read the files of an archive; its first bytes tell its kind, as its name may be wrong.
+    """Read the files of a submitted archive; its first bytes tell its kind, as its name may be wrong.
 
     Parameters
     ----------
     stream
         The archive, seekable.
     name
-        How notes call it, printable.
+        The archive's printable name, for notes in the report.
     required
-        Names that the lab asks for.
+        Names of the files that the lab asks for.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
 
 
 def foreign(name: str) -> str:
-    """Return the note that an archive such as a .rar is not opened; reading its kind has no bound on time or memory."""
+    """Return the note that an archive such as a .rar is not opened, because reading its kind has no bound on time or memory."""
     return f"{name} is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it."
 
 
@@ -105,7 +105,7 @@ class _Readable(Protocol):
 
 
 class _Counted(io.RawIOBase):
-    """A tar's bytes, counted as they are decompressed."""
+    """The decompressed bytes of a tar as a stream that counts them, so that a small archive cannot unpack without end."""
 
     def __init__(self, stream: _Readable) -> None:
         self._stream = stream
@@ -113,7 +113,7 @@ class _Counted(io.RawIOBase):
         self._in_vain = 0
 
     def read(self, size: int = -1) -> bytes:
-        """Read from the stream; raise if it unpacks to more than the limit or claims more bytes than it has."""
+        """Read from the stream; raise `_Exhausted` if it unpacks to more than the limit or claims more bytes than it has."""
         data = self._stream.read(size)
         self._left -= len(data)
         self._in_vain += not data
@@ -125,7 +125,7 @@ class _Counted(io.RawIOBase):
 
 
 class _Narrow(io.RawIOBase):
-    """A zip that is read in small pieces only: `zipfile` reads the table of contents, of any declared size, in one."""
+    """A zip as a stream that refuses large reads: `zipfile` reads the table of contents, of any declared size, at once."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
@@ -150,7 +150,7 @@ class _Narrow(io.RawIOBase):
 def gather_members(
     archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str, required: Collection[str] = ()
 ) -> FileBudget:
-    """Read some files of a zip, each under the path that it has in the submission; `name` is how notes call the zip."""
+    """Read some files of a zip, each under the path that it has in the submission; `name` is the zip's name in notes."""
     budget = FileBudget(required=required)
     try:
         _take_members(archive, members, budget)
@@ -185,7 +185,7 @@ def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile
 def _take_member(
     name: str, entry: zipfile.ZipInfo, budget: FileBudget, bytes_of: Callable[[zipfile.ZipInfo], bytes]
 ) -> None:
-    """Take one member of a zip archive, or note why it is left out."""
+    """Take one member of a zip archive, or note why it is left out; folders and litter are left out without a note."""
     parts = archive_parts(name)
     if parts is None:
         budget.leave(name, UNSAFE)
@@ -212,7 +212,7 @@ def zip_name(entry: zipfile.ZipInfo) -> str:
 
 
 def _zip_objection(entry: zipfile.ZipInfo) -> str:
-    """Return why this entry is not read, or ""."""
+    """Return why an entry of a zip is not read (a link, a device, encryption, a rare compression); "" if it is read."""
     kind = stat.S_IFMT(entry.external_attr >> 16)
     if kind not in (0, stat.S_IFREG):
         return LINK if kind == stat.S_IFLNK else SPECIAL
@@ -228,7 +228,7 @@ def _read_gzip(stream: BinaryIO, budget: FileBudget) -> None:
 
 
 def _bounded_headers() -> type[tarfile.TarInfo]:
-    """A TarInfo that refuses records which tarfile would read whole, in one piece or all together."""
+    """Return a TarInfo class that refuses long names and attributes, which tarfile would read whole however long they are."""
     work = 0
 
     class Bounded(tarfile.TarInfo):
@@ -246,7 +246,7 @@ def _bounded_headers() -> type[tarfile.TarInfo]:
 
 
 def _read_tar(stream: _Readable, budget: FileBudget) -> None:
-    """Take the members of a tar archive from a stream."""
+    """Take the members of a tar archive from a stream into the budget."""
     counted = _Counted(stream)
     with tarfile.open(fileobj=counted, mode="r|", tarinfo=_bounded_headers()) as archive:
         for number, entry in enumerate(archive):
@@ -258,7 +258,7 @@ def _read_tar(stream: _Readable, budget: FileBudget) -> None:
 
 
 def _take_from_tar(archive: tarfile.TarFile, entry: tarfile.TarInfo, budget: FileBudget) -> None:
-    """Take one member of a tar archive, or note why it is left out."""
+    """Take one member of a tar archive, or note why it is left out; folders and litter are left out without a note."""
     parts = archive_parts(entry.name)
     if parts is None:
         budget.leave(entry.name, UNSAFE)

@@ -1,4 +1,4 @@
-"""Branches of a git clone that have the lab's files.
+"""Find branches of a submitted git clone that have the lab's files, for a student who left the wrong one checked out.
 
 No command runs in the clone, and its settings and hooks are never read, because they can name programs that git would start: git
 gets a repository of ours that borrows the clone's objects, and lists the files of a commit.
@@ -26,7 +26,7 @@ _WITHIN_S = 2.0
 
 
 def branches_note(folder: Path, required: Collection[str]) -> str:
-    """Return a note on a clone's other branches, those with files of the lab if there are any; "" without a clone or branches.
+    """Return a note that names a clone's other branches, those with files of the lab if any have them; "" without other branches.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def _names_of(branches: list[str]) -> str:
 
 
 def _with_files(objects: Path, commits: Mapping[str, str], required: Collection[str]) -> list[str]:
-    """Return the branches whose commit has a required file; none where git is missing or takes too long."""
+    """Return the branches whose commit has a required file; no further ones once git is missing, fails or takes too long."""
     git = shutil.which("git")
     if git is None:
         return []
@@ -95,13 +95,13 @@ def _remotes(git: Path) -> list[str]:
 
 
 def _loose(folder: Path) -> set[str]:
-    """Return the branches that have a file of their own; a slash in a name makes a folder, one of which is searched."""
+    """Return the branches that have a ref file of their own; a slash in a name makes a folder, of which one level is searched."""
     inner = {f"{name}/{last}" for name in _names(folder, folders=True) for last in _names(folder / name)}
     return {*_names(folder), *inner}
 
 
 def _names(folder: Path, *, folders: bool = False) -> list[str]:
-    """Return the first names of files, or of folders, in a folder; links are left out."""
+    """Return the first names of files, or of folders, in a folder, sorted; links are left out. [] for an unreadable folder."""
     try:
         with os.scandir(folder) as entries:
             kinds = [
@@ -113,7 +113,7 @@ def _names(folder: Path, *, folders: bool = False) -> list[str]:
 
 
 def _read(path: Path) -> str:
-    """Return the beginning of a plain file as text; nothing if there is none."""
+    """Return the beginning of a plain file as text; "" if there is no such file."""
     try:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
         with os.fdopen(handle, "rb") as stream:

@@ -1,4 +1,4 @@
-"""The download of a whole class, a folder or a zip: the names at its top, and the files of one submission out of it."""
+"""Read the download of a whole class, a folder or a zip: the names at its top, and the files of one submission in it."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ Sources = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Download:
-    """Top level of a class's download: that of its folder `root`, or of the whole download if `root` is "".
+    """The top level of a class's download, by which a platform recognises its own: `path`, or its folder `root` if not "".
 
-    `top` says of each name whether it is a folder, and `left` what is left out and why. `known` is who is in the class, by the
-    platform's number, as far as that is known.
+    `top` says of each name whether it is a folder, and `left` what is left out and why. `known` names the people of the class by
+    the platform's number, as far as they are known.
     """
 
     path: Path
@@ -36,7 +36,7 @@ class Download:
     known: Mapping[str, str] = field(default_factory=dict)
 
     def place(self, name: str) -> str:
-        """Return the path, relative to `path`, of a name in the top folder of the download."""
+        """Return the path of a top-level name, relative to the download's `path`."""
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:
@@ -55,13 +55,13 @@ class Download:
         return data if len(data) <= most else None
 
     def holds(self, *parts: str) -> bool:
-        """Return whether the download's top level has a file or folder of this name."""
+        """Return whether the download's top level has this file or folder; several `parts` are a path below it."""
         inner = self.place("/".join(parts))
         return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
 
 
 def open_download(path: Path) -> list[Download]:
-    """Return the top level of a download (folder or zip), and that of its folder if it holds nothing else; [] for other files."""
+    """Return the top level of a download (folder or zip), then that of its folder if it holds nothing else; [] for other files."""
     if not os.path.isdir(path) and not zipfile.is_zipfile(path):
         return []
     look = _folder if os.path.isdir(path) else _zip
@@ -71,7 +71,7 @@ def open_download(path: Path) -> list[Download]:
 
 
 def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> FileBudget:
-    """Return the files of one submission in a download: `sources` lists their places there and their paths in the submission."""
+    """Read the files of one submission in a download: `sources` are pairs of a place there and its path in the submission."""
     if os.path.isdir(path):
         return gather_places(path, sources, required)
     contents = _contents(path)
@@ -84,7 +84,7 @@ def gather_sources(path: Path, sources: Sources, required: Collection[str] = ())
 
 
 def _folder(path: Path, root: str) -> Download:
-    """Return the names at the top of a download that is a folder."""
+    """Return the top level of a download that is a folder."""
     top: dict[str, bool] = {}
     left: list[tuple[str, str]] = []
     for entry in entries_of(path / root):
@@ -99,7 +99,7 @@ def _folder(path: Path, root: str) -> Download:
 
 
 def _zip(path: Path, root: str) -> Download:
-    """Return the names at the top of a download that is a zip archive."""
+    """Return the top level of a download that is a zip archive."""
     contents = _contents(path)
     start = f"{root}/" if root else ""
     top: dict[str, bool] = {}
@@ -113,7 +113,7 @@ def _zip(path: Path, root: str) -> Download:
 
 @dataclass(frozen=True)
 class _Contents:
-    """A zip that stays open while its class is read, and its files by each folder that they lie in."""
+    """A class's zip that stays open while it is read: its names, unsafe names, and the files below each path, also nested."""
 
     archive: zipfile.ZipFile
     names: tuple[str, ...]
@@ -122,7 +122,7 @@ class _Contents:
 
 
 def _contents(path: Path) -> _Contents:
-    """Return the contents of a zip archive; refuse one that cannot be read."""
+    """Return the contents of a zip archive; raise RequestError if it cannot be read."""
     try:
         status = os.stat(path)
         return _opened(os.fspath(path), status.st_size, status.st_mtime_ns)
@@ -135,7 +135,7 @@ def _contents(path: Path) -> _Contents:
 
 @lru_cache(maxsize=4)
 def _opened(path: str, _size: int, _stamp: int) -> _Contents:
-    """Return an open zip archive with its names sorted into top entries; cached by size and time stamp."""
+    """Return an open zip archive with its names and the files below each path; cached until its size or time stamp changes."""
     archive = zipfile.ZipFile(path)  # the instructor's own download: its table of contents may be as long as it likes
     names: list[str] = []
     unsafe: list[str] = []

@@ -1,4 +1,4 @@
-"""The files of one submission as they come in: bounded in number and bytes, with a word about all that stays out."""
+"""Collect the files of one submission, limited in number and bytes, with a note about all that is left out."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ METHOD = "the file is packed with a method that is not read"
 
 
 class Unreadable(Exception):  # noqa: N818 - a verdict on a submission, not an error of ours
-    """Exception: the archive cannot be read; the message is a sentence for the report."""
+    """Exception: nothing of a submission can be read, such as a broken archive; the message is a sentence for the report."""
 
 
 @dataclass
 class Room:
-    """Number and total size that further files of one kind (code, or not) may still have."""
+    """How many further files of one kind (code, or not) a submission may have, and how many bytes in all."""
 
     files: int = MAX_FILES
     bytes: int = MAX_BYTES
@@ -49,9 +49,10 @@ class Room:
 
 @dataclass
 class FileBudget:
-    """The files read so far (`files`), those left out (`left`: reason to names), and whether any reading failed (`broken`).
+    """The files of one submission that were read so far, within limits, so that no hand-in can fill the memory.
 
-    `required` are the names that the lab asks for: any number of other files leaves room for these.
+    `files` maps paths to bytes, `left` each reason to the names left out, and `broken` says whether any reading failed. `required`
+    are the names that the lab asks for: any number of other files leaves room for these.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
@@ -67,14 +68,14 @@ class FileBudget:
         self.broken |= why in (DAMAGED, LOCKED, METHOD)
 
     def take(self, parts: tuple[str, ...], size: int, read: Callable[[], bytes]) -> None:
-        """Read one file of a submission, if the lab may need it and the limits leave room.
+        """Read one file of a submission into the budget, or note why it is left out; ignore files that tools leave behind.
 
         Parameters
         ----------
         parts
-            Its path.
+            The parts of the file's path.
         size
-            Its declared size in bytes. `read` returns no more than `MAX_FILE` + 1 bytes, whatever was declared.
+            The declared size in bytes. `read` returns no more than `MAX_FILE` + 1 bytes, whatever was declared.
         read
             Called at most once. What it raises passes through.
         """
@@ -101,7 +102,7 @@ class FileBudget:
         self.files[path] = data
 
     def _no_room(self, path: str, size: int) -> str:
-        """Return why a file of this size cannot be taken, or ""."""
+        """Return why a file of this size cannot be taken; "" if it can."""
         if size > MAX_FILE:
             return TOO_LARGE
         room = self._room_for(path, size)
@@ -114,12 +115,12 @@ class FileBudget:
         return reserved if asked_for else self._room[is_code(path)]
 
     def lone_archive(self) -> str | None:
-        """Return the only archive, to open it, if no code lies beside it, else None; other files do not matter."""
+        """Return the name of the only archive, to open it, if no code lies beside it, else None; other files do not matter."""
         archives = [name for name in self.files if has_suffix(name, ARCHIVES)]
         return archives[0] if len(archives) == 1 and not any(map(is_code, self.files)) else None
 
     def unopened(self) -> list[str]:
-        """Return the archives that were not opened: those beside other files, and those of a foreign format."""
+        """Return the names of the archives among the files, which were not opened."""
         return sorted(name for name in self.files if has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)))
 
     def notes(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Files of a folder, without following or opening anything that is not a plain file."""
+"""Read the files of a folder without following links or opening anything that is not a plain file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 
 
 
 def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
-    """Read the files of a handed-in folder in the order of their names, within the budget."""
+    """Read the files of a handed-in folder in the order of their names, within the limits of `FileBudget`."""
     budget = FileBudget(required=required)
     for parts, path, size in sorted(_listed(root, budget)):
         _take(budget, parts, path, size)
@@ -27,7 +27,7 @@ def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
 
 
 def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> FileBudget:
-    """Read those files and folders of a class download that are one submission, each under its path in the submission."""
+    """Read the files and folders of a class's download that are one submission: pairs of a place and its path in the submission."""
     budget = FileBudget(required=required)
     found: list[tuple[tuple[str, ...], str, int]] = []
     for place, name in places:
@@ -63,7 +63,7 @@ def _read(path: str) -> bytes:
 
 
 def _listed(root: Path, budget: FileBudget) -> Iterator[tuple[tuple[str, ...], str, int]]:
-    """Path parts, path and size of each plain file; litter is not descended into."""
+    """Yield path parts, path and size of each plain file; note the rest. Folders that tools leave behind are not entered."""
     waiting: list[tuple[tuple[str, ...], str]] = [((), str(root))]
     seen = 0
     while waiting:
@@ -92,7 +92,7 @@ def _listed(root: Path, budget: FileBudget) -> Iterator[tuple[tuple[str, ...], s
 
 
 def _entries(folder: str, above: tuple[str, ...], budget: FileBudget) -> list[os.DirEntry[str]]:
-    """Return the entries of a folder, sorted; note it if the system refuses to list them."""
+    """Return the entries of a folder, sorted; [] with a note if the system refuses to list them."""
     try:
         with os.scandir(folder) as entries:
             return sorted(islice(entries, MAX_ENTRIES + 1), key=lambda entry: entry.name)

@@ -15,7 +15,7 @@ MAX_LEVELS = 4  # how far down the lab's folder may lie
 
 @dataclass(frozen=True)
 class Layout:
-    """The files of one submission.
+    """Which files of a submission are graded: those in the folder with the lab's files, and those around it that they may import.
 
     Attributes
     ----------
@@ -38,10 +38,7 @@ class Layout:
 def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
     """Choose the lab's folder and its files; None where there is no code. `budget.left` gets the files that cannot be taken.
 
-    Parameters
-    ----------
-    required
-        Names of the files that the lab asks for: they tell which folder is the lab's.
+    `required` are the names of the files that the lab asks for: they tell which folder is the lab's.
     """
     found = _choose(budget.files, required)
     if found is None:
@@ -60,9 +57,9 @@ def outwards(folder: str, levels: int) -> str:
 
 
 def _choose(paths: Iterable[str], required: Collection[str]) -> tuple[str, list[str]] | None:
-    """Return the lab's folder, and the other folders that hold the same files.
+    """Return the lab's folder, and the other folders that hold files of the same names; None without any code.
 
-    It is one with required files, or else with any code: the shallower, then the more complete, then by name.
+    The lab's folder is one with required files, or else with any code: the shallower, then the more complete, then by name.
     """
     folders: dict[str, set[str]] = {}
     for path in filter(is_code, paths):
@@ -92,7 +89,7 @@ def _within(path: str, folder: str) -> bool:
 
 
 def _inside(folder: str, budget: FileBudget, required: Collection[str]) -> tuple[str, ...]:
-    """Return the paths in the lab's folder, sorted. All systems can store these names side by side."""
+    """Return the paths in the lab's folder, sorted, without names that some system cannot store or takes for another name."""
     start = len(folder) + 1 if folder else 0
     inside = sorted(path[start:] for path in budget.files if _within(path, folder))
     kept: dict[str, str] = {}
@@ -106,11 +103,11 @@ def _inside(folder: str, budget: FileBudget, required: Collection[str]) -> tuple
 
 
 def _around(folder: str, elsewhere: Iterable[str], inside: Iterable[str]) -> dict[str, int]:
-    """Return the files that belong to the lab's folder from above it: `Layout.above`.
+    """Return the files that belong to the lab's folder from above it, as in `Layout.above`.
 
-    A program that is started in a folder above finds what is there and imports the lab's files out of their folder. So both
-    are one submission, and a name further inside goes before one further outside. Notebooks of other folders are left,
-    because notebooks are run, and so is an ``__init__.py``: it would speak for the lab's folder.
+    A program that is started in a folder above finds what is there and imports the lab's files out of their folder. So both are one
+    submission, and a name further inside goes before one further outside. Notebooks of other folders are left, because notebooks
+    are run, and so is an ``__init__.py``: it would speak for the lab's folder.
     """
     files = set(map(folded, inside))
     folders = {above for key in files for above in _folders(key)}
@@ -126,19 +123,19 @@ def _around(folder: str, elsewhere: Iterable[str], inside: Iterable[str]) -> dic
 
 
 def _from_above(path: str, folder: str) -> tuple[int, str]:
-    """Return how many levels above the lab's folder the nearest folder with this path is, and the path seen from there."""
+    """Return how many levels above the lab's folder the nearest folder that holds this path is, and the path seen from there."""
     shared = posixpath.commonpath((posixpath.dirname(path), folder))
     return _level(folder) - _level(shared), path[len(shared) + 1 :] if shared else path
 
 
 def _folders(path: str) -> Iterable[str]:
-    """Yield the folders in a path, the outermost first."""
+    """Return the folders in a path, the outermost first."""
     parts = path.split("/")
     return ("/".join(parts[:n]) for n in range(1, len(parts)))
 
 
 def _notes(folder: str, others: list[str], elsewhere: Iterable[str], above: Mapping[str, int]) -> Iterable[str]:
-    """Return the notes on the chosen folder, and on the code that lies `elsewhere`."""
+    """Yield the notes on the chosen folder, and on the code that lies `elsewhere`, graded with it or not."""
     here = printable(folder) or "the top folder"
     if others:
         yield f"More than one folder holds the lab's files: {here} was graded, not {listing(others)}."

@@ -1,4 +1,4 @@
-"""Names from strangers: which paths may be used, and folder names that are safe on every system."""
+"""Judge file names from strangers: which paths may be used, and folder names that are safe on every system."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ def is_code(path: str) -> bool:
 
 
 def is_litter(parts: Sequence[str]) -> bool:
-    """Return whether to ignore a path: it lies in a tool's folder (but for `HOME_VERSIONS`), or an operating system left it."""
+    """Return whether to ignore a path: it lies in a tool's folder, or an operating system left it. `HOME_VERSIONS` is kept."""
     if parts[-2:] == HOME_VERSIONS:
         return False
     return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)
 
 
 def archive_parts(name: str) -> tuple[str, ...] | None:
-    """Return the parts of a path in an archive; None if it leads out of the archive or has another meaning on another system."""
+    """Return the parts of a path in an archive; None if it leads out of the archive or means something else on another system."""
     if "\0" in name or "\\" in name or name.startswith("/") or _DRIVE.match(name):
         return None
     parts = tuple(part for part in name.split("/") if part not in ("", "."))
@@ -66,12 +66,12 @@ def joined(parts: tuple[str, ...]) -> str | None:
 
 
 def _encodable(text: str) -> str:
-    """Return a name with lone surrogates replaced; they stand for bytes that are not UTF-8."""
+    """Return a name with an underscore for each lone surrogate, which stands for a byte that is not UTF-8."""
     return re.sub("[\ud800-\udfff]", "_", text)
 
 
 def original(name: str) -> str:
-    """Return a submission's own name with lone surrogates replaced, as JSON cannot hold them."""
+    """Return a submission's own name with a replacement character for each lone surrogate, which JSON cannot hold."""
     return re.sub("[\ud800-\udfff]", "\ufffd", name)
 
 
@@ -93,7 +93,7 @@ def safe_id(name: str) -> str:
 
 
 def _shortened(name: str, limit: int) -> str:
-    """At most `limit` characters and 200 bytes: a folder name may have 255 bytes, and CJK letters take three each."""
+    """Return at most `limit` characters and 200 bytes of a name: folder names may have 255 bytes, and CJK letters take three."""
     return name[:limit].encode()[:200].decode(errors="ignore").rstrip(".")
 
 

@@ -1,4 +1,4 @@
-"""Placeholder files: what Git LFS, cloud drives and failed downloads leave in place of a student's file."""
+"""Recognise placeholder files: what Git LFS, cloud drives and failed downloads leave in place of a student's file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One submission: its files, read whole into memory."""
+"""Read one submission: find the lab's files in whatever was handed in, and keep all of them in memory."""
 
 from __future__ import annotations
 
@@ -20,15 +20,7 @@ from grader.intake.downloads import Sources, gather_sources
 from grader.intake.file_budget import MAX_OPENINGS, FileBudget, Unreadable, listing
 from grader.intake.folders import gather_file, gather_folder
 from grader.intake.layout import MAX_LEVELS, lay_out, outwards
-from grader.intake.names import (
-    ARCHIVES,
-    FOREIGN_ARCHIVES,
-    HOME_VERSIONS,
-    has_suffix,
-    is_code,
-    original,
-    safe_id,
-)
+from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, HOME_VERSIONS, has_suffix, is_code, original, safe_id
 from grader.intake.placeholders import is_empty_program
 from grader.intake.texts import as_programs, in_lower_case
 
@@ -37,14 +29,14 @@ _CONFLICT = (b"<<<<<<< ", b"=======", b">>>>>>> ")  # the lines that `git merge`
 
 @dataclass(frozen=True)
 class Submission:
-    """One submission as it was handed in.
+    """One submission as it was handed in: made by `read_submission`, and never changed by grading.
 
     Attributes
     ----------
     id
-        Its folder name under ``OUT/submissions/``: safe, and distinct within a class.
+        The submission's folder name under ``OUT/submissions/``: safe, and distinct within a class.
     name
-        Its original name.
+        The submission's original name.
     files
         Relative posix path to the file's bytes: first what is inside the lab's folder, then what lies beside it and above,
         by its path there. Unless `status` is "ready" no code runs, and these are all files found, by their paths from the top.
@@ -55,7 +47,7 @@ class Submission:
     sha256
         Digest of paths and bytes: the same for a folder and an archive of it, whatever the time stamps.
     folder
-        The lab's folder below what was handed in, or in the archive that was; "" is the top of either.
+        The lab's folder below the handed-in folder or archive; "" if that is the lab's folder itself.
     above
         For each file outside the lab's folder, how many levels above that folder its path begins; see `Layout`.
     """
@@ -70,12 +62,12 @@ class Submission:
     above: Mapping[str, int] = field(default_factory=dict)
 
     def origin(self, path: str) -> str:
-        """Return the path of a file below the submission's top folder."""
+        """Return the path of one of `files` from the submission's top folder, for messages."""
         return outwards(self.folder, self.above.get(path, 0)) + path
 
 
 def original_name(path: Path) -> str:
-    """Return a submission's name: that of its folder or file, of an archive without the suffix; ``submission`` if that is empty."""
+    """Return a submission's name: that of its folder or file, an archive's without suffix; ``submission`` if that is empty."""
     name = Path(os.path.abspath(path)).name  # "." has a name too
     suffix = next((suffix for suffix in (*ARCHIVES, *FOREIGN_ARCHIVES) if has_suffix(name, (suffix,))), "")
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
@@ -84,7 +76,7 @@ def original_name(path: Path) -> str:
 def read_submission(
     path: Path, required: Collection[str], *, id: str | None = None, name: str | None = None, sources: Sources = ()
 ) -> Submission:
-    """Read what was handed in.
+    """Read whatever was handed in: a folder, an archive or a single file.
 
     Parameters
     ----------
@@ -93,7 +85,7 @@ def read_submission(
     required
         Names of the files that the lab asks for.
     id, name
-        As a `ClassEntry` has them; made from the path otherwise.
+        The ones that the class's list (`ClassEntry`) gives; made from the path if left out.
     sources
         If `path` is the download of a whole class: which of its files and folders are this submission, and their paths in it.
 
@@ -133,7 +125,7 @@ def unread(id: str, name: str, why: str) -> Submission:
 
 
 def _gather(path: Path, sources: Sources, required: Collection[str]) -> FileBudget:
-    """Return all files, including those of an archive that is alone in its folder."""
+    """Return all files of a submission, with an archive that is its only code opened; raise RequestError if `path` is missing."""
     if not os.path.exists(path):  # Path.exists raises where a folder above may not be entered
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
     budget = gather_sources(path, sources, required) if sources else _gather_outermost(path, required)
@@ -150,7 +142,7 @@ def _gather(path: Path, sources: Sources, required: Collection[str]) -> FileBudg
 
 
 def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
-    """Gather the files of a folder, an archive or a single program."""
+    """Read the files of a folder, an archive or a single program; raise Unreadable for anything else."""
     if os.path.isdir(path):
         return gather_folder(path, required)
     name = printable(path.name)
@@ -170,7 +162,7 @@ def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
 
 
 def _versions_at_home(budget: FileBudget) -> list[str]:
-    """Take the versions on the student's computer out of the files; return a note if they differ from those here."""
+    """Remove the package versions of the student's computer from the files; return a note if they differ from those here."""
     kept = [path for path in budget.files if tuple(path.split("/")[-2:]) == HOME_VERSIONS]
     found = [budget.files.pop(path)[:4000].decode("ascii", "replace") for path in kept]
     differing = class_versions.differences(class_versions.of_ours(found[0])) if found else []
@@ -183,7 +175,7 @@ def _versions_at_home(budget: FileBudget) -> list[str]:
 
 
 def _nothing_found(budget: FileBudget) -> tuple[Literal["empty", "unreadable"], tuple[str, ...]]:
-    """Return the status and the notes of a submission without the lab's files."""
+    """Return the status and the notes of a submission in which no code was found."""
     archives = budget.unopened()
     alone = len(budget.files) == 1 and has_suffix(next(iter(budget.files)), FOREIGN_ARCHIVES)
     if alone:
@@ -198,7 +190,7 @@ def _nothing_found(budget: FileBudget) -> tuple[Literal["empty", "unreadable"], 
 
 
 def _broken_notebooks(budget: FileBudget) -> str:
-    """Return the notes for a submission whose only code is notebooks that cannot be opened; empty where there is other code."""
+    """Return a note for a submission whose only code is notebooks that cannot be opened; "" if there is other code."""
     code = sorted(filter(is_code, budget.files))
     if not all(path.endswith(".ipynb") and not _is_notebook(budget.files[path]) for path in code):
         return ""
@@ -235,7 +227,7 @@ def _nothing_to_mark(
 
 
 def _digest(items: Iterable[tuple[str, bytes]]) -> str:
-    """SHA-256 over sorted paths and bytes, each with its length, so that no two sets of files read alike."""
+    """Return the SHA-256 of sorted paths and bytes, each with its length, so that no two sets of files have one digest."""
     digest = hashlib.sha256()
     for path, data in sorted(items):
         for part in (path.encode(), data):

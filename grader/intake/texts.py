@@ -1,4 +1,4 @@
-"""File names as Python needs them: suffixes in lower case, and without the `.txt` that editors and mail programs add."""
+"""Rename files as Python needs them: suffixes in lower case, and without the `.txt` that editors and mail programs add."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _LOWERED = (*CODE, ".png")
 
 
 def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
-    """Rename `imu_reader.PY` to `imu_reader.py`: Python imports no other suffix.
+    """Rename files such as `imu_reader.PY` to `imu_reader.py`, with a remark, because Python imports no other suffix.
 
     A name all in capitals is written in small letters, and so is one that the lab asks for. A file stays as it is where another one
     has that name.
@@ -31,7 +31,7 @@ def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
 
 
 def as_programs(budget: FileBudget, required: Collection[str]) -> None:
-    """Take `filters.py.txt` for `filters.py`, as browsers rename downloads; if there is no code at all, also `filters.txt`."""
+    """Rename `filters.py.txt` to `filters.py`, as browsers add `.txt`; if there is no code at all, also a file `filters.txt`."""
     there = set(map(folded, budget.files))
     no_code = not any(map(is_code, budget.files))
     taken = []

@@ -1,4 +1,4 @@
-"""Writing the kits: for students, for Gradescope, for Classroom 50, for GitHub and for GitLab."""
+"""Write the kits of `imugrade kit`: for students, Gradescope, Classroom 50, GitHub and GitLab."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _EDITORS = {
 
 @dataclass(frozen=True)
 class Kit:
-    """The files that were written for students or a platform: their place, the platform or "students", and the scenarios used."""
+    """What `imugrade kit` reports of a kit: its place, the platform or "students", and which scenarios it grades by."""
 
     place: Path
     title: str
@@ -46,7 +46,7 @@ _JOBS = {
 
 
 def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write a platform's CI job, the grader's wheel and the package versions of the class into a folder that may hold other files.
+    """Write a platform's CI job, the grader's wheel and the class's package versions into a folder, beside files already there.
 
     Raises
     ------
@@ -74,7 +74,8 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     _refuse_full(out)
     brought = _brought(lab, rubric)
     handout = lab.handout(brought)
-    files = {name: _named_after(handout, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
+    starters = {name: _filled(lab.folder / "starter" / f"{name}.txt") for name in (*lab.files, "README.md")}
+    files = {name: _named_after(handout, text).encode() for name, text in starters.items()}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
     files[class_versions.FILE] = _constraints(lab)
     files[guide.NAME] = guide.build(lab, rubric).encode()
@@ -84,15 +85,21 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
-    """Write `autograder.zip`: `setup.sh` and `run_autograder` at its root, the wheel, and hidden traces if they are given."""
-    traces = {} if hidden is None else _bundle(hidden)
+    """Write Gradescope's `autograder.zip`: its two scripts, the wheel, and hidden traces if they are given.
+
+    Raises
+    ------
+    RequestError
+        If the file exists.
+    """
+    traces = {} if hidden is None else truth.files(hidden)  # and not the seed, which cannot be derived from them
     options = ' --traces "$ROOT/source/hidden.npz"' if traces else ""
     files = {
         "setup.sh": _text("platforms/setup.sh.txt").encode(),
         "run_autograder": _text("platforms/run_autograder.txt").replace("{options}", options).encode(),
         class_versions.FILE: _constraints(lab),
         wheel.name(): _wheel(lab, rubric),
-        **traces,
+        **{f"hidden{suffix}": content for suffix, content in traces.items()},
     }
     if out.exists():
         raise RequestError(f"{printable(str(out))}: it is there already; remove it or choose another name")
@@ -113,14 +120,10 @@ def _brought(lab: Lab, rubric: Path | None) -> LabFile | None:
 
 
 def _named_after(handout: Handout, text: str) -> str:
-    """Return a starter file with the names of the sheet (robot, sensors) replaced by those of the kit."""
+    """Return a starter file with the names on the lab sheet (robot, sensors) replaced by those of the class's robot."""
     for sheet, name in handout.names.items():
         text = text.replace(f'"{sheet}"', json.dumps(name, ensure_ascii=False))
     return text
-
-
-def _starter(lab: Lab, name: str) -> str:
-    return _filled(lab.folder / "starter" / f"{name}.txt")
 
 
 def _text(path: str) -> str:
@@ -132,11 +135,6 @@ def _filled(file: Path) -> str:
     for field, value in _FIELDS.items():
         text = text.replace(f"{{{field}}}", value)
     return text
-
-
-def _bundle(hidden: Traces) -> dict[str, bytes]:
-    """Return the recorded bundle instead of the seed, because the seed cannot be derived from it."""
-    return {f"hidden{suffix}": content for suffix, content in truth.files(hidden).items()}
 
 
 def _refuse_full(out: Path) -> None:
@@ -154,7 +152,7 @@ def _refuse_full(out: Path) -> None:
 
 
 def _write(out: Path, files: Mapping[str, bytes]) -> None:
-    """Write files below a folder; refuse the request if one cannot be written."""
+    """Write files below a folder; raise RequestError if one cannot be written."""
     for path, content in files.items():
         place = out / path
         try:

@@ -26,7 +26,10 @@ _FAULTS, _CHECKS = "faults", "checks"
 
 
 def build(lab: Lab, rubric: Path | None = None) -> str:
-    """Return the students' guide of a lab as one HTML page, with the points of a rubric; its first section lists the others."""
+    """Return the students' guide of a lab as one HTML page, with the points of a rubric (None: the lab's own).
+
+    Its first section lists the others.
+    """
     folder = pages(lab)
     index = (folder / "index.md").read_text(encoding="utf-8")
     listed = re.findall(r"^- \[[^]]+\]\(([\w-]+)\.md\)", index, re.MULTILINE)
@@ -41,7 +44,7 @@ def build(lab: Lab, rubric: Path | None = None) -> str:
 
 
 def pages(lab: Lab) -> Path:
-    """Return the folder of the guide's pages: in the lab's folder of an installed package, else `docs/students` of the sources."""
+    """Return the folder of the guide's Markdown pages: in the lab's folder if installed, else `docs/students` of the sources."""
     built = lab.folder / "guide"
     return built if built.is_dir() else beside("grader", "").parent / "docs" / "students"
 
@@ -60,7 +63,7 @@ def _faults(lab: Lab) -> str:
 
 
 def _html(text: str, page: str, folder: Path) -> str:
-    """Return a page as HTML. Its headings get ids, links to other pages lead to their sections, pictures are put in."""
+    """Return a Markdown page as HTML for the guide: headings get ids, links lead to its sections, pictures are included."""
     markdown = MarkdownIt("commonmark", {"html": True}).enable("table")
     tokens = markdown.parse(re.sub(r"^:::.*\n", "", text, flags=re.MULTILINE))
     for before, token in pairwise(tokens):
@@ -72,7 +75,7 @@ def _html(text: str, page: str, folder: Path) -> str:
 
 
 def _point(token: Token, page: str, folder: Path) -> None:
-    """Make the target of a link or a picture one within this file."""
+    """Make a link or a picture refer to a place or to data within the guide's one file; links to web sites stay."""
     if token.type == "image":
         picture = base64.b64encode((folder / str(token.attrs["src"])).read_bytes()).decode()
         token.attrs["src"] = f"data:image/png;base64,{picture}"
@@ -84,5 +87,5 @@ def _point(token: Token, page: str, folder: Path) -> None:
 
 
 def _slug(title: str) -> str:
-    """Return the anchor of a heading, as a repository's web page and the site make it."""
+    """Return the anchor of a heading, as it is in the repository's web view and on the documentation's site."""
     return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")

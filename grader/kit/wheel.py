@@ -1,7 +1,7 @@
-"""The students' wheel, made from the package that is running: from a checkout and from an installed wheel alike.
+"""Make the students' wheel, which installs `imugrade` without the solution, from the running package, installed or checked out.
 
-It is this package without the reference. Where it has been installed from it needs no build tool: a wheel is a zip archive
-with three files of its own (packaging.python.org, *Binary distribution format*).
+It is this package without the reference. That needs no build tool: a wheel is a zip archive with three files of its own
+(packaging.python.org, *Binary distribution format*).
 """
 
 from __future__ import annotations
@@ -28,11 +28,8 @@ from grader.report import truth
 
 _KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".js", ".md", ".svg", ".typed")
 _BUNDLES = (".npz", ".json")
-_PUBLIC = (
-    "public.npz",
-    "public.json",
-    "result.schema.json",
-)  # any other bundle in the folder would be an instructor's own
+# Any other bundle in the lab's folder would be an instructor's own.
+_PUBLIC = ("public.npz", "public.json", "result.schema.json")
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever it is made
 
 
@@ -67,7 +64,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
 
 
 def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
-    """Return a zip archive of these files; those in `programs` are executable."""
+    """Return a zip archive of these files, by path, with fixed time stamps; those in `programs` are executable."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
@@ -80,7 +77,7 @@ def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
 
 
 def _package() -> Iterator[tuple[str, bytes]]:
-    """Return the files of the package without the rubric."""
+    """Yield path and bytes of the package's files, without the rubric and an instructor's own traces."""
     package = beside("grader", "")
     for path in sorted(package.rglob("*")):
         inside = path.relative_to(package)
@@ -89,7 +86,7 @@ def _package() -> Iterator[tuple[str, bytes]]:
 
 
 def _own(folder: str, rubric: Path, own: LabFile) -> dict[str, bytes]:
-    """Return the files that the rubric names, its traces, and a rubric that refers to them where the wheel holds them."""
+    """Return what replaces the lab's own file: the instructor's, its public traces, and a rubric that refers to its place here."""
     text, place = rubric.read_text(encoding="utf-8-sig"), f"own/{own.file}"
     files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(own.traces).items()}
     path = _named_in(text, own.keys)
@@ -101,7 +98,7 @@ def _own(folder: str, rubric: Path, own: LabFile) -> dict[str, bytes]:
 
 
 def _named_in(rubric: str, keys: Iterable[str]) -> yaml.Node | None:
-    """Return the value at these keys of a rubric that was read before; None if it is left out."""
+    """Return the value at these nested keys of a valid rubric's text; None if it is left out."""
     node: yaml.Node | None = yaml.compose(rubric, Loader=yaml.SafeLoader)
     for name in keys:
         pairs = node.value if node else []
@@ -118,7 +115,7 @@ def _belongs(inside: Path) -> bool:
 
 
 def _information() -> dict[str, str]:
-    """Return the metadata files of the wheel, from the installed package."""
+    """Return the metadata files of the wheel, made from the installed package's; raise RequestError if it is not installed."""
     try:
         installed = importlib.metadata.distribution("imugrade")
     except importlib.metadata.PackageNotFoundError:
@@ -139,7 +136,7 @@ def _information() -> dict[str, str]:
 
 
 def _entry_points(installed: importlib.metadata.Distribution) -> str:
-    """Return the entry points: the commands, and the pytest plugin."""
+    """Return the text of `entry_points.txt`: the command, and the pytest plugin."""
     groups: dict[str, list[str]] = {}
     for entry in installed.entry_points:
         groups.setdefault(entry.group, []).append(f"{entry.name} = {entry.value}\n")
@@ -147,5 +144,5 @@ def _entry_points(installed: importlib.metadata.Distribution) -> str:
 
 
 def _digest(content: bytes) -> str:
-    """Return the digest as RECORD writes it: urlsafe base64 without padding."""
+    """Return the digest of a file as a wheel's RECORD lists it: urlsafe base64 without padding."""
     return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

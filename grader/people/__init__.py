@@ -1,1 +1,1 @@
-"""Students, rosters and dates, and what overrides and lateness add to the automatic points."""
+"""Students, rosters and dates, and how overrides, repairs and lateness change the automatic points."""

@@ -1,4 +1,4 @@
-"""Final grades: a submission's automatic result and, kept apart from it, overrides and lateness."""
+"""Final grades: a submission's automatic result together with a person's overrides and the late deduction."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from grader.engine.results import CheckResult, CriterionResult, Result
 
 @dataclass(frozen=True)
 class Person:
-    """A person who handed in. `key` is the platform's identifier: a Canvas user id, a Moodle participant number, a user name.
+    """A student who handed in, as platform and roster know them. `key` is the platform's identifier, such as a Canvas user id.
 
     `platform` is the platform of that key; "" if `key` is the name of a folder or an archive. `sid` is the student number, and
     `ids` holds every other identifier in the person's row of the roster: logins, user names, GitHub names. `listed` is the first
@@ -29,7 +29,7 @@ class Person:
 
     @property
     def number(self) -> str:
-        """The identifier in every exported file: the roster's or student number, else the platform key, else the e-mail address."""
+        """The identifier in every exported file: the roster's, else the student number, the platform's key or the e-mail."""
         return self.listed or self.sid or self.key or self.email
 
     @property
@@ -40,7 +40,7 @@ class Person:
 
 @dataclass(frozen=True)
 class Lateness:
-    """The late policy's verdict on one submission.
+    """What the late policy says of one submission: how late it is, and what that deducts.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Lateness:
 
 @dataclass(frozen=True)
 class HandIn:
-    """Facts about a submission beside its files: time, people, platform.
+    """Who handed in a submission, when and on which platform: all that is known of it beside its files.
 
     Attributes
     ----------
@@ -108,12 +108,12 @@ TOTAL, BONUS = "total", "bonus"
 
 @dataclass(frozen=True)
 class Adjustment:
-    """A person's change to a submission: an override, additional points, or a comment alone.
+    """What a person changed of a submission's grade: an override of points, additional points, or a comment alone.
 
     Attributes
     ----------
     criterion
-        The target: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to it.
+        What is changed: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to the sum.
     points
         None withdraws the previous override. A comment has no points.
     automatic, out_of
@@ -123,7 +123,7 @@ class Adjustment:
     decision
         The number of the decision on several submissions that it belongs to; 0 if there is none.
     number
-        Its place in the record.
+        The adjustment's place in the record.
     """
 
     criterion: str
@@ -152,12 +152,12 @@ class Term:
 
 @dataclass(frozen=True)
 class FinalGrade:
-    """Final grade of one submission: the automatic result, the hand-in and the adjustments.
+    """The final grade of one submission: the automatic result, the hand-in and a person's adjustments, added up.
 
     `final` is the score, with overrides, plus bonus and extra credit, minus the deductions for repairs and lateness; `terms` holds
     these numbers. An override of the total is final: only a bonus is added to it. `result` is never changed. `final` is None while
-    points are open because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked an
-    empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
+    points are open because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked an empty
+    or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
     """
 
     id: str
@@ -169,7 +169,7 @@ class FinalGrade:
 
     @property
     def people(self) -> tuple[Person, ...]:
-        """Return the people who handed in, or the submission's name if no platform names them. The text is untrusted."""
+        """Return the people who handed in; if no platform names them, one named as the submission. The text is untrusted."""
         return self.hand_in.people or (Person(self.result.submission, self.id),)
 
     @property
@@ -186,18 +186,18 @@ class FinalGrade:
 
     @property
     def has_no_submission(self) -> bool:
-        """Return whether the person handed in nothing, so that all points come from a person."""
+        """Return whether the person handed in nothing, so that all points come from overrides."""
         return bool(self.result.provenance.get("no_submission"))
 
     @property
     def unseen(self) -> bool:
-        """Return whether the submission is empty or unreadable, and no person has reviewed or overridden it: its grade is blank."""
+        """Return whether the submission is empty or unreadable and no person has reviewed or overridden it: a blank grade."""
         empty = self.result.status in ("empty", "unreadable")
         return empty and not self.reviewed and all(each.alone for each in self.adjustments)
 
     @cached_property
     def terms(self) -> tuple[Term, ...]:
-        """Return the summands of the final grade without those that are 0, the score or total first; none while points are open."""
+        """Return the summands of the final grade without those that are 0, the score or total first; () while points are open."""
         first = self._first_terms()
         if not first:
             return ()
@@ -207,7 +207,7 @@ class FinalGrade:
         return (terms[0], *(each for each in terms[1:] if each.points))
 
     def _first_terms(self) -> list[Term]:
-        """Return the override of the total, or else score, extra credit and repair deduction; none while points are open."""
+        """Return the override of the total, or else score, extra credit and repair deduction; [] while points are open."""
         total = self.adjustment(TOTAL)
         if total is not None:
             return [Term(TOTAL, total.points or 0.0)]
@@ -244,11 +244,11 @@ class FinalGrade:
 
     @property
     def maximum(self) -> float:
-        """Return the most points of the criteria, with the extra credit that the rubric allows."""
+        """Return the maximum points of all criteria, with the extra credit that the rubric allows."""
         return round(self.result.max_score + (self.result.extra_credit_cap or 0.0), 2)
 
     def above_maximum(self) -> list[Adjustment]:
-        """Return the overrides with more points than their target has now, because the rubric or a weight has changed."""
+        """Return the overrides with more points than the maximum of what they override, as after a change of the rubric."""
         known = ((each, maximum_points(self.result, each.criterion)) for each in self.adjustments)
         return [each for each, most in known if each.points is not None and most is not None and each.points > most]
 
@@ -266,7 +266,10 @@ class FinalGrade:
         return None if self.has_no_submission and not by_hand else self._counted(criterion)
 
     def _counted(self, criterion: CriterionResult) -> float | None:
-        """Return the points of a criterion that the score counts: 0 for what a person without a submission was not given."""
+        """Return the points of a criterion that count for the score: 0 without override of a person without a submission.
+
+        None while they are open or the submission is `unseen`.
+        """
         if self.unseen:
             return None
         given = {each.criterion: each.points for each in self.adjustments if not each.alone}
@@ -308,7 +311,7 @@ def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
 
 @dataclass(frozen=True)
 class GradeChange:
-    """A submission with another final grade than before; None is a grade that is open or blank."""
+    """A submission whose final grade is another than before; None is a grade that is open or blank."""
 
     final_grade: FinalGrade
     before: float | None
@@ -320,19 +323,19 @@ class GradeChange:
 
 
 def grade_changes(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> list[GradeChange]:
-    """Return the submissions of both sides whose final grade differs, the largest change first."""
+    """Return the submissions in both gradings whose final grade differs, the largest change first."""
     both = ((before[id_].final, each) for id_, each in after.items() if id_ in before)
     changes = [GradeChange(each, was, each.final) for was, each in both if was != each.final]
     return sorted(changes, key=lambda change: (-abs(change.by), change.final_grade.id))
 
 
 def points_by_check(criterion: CriterionResult) -> dict[str, float | None]:
-    """Return the automatic points of each check of a criterion."""
+    """Return the automatic points of each check of a criterion; None for a check that was not judged."""
     return {check.id: check.points for check in criterion.checks}
 
 
 def automatic_points(result: Result, target: str) -> dict[str, float | None] | None:
-    """Return the automatic points of each check that an override of `target` replaces ({} for `BONUS`); None for an unknown one."""
+    """Return the automatic points of each check that an override of `target` replaces; {} for `BONUS`, None if it is unknown."""
     if target == BONUS:
         return {}
     criteria = {criterion.id: points_by_check(criterion) for criterion in result.criteria}

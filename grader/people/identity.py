@@ -1,4 +1,4 @@
-"""Matching of table rows with people, by number, e-mail address or unambiguous name.
+"""Match rows of tables (roster, gradebook) with the people who handed in: by number, e-mail address or unambiguous name.
 
 A doubtful row matches nobody. A contradiction, such as another number or address, keeps two people of one name apart.
 `Directory.why_not` gives the reason.
@@ -56,7 +56,7 @@ class Directory:
     """Index of the people of a class by every number, address and name, with which rows of tables are matched."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
-        """Index the people of each submission, given by its id. The id identifies them, too."""
+        """Index the people of each submission, given by its id, which is also looked up as a number of theirs."""
         self._by: dict[tuple[str, str], list[Match]] = {}
         for id_, members in people.items():
             self._add("number", id_, Match(id_, members[0] if len(members) == 1 else None))
@@ -69,7 +69,10 @@ class Directory:
         return self._best_match(row)[1]
 
     def find_each(self, rows: Sequence[PersonRow]) -> list[Match | None]:
-        """Return each row's match or None. Of rows for one person, that with the surest identifier counts; none in a tie."""
+        """Return the match of each row, None without one. Of rows for one person, that with the surest identifier counts.
+
+        If several are equally sure, none of them counts.
+        """
         found = [self._best_match(row) for row in rows]
         claims: dict[Match, set[tuple[int, PersonRow]]] = {}
         for row, (sureness, match) in zip(rows, found, strict=True):
@@ -95,7 +98,7 @@ class Directory:
         return refused
 
     def _best_match(self, row: PersonRow) -> tuple[int, Match | None]:
-        """Return the rank of the kind of word that matched, lowest surest, and the match."""
+        """Return the rank of the kind of identifier that matched, lowest surest, and the match; the last rank and None if none."""
         for kind, word in _asked(row):
             matches = [
                 m for m in self._by.get((kind, word.casefold()), ()) if word and not _contradiction(row, m.person, kind)
@@ -111,7 +114,7 @@ class Directory:
 
 
 class PersonLookup:
-    """Resolver of a typed id, number, e-mail address or name to a submission."""
+    """Resolver of what a person types (an id, a number, an e-mail address or a name) to a submission of the class."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
         self._ids, self._directory = people.keys(), Directory(people)
@@ -122,7 +125,7 @@ class PersonLookup:
         Raises
         ------
         RequestError
-            If it fits several people, or several ids begin with it. The message names them.
+            If the word fits several people, or several ids begin with it. The message names them.
         """
         if word in self._ids:
             return word
@@ -152,7 +155,7 @@ def _called(person: Person) -> Iterator[tuple[str, str]]:
 
 
 def _asked(row: PersonRow) -> Iterator[tuple[str, str]]:
-    """Yield the words to look up, surest first. A number of unknown kind may be a platform's; the names must then agree."""
+    """Yield kind and text of the words to look up, surest first. "foreign": a number that may be a platform's; names must agree."""
     yield row.platform, row.key.strip()
     yield from (("number", number.strip()) for number in row.numbers)
     yield "email", row.email.strip()
@@ -180,7 +183,10 @@ def _contradiction(row: PersonRow, person: Person | None, kind: str) -> str:
 
 
 def _digits(number: str) -> str:
-    """Return the digits of a student number without leading zeros, so that `S5039` and `05039` are equal."""
+    """Return the digits of a student number without leading zeros, so that `S5039` and `05039` are equal.
+
+    An identifier without digits is returned in small letters.
+    """
     return re.sub(r"\D", "", number).lstrip("0") or number.strip().casefold()
 
 

@@ -1,4 +1,4 @@
-"""Late policy of a class, applied to one hand-in: how late it is, and the deduction. Scores themselves are left alone."""
+"""Apply the late policy of a class to a hand-in: how late it is, and what that deducts. Scores themselves stay unchanged."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -
 
 
 def zone_of(policy: LatePolicy | None) -> tzinfo | None:
-    """Return the time zone of a class; None if its late policy names none."""
+    """Return the time zone of a class; None without a late policy, or if it names none."""
     return ZoneInfo(policy.tz) if policy is not None and policy.tz else None
 
 
 def in_zone(stamp: str, policy: LatePolicy | None) -> str:
-    """Return a time by the clock of the class, with its offset; unchanged without a time or a time zone."""
+    """Return a time by the clock of the class, with its offset; unchanged if it is no time or the class has no time zone."""
     when, zone = read_stamp(stamp), zone_of(policy)
     return stamp if when is None or zone is None else when.astimezone(zone).isoformat(timespec="seconds")
 
@@ -59,8 +59,8 @@ def _late(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) ->
 def _lateness(policy: LatePolicy, due: datetime, came: datetime, grace_days: int) -> Lateness | None:
     """Return the lateness of a hand-in; None up to the end of the grace period.
 
-    A day that has begun counts whole. If the policy names a time zone, days are counted on its clock, so a change to
-    or from summer time adds no day. Grace days of the student are subtracted from the days.
+    A day that has begun counts whole. If the policy names a time zone, days are counted on its clock, so a change to or from summer
+    time adds no day. Grace days of the student are subtracted from the days.
     """
     seconds = math.ceil((came - due).total_seconds())
     if seconds <= 60 * policy.grace_minutes:
@@ -75,12 +75,12 @@ def _lateness(policy: LatePolicy, due: datetime, came: datetime, grace_days: int
 
 
 def _by_clock(when: datetime, zone: str) -> datetime:
-    """Return the local time in a time zone, or in UTC if none is named."""
+    """Return the local time in a time zone, or in UTC if `zone` is ""."""
     return when.astimezone(ZoneInfo(zone) if zone else timezone.utc).replace(tzinfo=None)
 
 
 def _own_due_date(policy: LatePolicy, people: tuple[Person, ...], names: tuple[str, ...]) -> datetime | None:
-    """Return the latest personal due date of the people; None if nobody has one."""
+    """Return the latest due date that the policy gives to one of these people or names; None if it gives none."""
     called = {text.casefold() for person in people for text in person.called}
     called |= {name.casefold() for name in names}
     return max((until for who, until in policy.due_dates.items() if who.casefold() in called), default=None)

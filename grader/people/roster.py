@@ -1,4 +1,4 @@
-"""Roster of a class: a CSV with names, sections, own due dates and hand-in times."""
+"""Read the roster of a class, a CSV with names, sections, own due dates and hand-in times, and match it with the hand-ins."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class RosterRow:
         )
 
     def completed(self, person: Person) -> Person:
-        """Return a person with the facts of this row. The platform's number stays, because file names contain it."""
+        """Return a person with what this row says of them. The platform's number stays, because file names contain it."""
         numbers = self.who.numbers
         sid = person.sid or next((number for number in numbers if number != person.key), "")
         return replace(
@@ -167,7 +167,7 @@ def _rows(table: Sequence[tuple[int, Sequence[str]]], source: str, zone: tzinfo 
 
 
 def _titled(titles: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
-    """Return the titles of columns in exports where a platform uses a common title in a special sense."""
+    """Return other titles for columns in exports where a platform uses a common title in a special sense; {} for all others."""
     if titles[:2] == ["student", "id"]:  # Canvas: its own number
         return {"canvas": ("id",), "sid": tuple(name for name in COLUMNS["sid"] if name != "id")}
     if "github_username" in titles:  # GitHub Classroom: the number that the instructor entered
@@ -197,7 +197,7 @@ def _listed(values: Mapping[str, Sequence[str]], place: str, zone: tzinfo | None
 
 
 def _with_offset(text: str, zone: tzinfo | None) -> str:
-    """Return a time of a worksheet of Moodle with its offset, "" if the zone is not known or there is no time, else the text."""
+    """Return a time of a Moodle worksheet with its offset, "" without a known zone; "" for "-" and any other text as it is."""
     if local := local_time(text):
         when = read_stamp(local, zone)
         return when.isoformat() if when else ""
@@ -206,7 +206,7 @@ def _with_offset(text: str, zone: tzinfo | None) -> str:
 
 @dataclass(frozen=True)
 class RosterMatch:
-    """Hand-ins of a class with the roster's facts, and the rows and hand-ins without a match.
+    """The hand-ins of a class completed by the roster, and the rows of the roster that match none.
 
     `rows` has one merged row for each hand-in that matches, `absent` the rows without a hand-in, and `doubtful` a line on each row
     that contradicts another one, or that resembles somebody and matches nobody.
@@ -224,14 +224,9 @@ class RosterMatch:
 
 
 def place(roster: Sequence[RosterRow], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
-    """Match the roster with the hand-ins, and add its names, sections and dates to them.
+    """Match the rows of the roster with the hand-ins, and add names, sections and dates to these.
 
-    Parameters
-    ----------
-    roster
-        The rows of the roster.
-    hand_ins
-        The platform's hand-ins, by id of the submission.
+    `hand_ins` are the platform's, by id of the submission.
     """
     placed = {id_: _with_login(hand_in, roster) for id_, hand_in in hand_ins.items()}
     directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
@@ -254,7 +249,7 @@ def place(roster: Sequence[RosterRow], hand_ins: Mapping[str, HandIn]) -> Roster
 
 
 def _lost_zeros(who: PersonRow, hand_ins: Mapping[str, HandIn]) -> str:
-    """Return that a number of a row equals that of a submission but for zeros at its start; "" if none does."""
+    """Say that a number of a row equals that of a submission but for zeros at its start; "" if none does."""
     numbers = {number.lstrip("0"): number for number in who.numbers if number.isdecimal()}
     for id_, hand_in in hand_ins.items():
         for theirs in (id_, *(word for person in hand_in.people for word in person.called)):
@@ -284,7 +279,10 @@ def _told_once(roster: Sequence[RosterRow]) -> tuple[list[RosterRow], list[str]]
 
 
 def _shared(roster: Sequence[RosterRow], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
-    """Return the hand-in of each group: the only one of its members, or else one with the name of the group."""
+    """Return the hand-in of each group, by its name: the only one of its members, or else one with the name of the group.
+
+    A group without a hand-in, or whose members have several, is left out.
+    """
     members: dict[str, set[str]] = {}
     for listed, match in zip(roster, matches, strict=True):
         members.setdefault(listed.group.casefold(), set()).update({match.id} if match else ())
@@ -297,12 +295,15 @@ def _shared(roster: Sequence[RosterRow], matches: Sequence[Match | None], direct
 
 
 def _joined(hand_in: HandIn, stand_in: Person | None, listed: RosterRow) -> HandIn:
-    """Return the hand-in with one more member of the group, in place of the group's name."""
+    """Return the hand-in with one more member of the group, in place of `stand_in`, the group's name."""
     return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), listed.person))
 
 
 def _with_login(hand_in: HandIn, roster: Sequence[RosterRow]) -> HandIn:
-    """Set the user name of a clone `<assignment>-<user>`: the longest one of the roster that its folder name ends with."""
+    """Return the hand-in of a clone `<assignment>-<user>` with its user name: the roster's longest that ends the folder's name.
+
+    Other hand-ins are unchanged.
+    """
     if [person.platform for person in hand_in.people] != ["git"]:
         return hand_in
     (person,) = hand_in.people
@@ -312,5 +313,5 @@ def _with_login(hand_in: HandIn, roster: Sequence[RosterRow]) -> HandIn:
 
 
 def _enriched(hand_in: HandIn, meant: Person | None, listed: RosterRow) -> HandIn:
-    """Return the hand-in with the roster's facts on a person."""
+    """Return the hand-in with what the roster says of the person `meant`."""
     return replace(hand_in, people=tuple(listed.completed(p) if p == meant else p for p in hand_in.people))

@@ -1,4 +1,4 @@
-"""Times as Moodle writes them into a grading worksheet: with the name of the month, by the clock of the site, without an offset."""
+"""Read the times in Moodle's grading worksheet: the month by its name, by the clock of the site, without an offset."""
 
 from __future__ import annotations
 

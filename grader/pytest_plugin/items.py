@@ -1,4 +1,4 @@
-"""A submission's checks as pytest's tests: found without running anything, judged by `imugrade check` in a process of its own.
+"""Show a submission's checks as pytest tests: found without running anything, judged by `imugrade check` in another process.
 
 Nothing of the submission is imported here, and no other test is collected beside its checks.
 """
@@ -35,7 +35,7 @@ _CODE = ("-c", "import sys; from grader.cli import main; sys.exit(main())")
 
 
 class PluginRun:
-    """The pytest plugin of one run with `--imugrade`."""
+    """The hooks of one `pytest --imugrade` run: it finds the checks, has the submission graded once, and prints the points."""
 
     def __init__(self, config: pytest.Config) -> None:
         try:
@@ -80,21 +80,24 @@ class PluginRun:
         return pytest.CollectReport(collector.nodeid, "passed", None, nodes)
 
     def _parts(self) -> Iterator[Part]:
-        """Yield the parts that have checks; an extension that was not attempted has none."""
+        """Yield the criteria and extensions that have checks; an extension that was not attempted is left out."""
         for each in self._rubric.parts:
             part = self.lab.part(each.id)
             if part and each.checks and (part in self.lab.parts or part.attempted_in(self._submission.files)):
                 yield part
 
     def _file_of(self, name: str) -> Path:
-        """Return the file that defines a part, or in which the lab expects it; for an archive or a notebook, that file itself."""
+        """Return the file that defines a required name, or in which the lab expects it; for an archive, the archive itself.
+
+        A notebook stands in for an expected file that is missing.
+        """
         home, files = self.lab.homes[name], self._submission.files
         notebook = next((file for file in files if file.endswith(".ipynb")), home)
         at = self.places.definitions.get(name, FileLine(self._submission.origin(home if home in files else notebook)))
         return self.path / at.file if self.path.is_dir() else self.path
 
     def checks(self, criterion: str, file: Path) -> Iterator[str]:
-        """Yield the checks of a criterion that the arguments select; `file` is the student's file that pytest lists them under."""
+        """Yield the names of a criterion's checks that the arguments select; pytest lists them under the student's `file`."""
         for weight in self._rubric.checks:
             part, _, name = weight.id.partition(".")
             if part == criterion and self._asked.wants(file, part, name):
@@ -102,7 +105,10 @@ class PluginRun:
 
     @functools.cached_property
     def result(self) -> Result:
-        """Return the result of the whole submission. `imugrade check` makes it in a process that this run cannot disturb."""
+        """Return the result of the whole submission, from `imugrade check` in a process that this run cannot disturb.
+
+        If that fails, stop pytest with its message and exit code.
+        """
         with tempfile.TemporaryDirectory(prefix="imugrade-") as private:
             file = Path(private, "result.json")
             asked = ["check", str(self.path), "--json", str(file)]
@@ -124,7 +130,7 @@ class PluginRun:
         return {check.id: check for part in self.result.parts for check in part.checks}
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Print the points of the tests that ran, by criterion. They come from the tests' reports, so they hold with xdist, too."""
+        """Print the points of the tests that ran, by criterion; pytest-xdist's processes send them with their reports."""
         ran: dict[str, Mapping[str, Any]] = {}
         for report in (each for reports in terminalreporter.stats.values() for each in reports):
             told = dict(getattr(report, "user_properties", ()))
@@ -148,7 +154,7 @@ class PluginRun:
 
 
 class _File(pytest.File):
-    """One file of the student's, with the criteria that are about it."""
+    """One file of the student's, with the criteria whose functions it defines or should define."""
 
     def __init__(self, *, plugin_run: PluginRun, criteria: list[str], **options: Any) -> None:
         super().__init__(**options)
@@ -160,7 +166,7 @@ class _File(pytest.File):
 
 
 class _Criterion(pytest.Collector):
-    """One criterion with its checks."""
+    """One criterion or extension as pytest's collector of its checks."""
 
     def __init__(self, *, plugin_run: PluginRun, **options: Any) -> None:
         super().__init__(**options)
@@ -172,7 +178,7 @@ class _Criterion(pytest.Collector):
 
 
 class _Check(pytest.Item):
-    """One check: its test ends as the check ended."""
+    """One check as a test, which passes, fails or is skipped as the check did."""
 
     def __init__(self, *, plugin_run: PluginRun, **options: Any) -> None:
         super().__init__(**options)
@@ -207,7 +213,7 @@ class _Check(pytest.Item):
         return self._plugin_run.found[f"{self._criterion}.{self.name}"]
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Return the student's message at their own line, without the grader's frames."""
+        """Return the check's message, placed at the student's own line, without the grader's frames."""
         if isinstance(excinfo.value, AssertionError) and excinfo.value.args == (self._found.id,):
             return CheckFailure(self._found, self._plugin_run.lab, *self._where())
         if isinstance(excinfo.value, NotJudgedError):
@@ -215,7 +221,7 @@ class _Check(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def _where(self) -> tuple[str, int]:
-        """Return the line that raised, else the line at which the checked name is defined."""
+        """Return file and line that raised, else of the checked name's definition; the test's file and 1 if neither is known."""
         place = self._plugin_run.places.of(self._found)
         if place is None:
             return self.nodeid.partition("::")[0], 1

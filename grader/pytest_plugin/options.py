@@ -14,7 +14,7 @@ _CODE = (".py", ".ipynb")
 
 @dataclass(frozen=True)
 class Name:
-    """What one argument selects: a file, a criterion or a check, as names from the outside in."""
+    """What one argument of `pytest --imugrade` selects: a file, a criterion or a check, as names from the outside in."""
 
     file: Path | None
     names: tuple[str, ...]
@@ -25,7 +25,7 @@ class Name:
 
 @dataclass(frozen=True)
 class PluginOptions:
-    """What `pytest --imugrade` was asked for: a submission, and names of criteria and checks; without names, all checks run."""
+    """What `pytest --imugrade` was asked for: a submission's path, and names of criteria and checks; without names, all checks."""
 
     path: Path
     named: tuple[Name, ...]
@@ -35,15 +35,15 @@ class PluginOptions:
 
 
 def options_of(arguments: Sequence[str], criteria: Collection[str]) -> PluginOptions:
-    """Tell arguments that name criteria and checks from the one that is the submission's path.
+    """Separate the arguments that name criteria, checks or files from the one that is the submission's path.
 
     ``sensor_access`` and ``sensor_access::follows_address`` are names, and so is what pytest and editors call a test:
-    ``imu_reader.py::sensor_access::follows_address``. Any other argument is the path.
+    ``imu_reader.py::sensor_access::follows_address``. Any other argument is the path; without one it is the working folder.
 
     Raises
     ------
     RequestError
-        Where more than one submission is named.
+        If more than one submission is named.
     """
     named = {argument: name for argument in arguments if (name := _name(argument, criteria)) is not None}
     paths = [argument for argument in arguments if argument not in named]

@@ -1,4 +1,4 @@
-"""Start pytest with settings of ours, so that it reads none from a submission: those can import and run code.
+"""Start pytest with the grader's settings, so that it reads none of a submission: those can import and run code.
 
 pytest reads `pytest.ini`, `pyproject.toml`, `tox.ini` or `setup.cfg` of the folder, with `addopts = -p MODULE` and `pythonpath`,
 before it loads any installed plugin. So this module has to run earlier: `imugrade-pytest.pth`, which the installation puts beside
@@ -21,7 +21,10 @@ def options() -> str:
 
 
 def _start() -> None:
-    """Put our options before those of the command line, and keep the folder that pytest is started in off Python's path."""
+    """Put the grader's options before those of the command line, and keep the folder in which pytest starts off Python's path.
+
+    For the latter, Python starts again where `python -m` or `-c` has put the folder there.
+    """
     before = os.environ.get("PYTEST_ADDOPTS", "")
     if options() not in before:
         os.environ["PYTEST_ADDOPTS"] = f"{before} {options()}".strip()

@@ -1,4 +1,4 @@
-"""Add two options to pytest. Everything else is imported only when `--imugrade` is given."""
+"""Add the options `--imugrade` and `--imugrade-rubric` to pytest. All else is imported only when `--imugrade` is given."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Show a lost check in pytest: the text of the report, then the student's own line in a form that editors can open."""
+"""Show a failed check in pytest: the text of the report, then the student's own line in a form that editors can open."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _INDENT, _LABEL_WIDTH = 3, 10
 
 
 class Writer(Protocol):
-    """The methods of pytest's terminal writer that a report of a check uses."""
+    """The methods of pytest's terminal writer that `CheckFailure` uses."""
 
     def line(self, s: str = "", **markup: bool) -> None: ...
 
 
 @dataclass(frozen=True)
 class Crash:
-    """Place and message of a failed check for pytest's short summary and JUnit file."""
+    """Place and message of a failed check, from which pytest makes its short summary and JUnit file."""
 
     path: str
     lineno: int
@@ -31,7 +31,7 @@ class Crash:
 
 
 class CheckFailure:
-    """A failed check as pytest's report: it writes the text of the student's report.
+    """A failed check as pytest's report of a failure: it prints the text of the student's report.
 
     Parameters
     ----------
@@ -68,4 +68,4 @@ def _labelled(line: words.LabelledLine) -> list[str]:
 
 
 class NotJudgedError(Exception):
-    """A check that could not be judged, through no fault of the student's."""
+    """Exception of a check that the grader could not judge; pytest shows an error of the grader's, not a failure."""

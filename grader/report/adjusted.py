@@ -1,4 +1,4 @@
-"""Overrides, comments, repairs, lateness and final points of a result, formatted for a report."""
+"""What a report shows of a grade beside the automatic points: overrides, comments, repairs, lateness, final points."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grader.report import words
 
 @dataclass(frozen=True)
 class Override:
-    """An override or a comment as a page shows it: points, author, time and reason."""
+    """An override or a comment as a page shows it: what is overridden, points, automatic points, reason and author."""
 
     title: str
     points: str
@@ -23,7 +23,7 @@ class Override:
 
 @dataclass(frozen=True)
 class RepairedFile:
-    """A person's repair of a submitted file; `lines` are those of its diff, each with its kind: "same", "added" or "removed"."""
+    """A person's repair of a submitted file as a page shows it; `lines` are the lines of its diff, as from `diff_lines`."""
 
     file: str
     points: str
@@ -33,7 +33,7 @@ class RepairedFile:
 
 
 def is_changed(final_grade: FinalGrade) -> bool:
-    """Return whether the final points differ from the automatic ones."""
+    """Return whether the final points differ from the automatic ones, so that a page shows both; False while they are open."""
     return final_grade.final is not None and round(final_grade.final, 2) != round(final_grade.result.total, 2)
 
 
@@ -66,7 +66,7 @@ def is_composed(final_grade: FinalGrade) -> bool:
 
 
 def _origin(final_grade: FinalGrade) -> str:
-    """Return in brackets how the first number was changed: set by a person, overridden in parts, or of a repaired copy."""
+    """Return in brackets how the first term of a grade was changed: set by a person, overridden in parts or repaired; "" if not."""
     total = final_grade.adjustment(TOTAL)
     if total is not None:
         return f" (set by {printable(total.author, 80)})"
@@ -76,16 +76,14 @@ def _origin(final_grade: FinalGrade) -> str:
 
 
 def _not_deducted(final_grade: FinalGrade) -> str:
-    """Return that an override of the total is final, if there is something automatic that it leaves out."""
+    """Return what a person's override of the total leaves out (lateness, repairs, extra credit); "" if there is nothing."""
     late = final_grade.late
     deducts = final_grade.result.repair_deduction or (late is not None and (late.deduction or late.refused))
     credit = final_grade.result.extra_credit
     if not final_grade.total_is_set or not (deducts or credit):
         return ""
-    kinds = [
-        *(["lateness and repairs are not deducted"] if deducts else []),
-        *(["extra credit is not added"] if credit else []),
-    ]
+    kinds = ["lateness and repairs are not deducted"] if deducts else []
+    kinds += ["extra credit is not added"] if credit else []
     return f"a total is final: {', '.join(kinds)}"
 
 
@@ -95,7 +93,7 @@ def _above(final_grade: FinalGrade) -> str:
 
 
 def late(final_grade: FinalGrade) -> tuple[str, str] | None:
-    """Return the late deduction, with the due and hand-in times that it follows from; None if the submission is not late."""
+    """Return the late deduction, and the due and hand-in times that it follows from; None if the submission is not late."""
     late = final_grade.late
     if late is None:
         return None
@@ -109,7 +107,7 @@ def late(final_grade: FinalGrade) -> tuple[str, str] | None:
 
 
 def overrides(final_grade: FinalGrade) -> list[Override]:
-    """Return the overrides and comments, in the order of the record."""
+    """Return the overrides and comments of a grade, in the order in which they were made."""
     titles = {
         criterion.id: (criterion.title, criterion.max_points, criterion.points)
         for criterion in final_grade.result.criteria
@@ -133,7 +131,7 @@ def overrides(final_grade: FinalGrade) -> list[Override]:
 
 
 def repaired_file(repair: Repair) -> RepairedFile:
-    """Return a repair as a page shows it: file, deduction, comment and the lines of the diff."""
+    """Return a repair as a page shows it: file, deduction, comment, author and the lines of the diff."""
     return RepairedFile(
         printable(repair.file, 200),
         words.minus(repair.deduction) if repair.deduction else "0",
@@ -144,7 +142,7 @@ def repaired_file(repair: Repair) -> RepairedFile:
 
 
 def diff_lines(diff: str) -> tuple[tuple[str, str], ...]:
-    """Return the lines of a unified diff below its head, each with its kind: "same", "added" or "removed"."""
+    """Return the lines of a unified diff without its two lines of file names, each with its kind: "same", "added" or "removed"."""
     kinds = {"+": "added", "-": "removed"}
     shown = [printable(line, words.TEXT_LIMIT) for line in diff.split("\n")[2:]]
     return tuple((kinds.get(line[:1], "same"), line) for line in shown if line)

@@ -1,4 +1,4 @@
-"""Failed checks grouped by fault, and what to do next. A fault that fails ten checks is reported once."""
+"""Group the failed checks of a result by fault, and say what to do next: a fault that fails ten checks is reported once."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ _LAST = 99
 
 @dataclass(frozen=True)
 class Cause:
-    """One fault and the checks that lost points by it, or, without a known fault, the checks that failed with the same message.
+    """One fault with the checks that lost points by it; without a known fault, the checks that failed with the same message.
 
-    `waiting` are the skipped checks of a criterion whose first cause this is. A check of two faults is in two causes, in shares.
+    `waiting` are the skipped checks of a criterion whose first cause this is. A check with two faults is in two causes, each with
+    its share of the lost points.
     """
 
     checks: tuple[CheckResult, ...]
@@ -26,7 +27,7 @@ class Cause:
 
     @property
     def lost(self) -> float:
-        """Return the points lost on a cause's failed checks and on the skipped checks that wait for them."""
+        """Return the points lost on the cause's failed checks and on the skipped checks that wait for them."""
         return words.points_lost((*self.checks, *self.waiting))
 
     @property
@@ -36,7 +37,7 @@ class Cause:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """Return the ids of the known faults behind this cause, for `imugrade explain`; none if no fault was recognised."""
+        """Return the ids of the known faults behind this cause, for `imugrade explain`; () if no fault was recognised."""
         return faults_of(self.checks[0])
 
     @property
@@ -47,7 +48,7 @@ class Cause:
 
 @dataclass(frozen=True)
 class Stop:
-    """A place where a submission does not run.
+    """A place where a submission does not run, and what that costs, for reports and for suggesting a repair.
 
     Attributes
     ----------
@@ -87,7 +88,7 @@ def stops(result: Result, lab: Lab) -> list[Stop]:
 
 
 def _needed(check: CheckResult, causes: Sequence[Cause], found: Sequence[Stop], lab: Lab) -> list[int]:
-    """Return the places for which a check lost points: its file or name does not run, or it raised and there is one place."""
+    """Return the indices of the stops that made a check fail: its file or name does not run, or it raised and there is one stop."""
     name = lab.name_of(check.id)
     names = [{lab.name_of(each.id) for each in cause.checks if _does_not_import(each)} for cause in causes]
     here = [at for at, each in enumerate(found) if name in names[at] or (check.where and check.where.file == each.file)]
@@ -118,7 +119,7 @@ def part_of(check: CheckResult) -> str:
 
 
 def parts_of(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
-    """Return the criteria and attempted extensions, or only that with the id `only`; none if nothing could be read."""
+    """Return the criteria and attempted extensions, or only that with the id `only`; [] if nothing could be read."""
     if result.status in ("empty", "unreadable"):
         return []  # all rows would say the same
     attempted = [extension for extension in result.extensions if extension.attempted and extension.checks]
@@ -141,16 +142,14 @@ def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
             skipped.setdefault(part_of(check), []).append(check)
     causes = []
     for together in found.values():
-        together.sort(
-            key=lambda check: not (check.expected or check.said)
-        )  # the checks that tell about the fault come first
+        together.sort(key=lambda check: not (check.expected or check.said))  # checks that tell about the fault first
         parts = dict.fromkeys(map(part_of, together))
         causes.append(Cause(tuple(together), tuple(check for part in parts for check in skipped.pop(part, ()))))
     return causes
 
 
 def _by_fault(check: CheckResult) -> Iterator[tuple[tuple[str, ...], CheckResult]]:
-    """Yield what tells a check's faults apart, and for each fault the check as if that fault were its only one."""
+    """Yield for each fault of a check a key that groups it with other checks, and the check as if that fault were its only one."""
     if not check.deducted:
         yield faults_of(check) or (check.outcome, check.message), check
     shares = sum(each.share for each in check.deducted)
@@ -172,14 +171,14 @@ def _does_not_run(check: CheckResult) -> bool:
 
 
 def points_of(check: CheckResult) -> str:
-    """Return a check's points in the entry of one of its faults: ``0 / 6``, or ``−1.5`` where other faults cost points, too."""
+    """Return a check's points as shown under one of its faults: ``0 / 6``, or ``−1.5`` where other faults cost points, too."""
     return (
         words.minus(words.points_lost([check])) if len(check.deducted) > 1 else words.row(check, "", LabName()).points
     )
 
 
 def cost_now(cause: Cause) -> list[words.LabelledLine]:
-    """Return the line on what code that does not run costs, and how many checks it kept from running; none for other causes."""
+    """Return the line on what code that does not run costs, and how many checks could not run; [] for other causes."""
     if not cause.does_not_run or not cause.lost:
         return []
     points = f"{words.counted_points(cause.lost)} now"
@@ -195,7 +194,7 @@ def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledL
 
 
 def _news(check: CheckResult, known: set[str]) -> list[words.LabelledLine]:
-    """Return the lines of a check that are not in `known`, and add them to it."""
+    """Return the lines of a check's feedback unless all are in `known`, the texts shown before, and add them to it."""
     said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
     came = {line.text for line in said if line.label != "Expected"}
     if came <= known:
@@ -242,7 +241,7 @@ def _step(check: CheckResult) -> int:
 
 
 def next_step(found: Iterable[Cause], lab: Lab) -> str:
-    """Return where to continue, as ``Step 2, get_imu_readings``; "" if nothing failed."""
+    """Return where a student should continue, as ``Step 2, get_imu_readings``; "" if nothing failed."""
     first = next((each.checks[0] for each in found), None)
     if first is None:
         return ""

@@ -1,4 +1,4 @@
-"""SVG geometry of the charts: scales, ticks, lines and bars, and a sentence for screen readers."""
+"""Lay out the charts of a report as SVG: scales, ticks, lines and bars, and a sentence for screen readers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SPOKEN = {"bars": "bars", "model": "dashed line", "not-seen": "not visible in t
 
 @dataclass(frozen=True)
 class Tick:
-    """Position and text of a grid line of a chart."""
+    """Position (SVG units) and text of a grid line of a chart."""
 
     at: float
     text: str
@@ -39,7 +39,7 @@ class Stroke:
 
 @dataclass(frozen=True)
 class PanelView:
-    """One panel in SVG units; `alt_text` describes it for screen readers."""
+    """One panel of a chart, laid out in SVG units for the template; `alt_text` describes it for screen readers."""
 
     title: str
     x_label: str
@@ -100,7 +100,7 @@ Onto = Callable[[Iterable[float]], list[float]]
 
 @dataclass(frozen=True)
 class _Scale:
-    """An axis from `low` to `high` with its tick values."""
+    """An axis of a panel from `low` to `high` with its tick values."""
 
     low: float
     high: float
@@ -136,7 +136,7 @@ def _even_ticks(low: float, high: float) -> list[float]:
 
 
 def _log_ticks(low: float, high: float) -> list[float]:
-    """Return powers of ten, with 2 and 5 between them where there are fewer than three."""
+    """Return powers of ten as tick values, with 2 and 5 between them where there are fewer than three."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for steps in ((1,), (1, 2, 5)):
         ticks = [m * 10.0**power for power in powers for m in steps if low <= m * 10.0**power <= high]

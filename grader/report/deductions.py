@@ -1,4 +1,4 @@
-"""Deductions of a report: each fault with the checks that failed for it, why it is one, and what to do next."""
+"""The section "Deductions" of a report: each fault with the checks that failed for it, why it is one, and what to do next."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from grader.report.causes import Cause, causes_of, part_of
 
 @dataclass(frozen=True)
 class DeductedCheck:
-    """A check that lost points in a deduction, with its feedback that no earlier check of the deduction repeats."""
+    """A check that lost points in a deduction, with its feedback that no earlier check of the deduction repeats.
+
+    `anchor` is the check's HTML id where the page links to it, "" in any later deduction of the same check.
+    """
 
     anchor: str
     row: words.CheckText
@@ -26,7 +29,7 @@ class DeductedCheck:
 class Deduction:
     """One entry of "Deductions": a fault, why it is one, the checks that failed for it, and what to do next.
 
-    `waiting` counts the checks that could not be graded because of it.
+    `waiting` tells number and points of the checks that could not be graded because of the fault; "" if there are none.
     """
 
     points: str
@@ -38,7 +41,7 @@ class Deduction:
 
 
 def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduction]:
-    """Return the deductions: first the code that does not run, then the largest first.
+    """Return the deductions of a result: first the code that does not run, then the largest first.
 
     Checks that were skipped without a failed check in their criterion come last.
     """
@@ -52,7 +55,7 @@ def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduct
 
 
 def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, FaultRow], linked: set[str]) -> Deduction:
-    """Return the entry of a cause. A check is linked to in the first entry that it stands in; `linked` holds those that are."""
+    """Return the entry of a cause. `linked` holds the checks that earlier entries show, so that a check has one anchor only."""
     named = [catalogue[each] for each in cause.faults if each in catalogue]
     title = _title(cause, named)
     shown = []
@@ -83,7 +86,7 @@ def _title(cause: Cause, named: Sequence[FaultRow]) -> str:
 
 
 def _says(title: str, lines: Iterable[words.LabelledLine]) -> bool:
-    """Return whether the title already contains what the submission returned."""
+    """Return whether the title already tells what the submission returned, so that the lines need not."""
     return title in {_sentence(line.text) for line in lines if line.label == "Got"}
 
 

@@ -1,4 +1,4 @@
-"""Points gained and lost since the last `imugrade check`."""
+"""Show which points were gained and lost since the last `imugrade check`, while a student works with `--watch`."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from grader.report.words import number
 
 @dataclass(frozen=True)
 class EarlierPoints:
-    """Points of each check in the previous run, to show what changed since."""
+    """Points of each check in the previous run, to show what changed since; empty in the first run."""
 
     before: Mapping[str, float]
 
-    def since(self, criteria: Iterable[CriterionResult]) -> str:
+    def total_change(self, criteria: Iterable[CriterionResult]) -> str:
         """Return ``+9.5 since the last check``, or ``no change …``; "" if a check was not judged then or is not judged now."""
         points = _gained(self.before, [check for criterion in criteria for check in criterion.checks])
         if points is None:
             return ""
         return f"{_signed(points) if points else 'no change'} since the last check"
 
-    def of(self, checks: Iterable[CheckResult]) -> str:
+    def change_of(self, checks: Iterable[CheckResult]) -> str:
         """Return the change of some checks' points as ``+6``; "" if nothing changed, or a check was not judged then or now."""
         points = _gained(self.before, checks)
         return _signed(points) if points else ""
 
-    def was(self, check: CheckResult) -> str:
+    def points_before(self, check: CheckResult) -> str:
         """Return a check's points in the previous run as ``, was 6``; "" if they are the same or unknown."""
         points = self.before.get(check.id)
         return f", was {number(points)}" if points is not None and points != check.points else ""

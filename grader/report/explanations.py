@@ -1,4 +1,4 @@
-"""Explanations of faults, checks and criteria as Markdown, for `imugrade explain` and the reference pages of the documentation."""
+"""Explain faults, checks and criteria in Markdown, for `imugrade explain`, the students' guide and the documentation."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def groups(lab: Lab) -> dict[str, str]:
 
 
 def fault(lab: Lab, entry: FaultRow, *, level: int = 1) -> str:
-    """Return a fault's explanation in Markdown: what it is, wrong code, right code, the hint. `level` is that of the heading."""
+    """Return a fault's explanation in Markdown: what it is, wrong and right code, hint, deduction. `level` is the heading's."""
     read = f"\nRead: {lab.label}, Step {entry.step}.\n" if entry.step is not None else ""
     rerun = f"\nRerun: `imugrade check --only {entry.group}`\n" if entry.group in {p.id for p in lab.parts} else ""
     return (
@@ -65,7 +65,10 @@ def fault(lab: Lab, entry: FaultRow, *, level: int = 1) -> str:
 
 
 def _deductions(lab: Lab, entry: FaultRow) -> str:
-    """Return what a fault deducts unless the rubric says otherwise: all shares of its criterion, and which there are of others."""
+    """Return what a fault deducts under the shipped rubric, as a line; "" if it deducts nothing.
+
+    A fault that can occur in several criteria deducts in one of them only, so their points are joined by "or".
+    """
     worth = {weight.id: weight.max_points for weight in _rubric(lab).checks}
     shares = {_full(name, entry): share for name, share in entry.deducts.items() if share}
     points: dict[str, list[str]] = {}

@@ -1,4 +1,4 @@
-"""Item analysis: difficulty and discrimination of each check over a class.
+"""Item analysis, by which an instructor finds doubtful checks: difficulty and discrimination of each check over a class.
 
 References
 ----------
@@ -60,7 +60,7 @@ class ItemAnalysis:
 
     @property
     def doubtful(self) -> bool:
-        """Return whether strong submissions fail the check as often as weak ones, so that a person should review it."""
+        """Return whether strong submissions fail the check as often as weak ones, so that a person should review the check."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 

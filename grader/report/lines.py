@@ -1,4 +1,4 @@
-"""Layout of terminal lines: text after a label, points at the right edge. Lines in a pipe are neither padded nor wrapped."""
+"""Lay out lines of a terminal: text after a label, points at the right edge. Lines in a pipe are neither padded nor wrapped."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _INDENT, _LABEL_WIDTH, _SIGN_WIDTH, _GAP = 3, 10, 12, 2
 
 @dataclass(frozen=True)
 class Setting:
-    """Layout of lines for a console.
+    """How lines are laid out on one console, a terminal or a pipe.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Content of the class page: table rows, statistics, common faults, checks and isolation levels. Nothing renders here."""
+"""The content of the class page: table rows, statistics, common faults, checks, isolation levels. `pages` makes HTML of it."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Choice:
-    """One choice of a filter: the tag, its text, and how many rows have it."""
+    """One choice of a filter: the tag of the rows that it shows, its text, and how many rows have this tag."""
 
     tag: str
     text: str
@@ -112,7 +112,7 @@ class CheckRow:
 
 @dataclass(frozen=True)
 class ClassTable:
-    """The table of a class with its filters, and the faults and checks that they name.
+    """The table of a class with its filters, and the faults and checks that the filters name.
 
     Attributes
     ----------
@@ -169,14 +169,11 @@ def link(final_grade: FinalGrade) -> Link:
 
 
 def class_table(final_grades: Collection[FinalGrade], absent: Sequence[Person] = ()) -> ClassTable:
-    """Return the table of a class: submissions, and people of the roster without one."""
+    """Return the table of a class: its submissions, and the people of the roster without one (`absent`)."""
     results = [each.result for each in final_grades]
     titles, top = columns(results), max((result.max_score for result in results), default=100.0)
-    rows, faults, listed = (
-        entries(final_grades, absent, titles, top),
-        common_faults(final_grades),
-        checks(results, titles),
-    )
+    rows = entries(final_grades, absent, titles, top)
+    faults, listed = common_faults(final_grades), checks(results, titles)
     numbers = {tag: number for number, tag in enumerate(dict.fromkeys(tag for each in rows for tag in each.tags))}
     return ClassTable(rows, titles, top, faults, listed, filters(rows, faults, listed), numbers)
 
@@ -195,7 +192,7 @@ def entries(
 ) -> list[Entry]:
     """Return the rows of the class table, sorted by name: submissions, and people of the roster without one.
 
-    `top` is the maximum score.
+    `criteria` are the columns, and `top` is the maximum score.
     """
     known = list(final_grades)
     names = words.absentees(absent, (each.hand_in for each in known))
@@ -213,6 +210,7 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
     points = {criterion.id: final_grade.points(criterion) for criterion in result.criteria}
     open_ = result.status == "incomplete" or final_grade.unseen or final_grade.has_no_submission
     score = None if open_ else result.score
+    changes = (["repaired"] if result.repairs else []) + (["adjusted"] if final_grade.adjustments else [])
     return Entry(
         id=final_grade.id,
         name=words.distinct(final_grade),
@@ -224,13 +222,7 @@ def _entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entr
         late=Cell(words.late(final_grade), -1.0 if late is None else float(late.seconds or 0)),
         final=_cell(final_grade.final),
         explained=explained(final_grade) if is_composed(final_grade) else "",
-        status=", ".join(
-            [
-                words.status(final_grade),
-                *(["repaired"] if result.repairs else []),
-                *(["adjusted"] if final_grade.adjustments else []),
-            ]
-        ),
+        status=", ".join([words.status(final_grade), *changes]),
         tags=(*_tags(final_grade), *(f"score:{_bin(grade, top)}" for grade in graded([final_grade]))),
     )
 
@@ -300,7 +292,7 @@ def figures(grades: list[float]) -> list[tuple[str, str]]:
 
 
 def bars(grades: list[float], top: float) -> list[HistogramBar]:
-    """Return the histogram of the grades in bins of equal width, highest first. Grades outside 0 to `top` count in the end bins."""
+    """Return the histogram of the grades in bins of equal width, highest first; grades beyond 0 or `top` are in the end bins."""
     counts = Counter(_bin(grade, top) for grade in grades)
     tallest = max(counts.values(), default=1)
     edges = [words.number(round(place * top / _BINS, 2)) for place in range(_BINS + 1)]
@@ -312,12 +304,12 @@ def bars(grades: list[float], top: float) -> list[HistogramBar]:
 
 
 def _bin(grade: float, top: float) -> int:
-    """Return the bin of a grade. A grade on an edge belongs to the higher bin."""
+    """Return the index of a grade's bin. A grade on an edge belongs to the higher bin."""
     return min(max(int(_BINS * grade / (top or 1.0) + 1e-9), 0), _BINS - 1)
 
 
 def common_faults(final_grades: Iterable[FinalGrade]) -> list[CommonFault]:
-    """Return the faults of a class, the most frequent first, each with the submissions that have it."""
+    """Return the faults of a class, the most frequent first, each with links to the submissions that have it."""
     who: dict[str, list[Link]] = {}
     for final_grade in final_grades:
         for id_ in deducting(final_grade.result):
@@ -341,13 +333,13 @@ def similar_pairs(
 
 
 def isolation(final_grades: Iterable[FinalGrade]) -> list[tuple[str, int]]:
-    """Return how the class' code was isolated: each level with its number of readable submissions, the most frequent first."""
+    """Return how the class's code was isolated: each level with its number of readable submissions, the most frequent first."""
     provenances = (each.result.provenance for each in final_grades if each.result.status not in ("empty", "unreadable"))
     return Counter(printable(str(each.get("isolation", "not known")), 40) for each in provenances).most_common()
 
 
 def mixtures(results: Iterable[Result]) -> list[str]:
-    """Return what must be the same for the whole class but differs between results, as ``2 rubrics``; empty if all is the same."""
+    """Return what makes results hard to compare because it differs within the class, as ``2 rubrics``; [] if nothing does."""
     found: dict[str, set[object]] = {key: set() for key in _SINGLE}
     for result in results:
         for key in _SINGLE:

@@ -1,4 +1,4 @@
-"""HTML pages: `report.html` for one submission, `index.html` for a class. Each is one file that loads nothing."""
+"""HTML pages: `report.html` for one submission, `index.html` for a class. Each is one file that loads nothing else."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _LIBRARIES = ("Python", "MuJoCo", "NumPy", "SciPy", "matplotlib")
 
 @dataclass(frozen=True)
 class DrawnChart:
-    """A chart as SVG, ready for the template of a report."""
+    """A chart laid out for the template that writes it as SVG; `png` is a picture beside the panels, "" if there is none."""
 
     title: str
     caption: str
@@ -76,7 +76,7 @@ Drawn = Mapping[str, str]
 
 
 def drawn(shown: Iterable[Chart]) -> Drawn:
-    """Render charts as SVG, by the id of the criterion or extension that they belong to."""
+    """Render charts as HTML with SVG, by the id of the criterion or extension that they belong to."""
     macros: Any = _environment().get_template("charts.html.j2").module
     found: dict[str, str] = {}
     for chart in shown:
@@ -87,9 +87,7 @@ def drawn(shown: Iterable[Chart]) -> Drawn:
 
 
 def report_page(
-    final_grade: FinalGrade,
-    shown: tuple[Chart, ...] = (),
-    catalogue: Mapping[str, FaultRow] | None = None,
+    final_grade: FinalGrade, shown: tuple[Chart, ...] = (), catalogue: Mapping[str, FaultRow] | None = None
 ) -> str:
     """Return `report.html`, the report for one student.
 
@@ -180,23 +178,13 @@ def index_page(
 def rendered(
     template: str, script: str | None, lab: LabName, *, more_style: str | None = None, **values: object
 ) -> str:
-    """Return a page with its style and script inlined; a security policy in the page forbids the browser to load anything else."""
+    """Return a page made from a template, with its style and script inside; its security policy lets browsers load nothing else."""
     style, style_hash = _inlined("style.css", *([more_style] if more_style else []))
     text, script_hash = _inlined(script) if script else (Markup(), "")
     policy = f"default-src 'none'; style-src '{style_hash}'; img-src data:"
     policy += f"; script-src '{script_hash}'" if script else ""
-    return (
-        _environment()
-        .get_template(template)
-        .render(
-            style=style,
-            script=text,
-            policy=Markup(f"{policy}; base-uri 'none'; form-action 'none'"),
-            lab=lab.label,
-            lab_title=lab.title,
-            **values,
-        )
-    )
+    values |= {"policy": Markup(f"{policy}; base-uri 'none'; form-action 'none'"), "style": style, "script": text}
+    return _environment().get_template(template).render(lab=lab.label, lab_title=lab.title, **values)
 
 
 @lru_cache(maxsize=1)
@@ -239,7 +227,7 @@ def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part
 
 
 def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, Markup]:
-    """Return the rows with feedback, and the HTML of the folded lists."""
+    """Return the rows of checks with feedback, and the HTML of the folded lists of the others."""
     rows = [(check.outcome, (anchor(check), words.row(check, part, lab))) for check in checks]
     headings = {"skipped": "not graded", "passed": "passed"}
     folded = {said: tuple(row for outcome, row in rows if outcome == of) for of, said in headings.items()}
@@ -251,13 +239,13 @@ def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows,
 
 @lru_cache(maxsize=1024)
 def _folded(heading: str, rows: Rows) -> Markup:
-    """Render a folded list. It is cached because most reports of a class contain the same ones."""
+    """Render a folded list of checks. It is cached because most reports of a class contain the same ones."""
     macros: Any = _environment().get_template("checks.html.j2").module
     return Markup(macros.folded(heading, rows))
 
 
 def _versions_of_errors(result: Result) -> list[str]:
-    """Return a note with the versions that code raised an error with: it may run with others. None where no code raised."""
+    """Return a note with the versions under which code raised an error: it may run with others. [] if no code raised."""
     checks = [check for part in result.parts for check in part.checks]
     if not any(check.outcome == "error" or "does-not-import" in check.misconceptions for check in checks):
         return []

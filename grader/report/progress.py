@@ -40,7 +40,7 @@ class ProgressLines:
 
 
 class ProgressBar:
-    """Progress of a run on a terminal: a bar with count, rate and time left."""
+    """Show the progress of a run on a terminal: a bar with count, rate and time left."""
 
     def __init__(self, console: Console) -> None:
         self._progress = Progress(

@@ -30,7 +30,7 @@ _BLOCK = 256
 
 @dataclass(frozen=True)
 class Pair:
-    """Two similar submissions: the number of code hashes that both have, and its share of the smaller submission's own hashes."""
+    """Two similar submissions: how many code hashes both have, and which share of the smaller submission's own hashes that is."""
 
     first: str
     second: str

@@ -1,4 +1,4 @@
-"""Terminal output of one result. Texts are set as `Text`, so that nothing in them is read as markup."""
+"""Terminal output of one result. Texts are `rich.text.Text`, so that nothing in them is read as markup."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def screen(
     lab
         Supplies the names to work on next and the files to hand in.
     only
-        The id of the one criterion or extension to show.
+        The id of the one criterion or extension to show; None shows all.
     before
         The points of each check in the last run, by the check's id; None if there was no such run.
     command
@@ -65,18 +65,18 @@ def screen(
     parts = causes.parts_of(result, only)
     checks = [check for part in parts for check in part.checks]
     found = causes.causes_of(checks)
-    change = EarlierPoints(before or {})
+    earlier = EarlierPoints(before or {})
     broken = [cause for cause in found if cause.does_not_run]
     others = [cause for cause in found if not cause.does_not_run]
     whole = others if verbose or only is not None else others[: 0 if broken else 1]
     blocks = [
         [Text("Does not run", "bold")] if broken else [],
-        *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in broken),
-        _totals(result, parts, setting, change, only),
+        *([*_cause(cause, result.lab, setting, earlier), *_repeat(cause, lab, repeat, setting)] for cause in broken),
+        _totals(result, parts, setting, earlier, only),
         _next(found, lab, setting),
-        _gained(parts, setting, change) if only is None and not verbose else [],
-        *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in whole),
-        *(_cause(cause, result.lab, setting, change, read=False) for cause in others if cause not in whole),
+        _gained(parts, setting, earlier) if only is None and not verbose else [],
+        *([*_cause(cause, result.lab, setting, earlier), *_repeat(cause, lab, repeat, setting)] for cause in whole),
+        *(_cause(cause, result.lab, setting, earlier, read=False) for cause in others if cause not in whole),
         _without_verdict(checks, setting),
         _passed(checks, setting, verbose=verbose) if only is not None or verbose else [],
         _closing(result, setting),
@@ -94,13 +94,13 @@ def _totals(
     result: Result,
     parts: Sequence[CriterionResult | ExtensionResult],
     setting: Setting,
-    change: EarlierPoints,
+    earlier: EarlierPoints,
     only: str | None,
 ) -> list[Text]:
-    """Return a line for each part, and the score below them. There is no total when only one criterion is shown."""
-    rows = [_total_of(part, change) for part in parts]
+    """Return a line for each criterion or extension, and below them the score, unless only one criterion is shown."""
+    rows = [_total_of(part, earlier) for part in parts]
     if only is None and parts:
-        rows.append(_Total(" ", "Score", words.total_points(result), None, change.since(result.criteria)))
+        rows.append(_Total(" ", "Score", words.total_points(result), None, earlier.total_change(result.criteria)))
     if only is None and parts and words.extra_credit(result):
         rows.append(_Total(" ", "Extra credit", words.extra_credit(result), None, ""))
     titles = max((cell_len(row.title) for row in rows), default=0)
@@ -110,7 +110,7 @@ def _totals(
 
 @dataclass(frozen=True)
 class _Total:
-    """One line of the totals. `share` is the earned share, None if a check was not judged."""
+    """One line of the totals. `share` is the earned share, None if a check was not judged or the line needs no bar."""
 
     sign: str
     title: str
@@ -119,13 +119,15 @@ class _Total:
     changed: str
 
 
-def _total_of(part: CriterionResult | ExtensionResult, change: EarlierPoints) -> _Total:
+def _total_of(part: CriterionResult | ExtensionResult, earlier: EarlierPoints) -> _Total:
     if isinstance(part, ExtensionResult):
         earned = sum(check.outcome == "passed" for check in part.checks) / len(part.checks)
         title, points = f"Extension: {part.id.replace('_', ' ')}", words.extension_points(part)
-        return _Total(_sign(earned), title, points, earned, change.of(part.checks))
+        return _Total(_sign(earned), title, points, earned, earlier.change_of(part.checks))
     share = None if words.unjudged(part) or not part.max_points else part.points / part.max_points
-    return _Total(_sign(share), printable(part.title, 300), words.criterion_points(part), share, change.of(part.checks))
+    return _Total(
+        _sign(share), printable(part.title, 300), words.criterion_points(part), share, earlier.change_of(part.checks)
+    )
 
 
 def _sign(share: float | None) -> str:
@@ -161,7 +163,7 @@ def _next(found: Sequence[Cause], lab: Lab, setting: Setting) -> list[Text]:
 
 
 def _passed(checks: Sequence[CheckResult], setting: Setting, *, verbose: bool) -> list[Text]:
-    """Return the passed checks, folded into one line unless `verbose`."""
+    """Return the passed checks, folded into one line unless `verbose`; [] without any."""
     passed = [check for check in checks if check.outcome == "passed"]
     if verbose or not passed:
         return [line for check in passed for line in _head(check, setting)]
@@ -169,11 +171,13 @@ def _passed(checks: Sequence[CheckResult], setting: Setting, *, verbose: bool) -
     return setting.head(_outcome(passed[0]), f"{len(passed)} check{'s' * (len(passed) > 1)}", points)
 
 
-def _gained(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, change: EarlierPoints) -> list[Text]:
-    """Return the checks that have passed since the last run. A complete part needs none: its total says so."""
+def _gained(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, earlier: EarlierPoints) -> list[Text]:
+    """Return the checks that have passed since the last run, without those of a complete part, whose total says so."""
     open_ = [part for part in parts if part.points < part.max_points]
-    gained = [check for part in open_ for check in part.checks if check.outcome == "passed" and change.was(check)]
-    return [line for check in gained for line in _head(check, setting, change.was(check))]
+    gained = [
+        check for part in open_ for check in part.checks if check.outcome == "passed" and earlier.points_before(check)
+    ]
+    return [line for check in gained for line in _head(check, setting, earlier.points_before(check))]
 
 
 def _head(check: CheckResult, setting: Setting, was: str = "") -> list[Text]:
@@ -185,11 +189,11 @@ def _outcome(check: CheckResult) -> Text:
     return Text(f" {outcome.sign} {outcome.word}", _STYLE[outcome.kind])
 
 
-def _cause(cause: Cause, lab: LabName, setting: Setting, change: EarlierPoints, *, read: bool = True) -> list[Text]:
-    """Return the checks with what came, the points of several together, then what to try and, if `read`, to read."""
+def _cause(cause: Cause, lab: LabName, setting: Setting, earlier: EarlierPoints, *, read: bool = True) -> list[Text]:
+    """Return the lines of a cause: its checks with what came, their points together, what to try and, if `read`, to read."""
     lines: list[Text] = []
     for check, news in causes.lines_by_check(cause):
-        lines += _head(check, setting, change.was(check))
+        lines += _head(check, setting, earlier.points_before(check))
         lines += [line for text in news for line in setting.labelled(text.label, text.text)]
     if len(cause.checks) > 1 and not cause.does_not_run:
         lines += setting.labelled("Costs", f"{words.counted_points(cause.lost)} together")
@@ -200,7 +204,7 @@ def _cause(cause: Cause, lab: LabName, setting: Setting, change: EarlierPoints, 
 
 
 def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]:
-    """Return how to repeat a check without the grader. Code that was never called cannot be repeated."""
+    """Return how to repeat a check without the grader; [] if that is not possible, as for code that was never called."""
     first = cause.checks[0]
     call = lab.call_of(first.id)
     if not repeat or not call or not _NEVER_CALLED.isdisjoint(first.misconceptions):
@@ -235,7 +239,7 @@ def _closing(result: Result, setting: Setting) -> list[Text]:
 
 
 def _hand_in(result: Result, lab: Lab, setting: Setting) -> list[Text]:
-    """Return the files to hand in, if all points are earned."""
+    """Return the line with the files to hand in; [] unless all points are earned."""
     if result.status != "graded" or result.score < result.max_score:
         return []
     return setting.hang(Text("Hand in  ", LABEL), Text(", ".join((*lab.files, *lab.pictures))))

@@ -1,4 +1,4 @@
-"""Listing and saving of trace bundles for `imugrade traces`."""
+"""List and save bundles of traces, the recorded truth, for `imugrade traces` and the kits."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def save(traces: Traces, out: Path) -> Path:
 
 
 def files(traces: Traces) -> dict[str, bytes]:
-    """Return the contents of the files that `save` writes, by suffix."""
+    """Return the contents of the two files that `save` writes, by suffix."""
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         path = save(traces, Path(scratch))
         return {suffix: path.with_suffix(suffix).read_bytes() for suffix in (".json", ".npz")}

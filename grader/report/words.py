@@ -1,6 +1,6 @@
 """Words, labels and number formats of a result, shared by the terminal, the pages and the CI formats.
 
-Nothing here renders. Every text that may come from a submission is made `printable`.
+Functions here return texts and print nothing. Every text that may come from a submission is made `printable`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FOR_THE_INSTRUCTOR = frozenset({"tampering"})
 
 @dataclass(frozen=True)
 class Word:
-    """Word, sign and kind of an outcome. `kind` is one of four CSS classes; the sign keeps it readable without colour."""
+    """How an outcome is shown: its word, a sign that works without colour, and its kind, one of four CSS classes."""
 
     word: str
     sign: str
@@ -72,7 +72,7 @@ class CheckText:
 
 
 def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
-    """Format the feedback on one check of the criterion or extension `part`; one that has none gets nothing to read or to rerun."""
+    """Format the feedback on one check of the criterion or extension `part`; a check without any has nothing to read or rerun."""
     lost = tells(check)
     return CheckText(
         outcome=_WORDS[_outcome(check)],
@@ -85,7 +85,7 @@ def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
 
 
 def _outcome(check: CheckResult) -> Outcome:
-    """Return `partial` for a failed check that keeps points through a deduction of the rubric, else its own outcome."""
+    """Return `partial` for a failed check that keeps points through a deduction of the rubric, else the check's own outcome."""
     some = check.points is not None and 0.0 < check.points < check.max_points
     return "partial" if some and check.outcome == "failed" else check.outcome
 
@@ -152,7 +152,7 @@ def name(result: Result) -> str:
 
 
 def person(final_grade: FinalGrade) -> str:
-    """Return the names of the people who submitted, or the submission's name where nobody is known."""
+    """Return the names of the people who submitted, or the submission's name where nobody is known; "(no name)" without any."""
     return printable(final_grade.name, NAME_LIMIT) or "(no name)"
 
 
@@ -201,7 +201,7 @@ def late(final_grade: FinalGrade) -> str:
 
 
 def instant(stamp: str) -> str:
-    """Format an ISO 8601 time as ``2026-11-20 20:00 UTC``. Other text is returned unchanged."""
+    """Format an ISO 8601 time as ``2026-11-20 20:00 UTC``; return any other text made printable."""
     try:
         return f"{datetime.fromisoformat(stamp):%Y-%m-%d %H:%M %Z}".strip()
     except ValueError:

@@ -1,1 +1,1 @@
-"""Lab 04-01, Reading IMU data in MuJoCo."""
+"""The lab "Reading IMU data in MuJoCo" (04-01): what the grading engine needs to grade this one lab."""

@@ -1,7 +1,7 @@
-"""The worker's answers as frozen dataclasses of plain arrays, the form that the checks work with.
+"""The sandbox worker's replies as frozen dataclasses of plain arrays, the form in which the checks compare them with the truth.
 
-Everything in here was said by the sandbox and is believed of nobody: a record holds what a student's function returned, in a
-form that can be compared, and what was odd about its form.
+The worker runs beside student code, so nothing in a reply is trusted: an answer holds what the student's function returned, and in
+words how the form of the returned value differs from the lab sheet's.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class Reading:
-    """One call of a student's reader: its two vectors, as far as they can be found, and what is odd about their form.
+    """One value returned by a student's `get_imu_readings`: its two vectors (None for one not found), and in `oddity` a wrong form.
 
-    `whole` is whether each vector that there is has three numbers.
+    `oddity` is None if the form is that of the lab sheet. `whole` is whether each vector that was found has three numbers.
     """
 
     accel: Array | None
@@ -35,7 +35,7 @@ class Reading:
 
 
 def as_reading(node: Node | None, arrays: Arrays) -> Reading:
-    """Find acceleration and angular velocity in whatever a reader returned: a pair, an array of six, or named items."""
+    """Find acceleration and angular velocity in any value that a reader returned: a pair, an array of six, named items."""
     parts = _pair(node, arrays)
     if parts is None:
         return Reading(None, None, shape_in_words(node, arrays))
@@ -51,7 +51,7 @@ def as_reading(node: Node | None, arrays: Arrays) -> Reading:
 
 
 def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None] | None:
-    """Return acceleration and angular velocity in a returned value of any form; None if it holds neither."""
+    """Return acceleration and angular velocity in a returned value of any form, None for a missing one; None if it has neither."""
     if node is None:
         return None
     if node["kind"] in ("dict", "object"):
@@ -74,7 +74,7 @@ def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None
 
 
 def three(vector: Array | None) -> Array:
-    """Return the first three components, NaN for missing ones or a missing vector, so that any answer can be compared."""
+    """Return the first three numbers of a vector, NaN for missing ones or no vector, so that any answer can be compared."""
     out = np.full(3, np.nan)
     if vector is not None:
         out[: min(3, vector.size)] = vector[:3]
@@ -83,17 +83,17 @@ def three(vector: Array | None) -> Array:
 
 @dataclass(frozen=True)
 class Readings:
-    """The calls of a reader on one scenario.
+    """What a student's `get_imu_readings` returned for p pairs of sensors in k states of the simulator.
 
     Attributes
     ----------
-    accel, gyro : (p, k, 3) ndarray, for p pairs of sensors and k states; NaN where no vector was returned
-    later_accel, later_gyro : (p, 3) ndarray, the first state's readings looked at again after the simulation moved on
-    oddities : the deviations of the returned form from the sheet, in words, each once
+    accel, gyro : (p, k, 3) ndarray; NaN where no vector was returned
+    later_accel, later_gyro : (p, 3) ndarray, the arrays returned for the first state, looked at again after the simulation moved on
+    oddities : how the form of the returned values differs from the sheet's, in words, each once
     whole : whether each returned vector has three numbers
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
     error : the exception that the reader raised; None if it raised none
-    departs : the sheet's names of the parameters by which it could not be called as the sheet does
+    departs : the sheet's names of the parameters for which the student's function had to be called in another way
     """
 
     accel: Array
@@ -112,9 +112,10 @@ class Readings:
 
 @dataclass(frozen=True)
 class NoiseRun:
-    """Many reads of one `NoisyIMU`: ``accel``, ``gyro`` (states, reads, 3), NaN where a read was not two vectors of three.
+    """What many reads of a student's `NoisyIMU` returned: ``accel`` and ``gyro``, NaN where a read was not two vectors of three.
 
-    ``odd`` says in words what came in place of two such vectors, if anything did; ``departs`` as of `Readings`.
+    Both have the shape (states or instances, reads, 3). ``odd`` says in words what came in place of two vectors; None if nothing
+    did. ``disturbance``, ``error`` and ``departs`` are as in `Readings`.
     """
 
     accel: Array
@@ -127,15 +128,15 @@ class NoiseRun:
 
 @dataclass(frozen=True)
 class FilterRun:
-    """One filter over one signal.
+    """What a student's `LowPassFilter` returned for one signal of n measurements.
 
     Attributes
     ----------
-    output : (n, 3) ndarray, fewer rows where it raised, rows of NaN where no vector came; None where nothing came
-    odd : in words, what the filter returned in place of the first missing vector
+    output : (n, 3) ndarray, fewer rows if the filter raised, rows of NaN where it returned no vector; None if it returned nothing
+    odd : in words, what the filter returned in place of the first missing vector; None if none is missing
     input_changed : whether the filter wrote into a measurement or into the initial value
-    output_changed : whether the first output has other numbers after the last update
-    departs : as of `Readings`
+    output_changed : whether the array of the first output has other numbers after the last update
+    departs : as in `Readings`
     """
 
     output: Array | None
@@ -148,14 +149,14 @@ class FilterRun:
 
 @dataclass(frozen=True)
 class Drawing:
-    """The figures that were drawn while a function or a file of the submission ran.
+    """The matplotlib figures that were drawn while a function or a file of the submission ran.
 
     Attributes
     ----------
-    figures : each with the facts that the sandbox reports of its axes and curves
-    departs : as of `Readings`
-    given : the series of `KEYS` that the submission's own recorder gave to the plot; None without it, or if they are not six
-        series that can be told apart
+    figures : the figures, each with what the sandbox reports of its axes and curves
+    departs : as in `Readings`
+    given : time and both sensors as the submission's own recorder gave them to its plot; None if no recorder ran, or if its seven
+        columns are not all finite, changing and different
     """
 
     figures: tuple[Figure, ...]
@@ -165,7 +166,7 @@ class Drawing:
 
 
 def drawing_of(frame: Frame) -> Drawing:
-    """Return the figures, the exception and the departures that a reply of the worker reports."""
+    """Return the figures, the exception and the other ways of calling (`departs`) that a reply of the worker reports."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
     fields, given = frame.fields, _series_of(frame.fields.get("given"), frame.arrays)

@@ -1,4 +1,4 @@
-"""The bundle of traces that is graded with: shipped, from the cache or recorded, of the lab's robot or of the instructor's own."""
+"""Choose the bundle of traces (recorded true sensor data) to grade with: shipped, cached or newly recorded, of either robot."""
 
 from __future__ import annotations
 
@@ -21,31 +21,31 @@ _UNFIT = 4  # the reference's exit code where a model cannot be graded
 
 @cache
 def shipped() -> Traces:
-    """Return the public bundle in the package."""
+    """Return the public traces that lie in the package: those of the lab's robot, or in a kit those of the instructor's."""
     return load(beside(__package__, "public.npz"))
 
 
 def obtain(lab: Lab, seed: str | None, cache_dir: Path | None = None, model: Model = LAB_MODEL) -> Traces:
-    """Return the trace bundle to grade with: the public one, or one that is recorded from the secret.
+    """Return the traces to grade with: the public ones, or hidden ones that are recorded from the instructor's secret.
 
     Parameters
     ----------
     lab : Lab
-        The lab whose reference records.
+        The lab; its reference solution records the traces.
     seed : str or None
         The instructor's secret, any text, for hidden traces; None for the public ones.
     cache_dir : Path, optional
-        Where recorded bundles are kept; `$IMUGRADE_CACHE` or the platform's cache folder if left out.
+        Where recorded traces are kept; `$IMUGRADE_CACHE` or the platform's cache folder if left out.
     model : Model, optional
         The robot that the rubric names; the lab's if left out.
 
     Raises
     ------
     RequestError
-        If hidden traces are wanted where the reference is not installed, or the seed is empty; a RubricError where the
-        model cannot be graded, with the line.
+        If traces have to be recorded where the reference solution is not installed, or the seed is empty; a RubricError with the
+        line of the rubric if the model cannot be graded.
     GraderError
-        If recording hidden traces fails.
+        If recording fails. For public traces of the lab's robot, the shipped ones are returned instead.
     """
     kept = cache_dir or recording.default_cache_dir()
     if seed is None:
@@ -59,7 +59,7 @@ def obtain(lab: Lab, seed: str | None, cache_dir: Path | None = None, model: Mod
 
 
 def _public(lab: Lab, cache_dir: Path) -> Traces:
-    """Return the shipped bundle if it was recorded with this simulator, else one recorded here if possible."""
+    """Return the shipped traces if this version of MuJoCo recorded them, else new ones; the shipped ones if recording fails."""
     ours = shipped()
     if _is_as_good_as_any(lab, ours):
         return ours
@@ -70,7 +70,7 @@ def _public(lab: Lab, cache_dir: Path) -> Traces:
 
 
 def _public_of(lab: Lab, model: Model, cache_dir: Path) -> Traces:
-    """Return the shipped bundle if a kit brought one of this robot, else one recorded here."""
+    """Return the shipped traces if a kit brought those of this robot, else new ones; raise where none can be recorded."""
     ours = shipped()
     carried = is_of(model, ours) and robot_of(ours).xml == _content(model)
     if carried and _is_as_good_as_any(lab, ours):
@@ -83,7 +83,7 @@ def _public_of(lab: Lab, model: Model, cache_dir: Path) -> Traces:
 
 
 def _is_as_good_as_any(lab: Lab, ours: Traces) -> bool:
-    """Return whether the simulator here is the one that recorded it, or no other bundle can be had."""
+    """Return whether this version of MuJoCo recorded the traces `ours`, or no others can be recorded here."""
     return ours.versions["mujoco"] == version("mujoco") or recording.folder_of(lab) is None
 
 
@@ -95,14 +95,14 @@ def _content(model: Model) -> str:
 
 
 def _one_text(model: Model, reference: Path) -> Robot:
-    """Return the model as one text, with all included files.
+    """Return the model as one MJCF text, with all included files, so that it can be sent and hashed.
 
     Raises
     ------
     RubricError
-        If it cannot be graded: a line for each reason.
+        If the model cannot be graded: a line for each reason.
     GraderError
-        If reading it fails for another one.
+        If reading the model fails in another way.
     """
     path = (model.path or reference / "models" / LAB_FILE).resolve()
     names = ["--accelerometer", model.accelerometer, "--gyroscope", model.gyroscope]

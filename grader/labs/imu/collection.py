@@ -1,4 +1,4 @@
-"""The recording of `simulate_and_collect`: time and both sensors, found in whatever it returned."""
+"""Find time and both sensors in whatever a student's `simulate_and_collect` returned."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ SENSORS, SENSOR_UNITS = KEYS[1:], ("m/s²", "rad/s")
 
 @dataclass(frozen=True)
 class Collection:
-    """The return value of `simulate_and_collect`.
+    """The return value of a student's `simulate_and_collect`, in short a recording.
 
     Attributes
     ----------
-    time : (n,) ndarray or None; acceleration, angular_velocity : (n, 3) ndarray or None
-    keys : the submission's own name for each of the three
+    time : (n,) ndarray or None; acceleration, angular_velocity : (n, 3) ndarray or None; None for a series that was not found
+    keys : the submission's own name for each series that was found
     extras : the other returned values that hold numbers, by the submission's own names
-    oddities : deviations of names and shapes from the sheet, as ids of faults with a sentence
-    changed : names of model fields that the call changed
-    first_step : what the sandbox says of the state before the first step: a hint, to be run again before it is believed
-    absent : the sensor whose rows could not be found while the other's were; its rows are NaN
+    oddities : how names and shapes differ from the sheet's: pairs of a fault's id and a sentence
+    changed : names of model fields, such as "opt.timestep", that the call left changed
+    error : the exception that the function raised; None if it raised none
+    first_step : the state before the first step and later changes, as the worker reports them; a simulation has to confirm them
+    absent : the sensor whose rows were not found although those of the other sensor were; its rows are NaN; "" if none
     last_alone : whether only the last row was filled; all rows then have its numbers
-    unfilled : whether rows without any number were returned; zeros stand in their place, as in an array of `np.zeros`
-    departs : as of `Readings`
+    unfilled : whether rows of NaN alone were returned; they are zeros here, as in an array of `np.zeros`
+    departs : the sheet's names of the parameters for which the function had to be called in another way
     """
 
     time: Array | None
@@ -64,7 +65,10 @@ class Collection:
         return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
 
     def with_gap(self) -> Collection:
-        """Return the recording with rows of NaN for a missing sensor if the other one has rows: those identify the run."""
+        """Return the recording with rows of NaN for a missing sensor, so that those of the other sensor can still identify the run.
+
+        If both sensors or neither are there, the recording is unchanged.
+        """
         accel, gyro = self.acceleration, self.angular_velocity
         if accel is None and gyro is not None:
             return replace(self, acceleration=np.full_like(gyro, np.nan), absent=KEYS[1])
@@ -73,7 +77,7 @@ class Collection:
         return self
 
     def with_zeros_for_empty_rows(self) -> Collection:
-        """Return the recording with zeros in rows of NaN alone, so that an array of NaN is judged like one of zeros."""
+        """Return the recording with zeros in rows of NaN alone, so that an unfilled array of NaN is judged like one of zeros."""
         there = [rows for rows in self.sensors if rows is not None]
         n = min(map(len, there), default=0)
         empty = np.all([np.isnan(rows[:n]).all(axis=1) for rows in there], axis=0) if n else np.zeros(0, bool)
@@ -99,12 +103,9 @@ class Collection:
         return replace(self, acceleration=accel, angular_velocity=gyro, last_alone=True)
 
     def rows(self, first: int, end: int | None = None) -> Collection:
-        """Return the recording's rows from `first` up to `end`."""
-        time, acceleration, angular_velocity = (
-            None if array is None else array[first:end]
-            for array in (self.time, self.acceleration, self.angular_velocity)
-        )
-        return replace(self, time=time, acceleration=acceleration, angular_velocity=angular_velocity)
+        """Return the recording with rows `first` up to `end` only, such as without rows that are left from an earlier run."""
+        time, accel, gyro = (None if each is None else each[first:end] for each in (self.time, *self.sensors))
+        return replace(self, time=time, acceleration=accel, angular_velocity=gyro)
 
 
 def as_collection(node: Node | None, arrays: Arrays) -> Collection:
@@ -144,7 +145,7 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
 
 
 def _members(node: Node, arrays: Arrays) -> dict[str, Array | None]:
-    """Flatten a dictionary of dictionaries: an inner entry keeps its own key, or gets both keys where two would be the same."""
+    """Flatten a dictionary of dictionaries: an inner entry keeps its own key, or gets both keys joined where two would be equal."""
     members: dict[str, Array | None] = {}
     for name, item in node["items"]:
         if item["kind"] in ("dict", "object"):
@@ -157,7 +158,7 @@ def _members(node: Node, arrays: Arrays) -> dict[str, Array | None]:
 
 
 def _side_by_side(node: Node, arrays: Arrays) -> dict[str, Array | None]:
-    """Return the series in an array (n, 7) of time and both sensors or (n, 6) of both sensors; empty for any other array."""
+    """Return the series in one array (n, 7) of time and both sensors, or (n, 6) of both sensors; empty for any other value."""
     whole = numbers(node, arrays)
     if whole is None or whole.ndim != 2 or whole.shape[1] not in (6, 7):
         return {}
@@ -187,7 +188,7 @@ def column_named(name: str) -> str | None:
 
 
 def _columns(key: str, extras: Mapping[str, Array]) -> Array | None:
-    """Return a sensor (n, 3) whose axes were recorded separately, such as `ax`, `ay`, `az`; None if there are no three of them."""
+    """Return a sensor (n, 3) whose axes were recorded one by one, such as `ax`, `ay`, `az`; None without three of equal length."""
     named = [name for name in extras if column_named(name) == key]
     columns = [np.ravel(extras[name]) for name in named]
     alike = len({len(column) for column in columns}) == 1
@@ -195,7 +196,7 @@ def _columns(key: str, extras: Mapping[str, Array]) -> Array | None:
 
 
 def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:
-    """Return the submission's own name for each of the sheet's three keys, guessed by name and shape."""
+    """Return the submission's own name for each of the sheet's three keys, guessed by name and shape; without keys not found."""
     keys = {key: key for key in KEYS if key in series}
     free = [name for name in series if name not in keys]
     alike = {
@@ -219,12 +220,8 @@ def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:
     return {key: keys[key] for key in KEYS if key in keys}
 
 
-def _length(found: Mapping[str, Array]) -> int:
-    return found["time"].size if "time" in found else 0
-
-
 def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[str, Array]:
-    """Return the series with time as (n,) and sensors as (n, 3); add what had another form to `oddities`."""
+    """Return the series with time as (n,) and sensors as (n, 3), without unusable ones; add other shapes to `oddities`."""
     out: dict[str, Array] = {}
     for key, value in found.items():
         if key == "time":
@@ -235,7 +232,7 @@ def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[s
                 out[key] = flat
         elif value.ndim == 2 and value.shape[1] == 3:
             out[key] = value
-        elif value.ndim == 1 and value.size == 3 * _length(found):
+        elif value.ndim == 1 and "time" in found and value.size == 3 * found["time"].size:
             oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}: all components in one row"))
             out[key] = value.reshape(-1, 3)
         elif value.ndim == 2 and value.shape[0] == 3:

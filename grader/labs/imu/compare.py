@@ -1,4 +1,4 @@
-"""Measuring how far numbers are apart: no judgement, no words."""
+"""Measure and show how far arrays of numbers are apart; whether that loses points is for the checks to decide."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ SENSOR_NAMES, BOTH = ("accel", "gyro"), (0, 1)
 
 @dataclass(frozen=True)
 class Deviation:
-    """Distance of an array of answers from the expected one.
+    """Distance of an array of answers from the expected array.
 
     Attributes
     ----------
-    worst : largest absolute difference; infinite where something is not finite
-    row : index of the row where it is
-    rms : root mean square of the differences that are finite
+    worst : largest absolute difference; infinite where a difference is not finite
+    row : index of the row that has the largest difference
+    rms : root mean square of the finite differences; infinite if none is finite
     """
 
     worst: float
@@ -36,7 +36,7 @@ class Deviation:
 
 
 def deviation(got: Array, expected: Array) -> Deviation:
-    """Return the distance of two arrays (n, …), compared in the rows that both have."""
+    """Return the distance of two arrays (n, …), compared in the rows that both have; `worst` is 0 if they share no row."""
     n = min(len(got), len(expected))
     with np.errstate(over="ignore"):  # numbers near the limit differ by infinity, which says it well
         return _deviation(np.abs(np.asarray(got[:n], float) - np.asarray(expected[:n], float)))
@@ -51,20 +51,20 @@ def _deviation(difference: Array) -> Deviation:
 
 
 def same(got: Array, expected: Array, atol: float) -> bool:
-    """Return whether every number agrees within `atol`; NaN agrees with nothing."""
+    """Return whether two arrays have one shape and agree in every number within `atol`; False if they are empty or hold NaN."""
     if got.shape != expected.shape or got.size == 0:
         return False
     return bool(np.all(np.abs(got - expected) <= atol))
 
 
 def same_where_known(got: Array, expected: Array, atol: float) -> bool:
-    """Return whether every finite number of `got` agrees within `atol`, and there is at least one."""
+    """Return whether every finite number of `got` agrees with `expected` within `atol`; False if no number is finite."""
     known = np.isfinite(got)
     return bool(known.any()) and bool(np.all(np.abs(got[known] - expected[known]) <= atol))
 
 
 def share_among(values: Array, others: Array, atol: float) -> float:
-    """Return the share of the values that occur anywhere among the others, within `atol`, to recognise reordered rows."""
+    """Return the share of `values` that occur anywhere among `others`, within `atol`, to recognise rows in another order."""
     there, sought = np.sort(others, axis=None), values.ravel()
     at = np.clip(np.searchsorted(there, sought), 1, len(there) - 1)
     return float(np.mean(np.minimum(np.abs(there[at] - sought), np.abs(there[at - 1] - sought)) <= atol))
@@ -76,7 +76,7 @@ def thinned(n: int, most: int = 200) -> NDArray[np.intp]:
 
 
 def triple(rows: Array, first: int) -> Array:
-    """Return columns ``first:first+3`` of (k, n), NaN where they run out of it."""
+    """Return columns ``first:first+3`` of `rows` (k, n), the three numbers of one sensor; NaN where there is no such column."""
     out = np.full((len(rows), 3), np.nan)
     part = rows[:, first : first + 3] if first >= 0 else rows[:, :0]
     out[:, : part.shape[1]] = part
@@ -88,35 +88,34 @@ _NEVER_WRITTEN = 0x7FF8_0000_0000_0000 | 0x2A5A5 << 29
 
 
 def never_written(values: Array) -> NDArray[np.bool_]:
-    """Return a mask of values that come from memory that was never written, as in an array of `np.empty`."""
+    """Return a mask of the values that the student's code never wrote: the worker fills arrays of `np.empty` with a special NaN."""
     return np.asarray(np.ascontiguousarray(values, dtype=np.float64).view(np.uint64) == _NEVER_WRITTEN)
 
 
 def not_finite_in_words(values: Array) -> str:
-    """Say in words why values are not finite: NaN, infinity, or memory that was never written."""
+    """Say in words why `values`, of which some are not finite, are so: NaN or infinity, or memory that was never written."""
     return "memory that was never written (np.empty)" if never_written(values).any() else "NaN or infinity"
 
 
 def vector(values: Array, digits: int = 3) -> str:
-    """Format a vector for students: ``[ 0.412 -0.031 -9.702]``; powers of ten only if all is small or one is huge."""
+    """Format a vector for students: ``[ 0.412 -0.031 -9.702]``; with powers of ten only if all numbers are small or one is huge."""
     array = np.asarray(values, float)
     if array.ndim == 1 and (unset := never_written(array)).any():
         parts = ["never written" if is_unset else f"{x:.{digits}f}" for x, is_unset in zip(array, unset, strict=True)]
         return f"[{', '.join(parts)}]"
-    plain = bool(
-        np.max(np.abs(array), initial=0.0) >= 10.0 ** (1 - digits)
-    )  # at least two digits of the largest are left
+    # Without powers of ten, at least two digits of the largest number have to be left.
+    plain = bool(np.max(np.abs(array), initial=0.0) >= 10.0 ** (1 - digits))
     return np.array2string(array, precision=digits, suppress_small=plain, floatmode="fixed", max_line_width=100)
 
 
 def distinct_texts(wanted: Array, got: Array) -> tuple[str, str]:
-    """Format two vectors for a message with the fewest decimals, at least three, in which they differ."""
+    """Format two vectors for a message with the fewest decimals, at least three, in which they differ; three if they never do."""
     pairs = ((vector(wanted, decimals), vector(got, decimals)) for decimals in range(3, 17))
     return next((pair for pair in pairs if pair[0] != pair[1]), (vector(wanted), vector(got)))
 
 
 def changed(disturbance: Array) -> NDArray[np.bool_]:
-    """Return a mask (4,) of what a call changed, among time, qpos, qvel and sensordata; NaN is a change, too."""
+    """Return a mask (4,) of what a call changed, among time, qpos, qvel and sensordata; NaN counts as a change."""
     return np.asarray(~(disturbance <= NO_CHANGE))
 
 

@@ -1,4 +1,4 @@
-"""Choose what kits contain of this lab: the robot's model in the sheet's folder, its motions, its names in the starter files."""
+"""Choose what kits for students contain of this lab: the robot's model, tables of its motions, its names in the starter files."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ def brought(lab: Lab, model: Model) -> LabFile | None:
 
 
 def handout(lab: Lab, own: LabFile | None) -> Handout:
-    """Return the files that students get, and the names of their robot that replace the sheet's."""
+    """Return the files that students get of a robot, and its names, which replace the lab robot's names in the starter files.
+
+    `own` is the instructor's robot; None stands for the lab's.
+    """
     traces = own.traces if own else shipped()
     robot = robot_of(traces)
     place = (PurePosixPath(lab.model).parent / robot.file).as_posix()

@@ -1,4 +1,4 @@
-"""Say what grading on an instructor's robot cannot test."""
+"""Warn an instructor of what grading on an own robot cannot test."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _UNMOVED = 1e-3  # m/s², rad/s: less than what rows are told apart by
 
 
 def blind_spot(truth: Traces) -> str:
-    """Return a warning that an own robot does not move when it is pushed, so that some checks prove nothing; "" if it moves."""
+    """Return a warning that the graded robot does not move when it is pushed, so that some checks prove nothing; "" if it moves."""
     push = truth["push"]
     for key in ("acceleration", "angular_velocity"):
         still = push[f"alt_no_push_{key}"]

@@ -1,6 +1,6 @@
-"""Lab 04-01, Reading IMU data in MuJoCo, as one value.
+"""Lab 04-01 as one `Lab` object, through which the grading engine reaches everything that belongs to this lab.
 
-It is read before anything slow is imported, so what needs NumPy is imported when it is called.
+Every command reads this module first, so its functions import modules that need NumPy only when they are called.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The motions of a bundle, made visible: as pictures, and as tables of time and the two sensors."""
+"""Show the motions in a bundle of traces to people: as pictures, and as tables of time and the two sensors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Ang
 
 
 class Series(Protocol):
-    """Recording of a motion by a student's program, for plotting over the true one."""
+    """A student's recording of a motion, as far as it is plotted over the true one."""
 
     @property
     def time(self) -> Array | None: ...
@@ -31,12 +31,12 @@ class Series(Protocol):
 
 
 def plot(traces: Traces, out: Path, mine: Mapping[str, Series] | None = None) -> list[Path]:
-    """Draw each scenario that is a motion over time; return the pictures' paths.
+    """Draw each motion of the traces (time and both sensors) as a picture in the folder `out`; return the pictures' paths.
 
     Parameters
     ----------
     mine
-        A student's series by scenario: these scenarios alone are drawn, the series over the truth.
+        A student's recordings by scenario: only these scenarios are drawn, each recording over the truth. None draws all motions.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def plot(traces: Traces, out: Path, mine: Mapping[str, Series] | None = None) ->
 
 
 def tables(traces: Traces, names: Collection[str]) -> dict[str, bytes]:
-    """Return the named motions as files: for each a table of time and the two sensors, and a picture."""
+    """Return files for the kit by name: for each named motion a CSV table of time and the two sensors, and a picture."""
     chosen = [scenario for scenario in _moving(traces) if scenario.name in names]
     tables = {f"{scenario.name}.csv": _table(scenario) for scenario in chosen}
     return tables | {f"{scenario.name}.png": _picture(scenario) for scenario in chosen}
@@ -109,7 +109,10 @@ def _figure(scenario: Scenario, mine: Series | None) -> Figure:
 
 
 def _draw_over(axes: Any, scenario: Scenario, time: Array | None, rows: Array | None) -> None:
-    """At its own times where it has one for each row, otherwise row by row; the truth decides what is shown."""
+    """Draw a student's rows over the truth: at the student's own times if there is one for each row, otherwise row by row.
+
+    The truth sets the limits of the axes, so that a wild recording does not hide it.
+    """
     if rows is None or not len(rows):
         return
     if time is None or len(time) != len(rows):

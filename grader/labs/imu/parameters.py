@@ -1,4 +1,4 @@
-"""Faults of a definition that could not be called as the sheet calls it: its parameters, its method, or globals in their place."""
+"""Faults of a definition that cannot be called as in the sheet: other parameters, another method, or globals in their place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Facts = TypeVar("Facts")
 
 
 class Departure(TypedDict):
-    """Texts of a message: the definition, and the sheet's (never the student's) names of what it takes or offers otherwise."""
+    """Texts for a fault's message: the definition, and what it takes or offers in another way, never in the student's words."""
 
     name: str
     departs: str
@@ -26,7 +26,11 @@ CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: 
 def departures(
     name: str, departs_of: Callable[[Facts], Sequence[str]]
 ) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
-    """Return, by fault, a measure of how the calls of `name` depart from the sheet's; `departs_of` returns the parameters."""
+    """Return, by fault, a function that measures how the definition `name` differs from the sheet's in the way it is called.
+
+    `departs_of` gets the sheet's names of what differs out of a criterion's facts. A measure returns None where its fault is
+    absent.
+    """
 
     def measure_of(fault: str) -> Callable[[Facts], Deviation[Departure] | None]:
         def measured(facts: Facts) -> Deviation[Departure] | None:

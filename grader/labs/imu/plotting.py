@@ -1,4 +1,4 @@
-"""Questions about drawings: the plot of given data, the files run as scripts, and the handed-in pictures."""
+"""Ask the submission what it draws: the plot of given data, its files run as scripts, and the pictures that were handed in."""
 
 from __future__ import annotations
 
@@ -35,11 +35,9 @@ _FURTHER = 3  # programs that are run to see what they draw
 
 
 class Plotting(SubmissionSession):
-    """Questions to the submission about what it draws, for the checks of *Visualization*.
+    """Session with the sandbox that asks a submission what it draws, for the checks of the criterion *Visualization*.
 
-    Parameters
-    ----------
-    truth : holds the model that is graded with; scripts find it at the path that the sheet loads
+    `truth` holds the model that is graded; scripts find that model at the path from which the lab sheet loads it.
     """
 
     def __init__(self, sandbox: Sandbox, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
@@ -56,7 +54,7 @@ class Plotting(SubmissionSession):
         super().__init__(sandbox, lab, own, lab_configuration=lab_configuration, **limits)
 
     def drawings(self) -> list[Drawing]:
-        """Return what the submission's files have drawn so far, imported or run."""
+        """Return what the submission has drawn so far (on import, as scripts, in `plot`) without running anything."""
         answers = (drawing_of(a.frame) if isinstance(a, Loaded) else a for a in self._answers.values())
         return [answer for answer in answers if isinstance(answer, Drawing)]
 
@@ -69,26 +67,20 @@ class Plotting(SubmissionSession):
         called: str = "",
         own_form: bool = False,
     ) -> Drawing:
-        """Return what `plot_imu_data` draws and saves of a run's data, by the submission's own keys, else by those of the sheet.
+        """Return what `plot_imu_data` draws and saves of a recording, with whichever form of the recording it accepts.
 
-        If it raises, it is given what the submission's own recorder returns of such a run: an object of the submission's own, or a
-        dictionary with labels and settings beside the numbers. If it raises again, it gets the sheet's recording: a key that is
-        misspelled where the data is recorded is no fault of the plot's.
+        It gets `data`, which has the submission's own keys. If it raises, it gets what the submission's own recorder returns, such
+        as an object or a dictionary with settings beside the numbers. If it raises again, it gets `sheet`, the data under the
+        sheet's keys, because a key that is misspelled in the recorder is no fault of the plot.
 
-        Parameters
-        ----------
-        own_form : whether the submission records in another form than the sheet's, for which its plot may be made: then a drawing
-            that shows all the data is looked for
+        `ids` are those of accelerometer and gyroscope. `own_form` is whether the submission records in another form than the
+        sheet's, for which its plot may be made: then a drawing that shows all the data is looked for.
         """
         key = (key_of("plot", {"ids": ids, "own_form": own_form}, data), key_of("plot", {}, sheet))
         return self.once_named(called, key, lambda: self._plot(data, sheet, ids, own_form))
 
     def _plot(
-        self,
-        data: Mapping[str, Array],
-        sheet: Mapping[str, Array],
-        ids: tuple[int, int],
-        own_form: bool,
+        self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int], own_form: bool
     ) -> Drawing:
         drawing = self._plotted(data)
         if drawing.error is None and not (own_form and curves.lacking(drawing.figures, sheet)):
@@ -108,9 +100,9 @@ class Plotting(SubmissionSession):
     def _plotted_as_recorded(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
     ) -> Drawing | None:
-        """Draw the plot of what the submission's own recorder returns, even if it lost points; None if it does not run.
+        """Draw the plot of what the submission's own recorder returns, even if that recorder lost points; None if it cannot be run.
 
-        A recorder that stops in a broken reader is run beside the stand-ins.
+        If the recorder stops in the submission's own broken reader, it runs again with the grader's stand-in for the reader.
         """
         with self.without_standins():
             own = self._plotted_with_recorder(data, sheet, ids)
@@ -139,9 +131,9 @@ class Plotting(SubmissionSession):
         return drawing_of(self.ask("plot", place | {"keys": keys, "recorder": recorder}, arrays))
 
     def scripts(self) -> Iterator[Drawing]:
-        """Yield what the submission's files draw when they are run as scripts, one file after the other, the likeliest first.
+        """Yield what the submission's files draw when they are run as scripts, file by file, until the caller has seen enough.
 
-        What they drew while they were imported comes first: it saves the time of running them again.
+        What a file drew when it was imported comes first, because that costs no further run.
         """
         beside = sorted(self.broken)
         for path in self._runnable():
@@ -161,7 +153,10 @@ class Plotting(SubmissionSession):
         return [p for p in ("filters.py", "noisy_imu.py", "imu_reader.py", *self.used, *others) if p in self.paths]
 
     def _drawn_at_import(self, path: str) -> Drawing | None:
-        """Return what a file drew when it was imported; a statement that raised and was stepped over may have broken it off."""
+        """Return what a file drew on import, and as its `error` the first exception of a statement that the loader stepped over.
+
+        None if the file could not be loaded.
+        """
         try:
             loaded = self.load(path)
         except NoAnswer:
@@ -192,7 +187,10 @@ class Plotting(SubmissionSession):
             self.end_session()
 
     def _drawn_in_turn(self) -> list[Drawing]:
-        """Run all scripts one after the other in one folder: a script may read what the one before it has written."""
+        """Run all scripts one after the other in one folder, because a script may read a file that an earlier one wrote.
+
+        If a script gives no answer, what was drawn before it is returned.
+        """
         found = []
         self.end_session()
         try:
@@ -205,7 +203,10 @@ class Plotting(SubmissionSession):
         return found
 
     def _drawn_untouched(self, path: str) -> Drawing | None:
-        """Return what a file draws without stand-ins: a script that fits its own broken part need not fit a sound one."""
+        """Return what a file draws without the grader's stand-ins, since a script may fit only its own broken function.
+
+        None if nothing is replaced by a stand-in, if the file killed its process before, or if it gives no answer.
+        """
         if not self.broken or path in self.deadly:
             return None
         with self.without_standins():

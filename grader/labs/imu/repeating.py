@@ -1,6 +1,6 @@
-"""Program text for `imugrade repro`: the calls of a failed check, with NumPy, MuJoCo and the student's files only.
+"""Write the program of `imugrade repro`, which repeats the calls of a failed check with NumPy, MuJoCo and the student's files only.
 
-Each function here writes the lines of one kind of question; `grader.labs.imu.worker` asks the same of the code in the sandbox.
+Each private function that yields lines writes one kind of question, as `grader.labs.imu.worker` asks it in the sandbox.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Asked:
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """The arrays of this question by the names under which `repro.npz` stores them."""
+        """The arrays of this question by the names under which `repro.npz` stores them, the model's text among them."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
         expected = {f"expected_{name}": array for name, array in self.expected.items()}
         return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model, **expected}.items()}
@@ -70,7 +70,7 @@ class Asked:
 
     @property
     def import_line(self) -> str:
-        """The line with which the generated program imports the student's file, also one like `imu-reader.py`."""
+        """The line with which the program imports the student's file, even `imu-reader.py`, which `import` cannot name."""
         if self._can_be_imported:
             return f"import {self.module}"
         return f"{self.module} = importlib.import_module({self._dotted!r})"
@@ -85,7 +85,7 @@ class Asked:
 
 
 class Recorder(Student):
-    """Student session that records which questions each check asks."""
+    """Session with the sandbox that also records which questions each check asks, so that `imugrade repro` can repeat them."""
 
     now = ""
 
@@ -94,12 +94,11 @@ class Recorder(Student):
         self.truth = truth
         self._asking: list[Any] = []  # keys of the questions that are being answered, the innermost last
         self._questions: dict[Any, tuple[str, Mapping[str, Any], Mapping[str, np.ndarray]]] = {}  # by key
-        self._asked_by: dict[
-            Any, list[Any]
-        ] = {}  # a check's id, or a question's key -> keys of the questions that it asked
+        # By a check's id or a question's key, the keys of the questions that it asked.
+        self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Answer a question once, and record it for the check that asks or for the question that needs this answer."""
+        """Answer a question once, and record it under the check that asks it, or under the question that needs its answer."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)
@@ -114,7 +113,7 @@ class Recorder(Student):
         return super().ask(op, fields, arrays)
 
     def questions(self, check_id: str) -> list[Asked]:
-        """Return the questions that a check asked, in order, with those whose answers an earlier check had fetched."""
+        """Return the questions that a check asked, in order, including those whose answers an earlier check had already fetched."""
         keys = [key for key in dict.fromkeys(self._below(check_id)) if key in self._questions]
         asked = [(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
         return [Asked(*each, expected=expected(*each[1:], self.truth)) for each in asked]
@@ -127,7 +126,7 @@ class Recorder(Student):
 
 
 class Watched(CheckRun):
-    """Check run that tells the `Recorder` which check asks."""
+    """Run of the checks that tells the `Recorder` which check asks the next questions."""
 
     def begin(self, this: Check) -> None:
         self.student.now = this.id  # type: ignore[attr-defined] # a Recorder
@@ -154,7 +153,7 @@ def _filtered(case: Mapping[str, Any], arrays: Mapping[str, Array]) -> Array:
 
 
 def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -> str:
-    """Return the text of a program that repeats the questions of a failed check.
+    """Return the text of a program that repeats the questions of a failed check on the student's machine.
 
     Parameters
     ----------

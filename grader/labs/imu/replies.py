@@ -1,4 +1,4 @@
-"""Types and rules for the worker's reply to each of the lab's questions."""
+"""Types and rules that the sandbox worker's reply to each of this lab's questions has to meet, or it is rejected."""
 
 from __future__ import annotations
 
@@ -7,17 +7,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
-from grader.engine.replies import (
-    Answer,
-    Called,
-    Drawings,
-    ErrorReply,
-    Points,
-    Rule,
-    Wrong,
-    drawings,
-    points,
-)
+from grader.engine.replies import Answer, Called, Drawings, ErrorReply, Points, Rule, Wrong, drawings, points
 from grader.engine.reply_types import Long, Number, Short
 
 _Parameter = Literal[
@@ -127,7 +117,7 @@ def _tilt(answer: Answer, reply: Tilt) -> None:
 
 
 def _cases(answer: Answer, reply: Filter | Tilt, signal: str, row: tuple[int, ...] | None = None) -> None:
-    """Check the rows of each case, of this shape or of that of the signal which was asked about."""
+    """Check that a reply has one series for each case that was asked; its rows have the shape `row`, or if None the signal's."""
     asked = answer.fields["cases"]
     if len(reply.cases) != len(asked):
         raise Wrong(f"{len(reply.cases)} cases for {len(asked)}")
@@ -138,7 +128,7 @@ def _cases(answer: Answer, reply: Filter | Tilt, signal: str, row: tuple[int, ..
 
 
 def _series(answer: Answer, case: TiltCase, rows: int, row: tuple[int, ...]) -> None:
-    """Check rows for every measurement. Fewer rows are accepted only if the student's code raised."""
+    """Check that a case has one row for every measurement; fewer rows are accepted only if the student's code raised."""
     broke_off = case.error is not None
     if case.output is None and broke_off:
         return

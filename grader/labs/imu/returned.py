@@ -1,4 +1,4 @@
-"""Returned values as the worker reports them: their numbers, and their form in words."""
+"""Read values that student code returned, as the worker reports them: their numbers, and their form in words."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """Return the numbers of a reported value (a node of the reply) as one array; None without numbers, or with unequal rows."""
+    """Return the numbers of a returned value (`node` of the reply) as one array; None without numbers or with unequal rows."""
     if node is None:
         return None
     if "key" in node:
@@ -35,7 +35,7 @@ def numbers(node: Node | None, arrays: Arrays) -> Array | None:
 
 
 def shape_in_words(node: Node | None, arrays: Arrays) -> str:
-    """Describe a value for a student: ``a tuple of (array (3,), array (2,))``."""
+    """Describe the form of a returned value to a student: ``a tuple of 2 (an array of shape (3,), a number)``."""
     if node is None:
         return "nothing"
     kind = node["kind"]
@@ -59,7 +59,7 @@ def shape_in_words(node: Node | None, arrays: Arrays) -> str:
 
 
 def if_nothing(got: str) -> str:
-    """Return the hint for a function that returned None; "" for any other value."""
+    """Return a hint for a function that returned None; "" if `got`, the description of the value, names any other."""
     return _NOTHING_RETURNED if got.removeprefix("got ").startswith("None") else ""
 
 

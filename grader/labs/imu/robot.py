@@ -22,9 +22,9 @@ LAB_IMU = ("torso_accelerometer", "torso_gyroscope")
 
 @dataclass(frozen=True)
 class Model:
-    """The model that is simulated (`path` None: the lab model) and the names of its IMU's two sensors.
+    """The rubric's choice of a robot: the path of its model (None: the lab's) and the names of the two sensors of its IMU.
 
-    `source` is what messages call the rubric that names it, and `lines` its lines by key: `path`, `accelerometer`, `gyroscope`.
+    `source` names the rubric in messages. `lines` has the line in the rubric of each key: `path`, `accelerometer`, `gyroscope`.
     """
 
     path: Path | None = None
@@ -39,7 +39,7 @@ class Model:
 
     @property
     def is_lab(self) -> bool:
-        """Return whether it is the lab's robot with the sensors of the sheet."""
+        """Return whether this is the lab's robot with the sensors of the sheet."""
         return self.path is None and self.imu == LAB_IMU
 
     @property
@@ -48,13 +48,13 @@ class Model:
         return self.path.name if self.path else LAB_FILE
 
     def line(self, key: str) -> int:
-        """Return the line of a key in the rubric; if the key is left out, that of the model."""
+        """Return the line in the rubric of a key, for messages; if the key is left out, that of the path or of `model`; else 1."""
         return self.lines.get(key, self.lines.get("path", self.lines.get("model", 1)))
 
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot: the name of its model's file, the text, and its IMU as (accelerometer, gyroscope)."""
+    """A robot with its model read: the model's file name, its MJCF text, and the names of its IMU (accelerometer, gyroscope)."""
 
     file: str
     xml: str = field(repr=False)
@@ -66,7 +66,7 @@ class Robot:
         return (self.file, self.xml, *self.imu)
 
     def options(self, folder: Path) -> list[str]:
-        """Return the reference command's options to record this robot; its model is written into the folder."""
+        """Write the robot's model into `folder`; return the options by which the reference solution's command finds it there."""
         path = folder / self.file
         path.write_text(self.xml, encoding="utf-8", newline="")
         return ["--model", str(path), "--accelerometer", self.imu[0], "--gyroscope", self.imu[1]]
@@ -76,7 +76,7 @@ LAB_MODEL = Model()
 
 
 def read_model(reader: NodeReader, node: yaml.Node | None, folder: Path) -> Model:
-    """Read the rubric's `model`; paths are relative to `folder`."""
+    """Read the entry `model` of a rubric, with paths relative to `folder`; None gives the lab's. `reader` collects its errors."""
     keys = reader.fields(node, "model", (), ("path", "sensors"))
     sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
     names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}
@@ -95,13 +95,13 @@ def robot_of(traces: Traces) -> Robot:
 
 
 def is_of(model: Model, traces: Traces) -> bool:
-    """Return whether traces were recorded for the robot that a rubric names."""
+    """Return whether traces were recorded for the robot that a rubric names, by its file name and sensors."""
     robot = robot_of(traces)
     return (robot.file, robot.imu) == (model.file, model.imu)
 
 
 def match_robot(model: Model, traces: Traces) -> None:
-    """Refuse traces of another robot than the rubric names.
+    """Refuse traces of another robot than the one that the rubric names, because they would grade a sound submission as wrong.
 
     Raises
     ------
@@ -115,6 +115,6 @@ def match_robot(model: Model, traces: Traces) -> None:
 
 
 def torso_ids(truth: Traces) -> tuple[int, int]:
-    """Ids of the accelerometer and gyroscope that are graded: the torso's in the lab model."""
+    """Ids of the accelerometer and gyroscope that are graded: those of the torso in the lab's model."""
     accel, gyro = (int(i) for i in truth["reading_lab"]["pairs"][0])
     return accel, gyro

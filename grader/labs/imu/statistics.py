@@ -1,8 +1,7 @@
 """Statistical tests with a stated error: each fails a sound sample with a probability of at most `ALPHA`.
 
-All stochastic checks together ask fewer than 90 such questions of a submission, so a sound one loses a point by chance with a
-probability below 1e-9. The faults that each test catches with probability 0.999 are in its docstring; they follow from the same
-formulas, and `tests/benchmarks` measures both.
+All checks together apply fewer than 90 such tests to a submission, so a sound one loses a point by chance with a probability below
+1e-9. Docstrings tell the faults that a test catches with a probability of 0.999; `tests/benchmarks` measures both.
 
 References
 ----------
@@ -35,9 +34,10 @@ READS = 1250
 
 
 def spread_bounds(values: int, estimated_means: int) -> tuple[float, float]:
-    """Return the bounds within which chance leaves sample standard deviation / sigma of normal samples (chi-squared distribution).
+    """Return the bounds within which chance leaves sample standard deviation / sigma of normal samples (chi-squared).
 
-    With 7,500 values they are 0.945 and 1.056: a standard deviation wrong by 10 % is outside with probability > 0.9999.
+    `estimated_means` is the number of means taken from the `values` numbers. With 7,500 values the bounds are 0.945 and 1.056: a
+    standard deviation wrong by 10 % is outside with probability > 0.9999.
     """
     freedom = values - estimated_means
     low, high = (2.0 * special.gammaincinv(freedom / 2.0, p) for p in (ALPHA / 2, 1 - ALPHA / 2))
@@ -61,13 +61,13 @@ def correlation_bound(values: int) -> float:
 
 
 def geary(standardised: Array) -> float:
-    """Return Geary's ratio, mean absolute over standard deviation, a test of normality: sqrt(2/pi) = 0.798 if normal."""
+    """Return Geary's ratio of a sample, mean absolute over standard deviation, to test normality: sqrt(2/pi) = 0.798 if normal."""
     centred = standardised - standardised.mean()
     return float(np.mean(np.abs(centred)) / np.sqrt(np.mean(centred**2)))
 
 
 def geary_bounds(values: int) -> tuple[float, float]:
-    """Return the bounds within which chance leaves Geary's ratio of normal samples: nine standard errors.
+    """Return the bounds within which chance leaves Geary's ratio (see `geary`) of normal samples: nine standard errors.
 
     The normal approximation would allow 6.8; nine leave six orders of magnitude for its error in the far tail. With 7,500 values
     the bounds are 0.798 ± 0.022: a uniform (0.866), a Laplace (0.707), an exponential (0.736) and a two-point law (1) are outside
@@ -78,9 +78,9 @@ def geary_bounds(values: int) -> tuple[float, float]:
 
 
 def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return standard and mean absolute deviation of normal noise with a bound: clipped to ± `cut`, and drawn anew beyond it.
+    """Return standard and mean absolute deviation of bounded standard normal noise: clipped to ± `cut`, and redrawn beyond it.
 
-    Clipped: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; drawn anew: without Q and divided by P, where p is the
+    Clipped: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; redrawn: without Q and divided by P, where p is the
     density, P the probability of ± c and Q that of more than c (by parts).
     """
     inside, beyond = float(2 * special.ndtr(cut) - 1), float(special.ndtr(-cut))
@@ -91,10 +91,7 @@ def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float
 
 
 def allan_deviation(samples: Array, m: int) -> float:
-    """Return the overlapping Allan deviation of samples (n, …) at clusters of m, over all further axes together.
-
-    It is NaN if there are too few samples.
-    """
+    """Return the overlapping Allan deviation of samples (n, …) in clusters of m, over all further axes together; NaN if n < 2 m."""
     integral = np.concatenate([np.zeros_like(samples[:1]), np.cumsum(samples, axis=0)])
     sums = integral[m:] - integral[:-m]
     steps = sums[m:] - sums[:-m]

@@ -1,7 +1,7 @@
 """Ask the submitted code the questions of the lab's five criteria, and return its answers as plain arrays.
 
-A `Student` is the session about one submission. Each question is asked once. If a criterion lost points, the sandbox replaces its
-functions by sound stand-ins for the criteria that follow, so that one fault is deducted once.
+If a criterion lost points, the sandbox replaces its functions by the grader's own (stand-ins) for the criteria that follow, so that
+one fault is deducted once.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class FilterCase:
     signal : (n, 3) ndarray, the measurements in order
     alpha : the filter's `alpha`; None leaves out this argument
     initial : (3,) ndarray, the filter's `initial_value`; None leaves it out
-    handling : what the caller does with the arrays, see `worker.filtering.filter_cases`; "plain" is usual
+    handling : what the caller does with the arrays, see `worker.filtering.filter_cases`; "plain" (nothing) is usual
     """
 
     signal: Array
@@ -42,7 +42,10 @@ class FilterCase:
 
 
 class Student(Plotting):
-    """Session about one submission. The charts of a report find an answer by the name that its question has in `called`."""
+    """Session with the sandbox about one submission, which asks each question once; the checks of all criteria share it.
+
+    A question may have a name (`called`), by which the charts of a report find its answer.
+    """
 
     def read(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
         """Return what `get_imu_readings` reads, for every pair of sensors in every state of a model.
@@ -74,7 +77,6 @@ class Student(Plotting):
         timestep : the model's time step in seconds; None leaves that of the model
         dirty : qpos (nq,), qvel (nv,) and time in seconds that the data hold when they are handed over; None hands over new data
         gravity : (3,) ndarray in m/s², the model's gravity; None leaves that of the model
-        called : a name by which the charts of a report find the answer; leave it out
         """
         fields = {
             "model": self.robot.xml, "duration_s": duration_s, "timestep": timestep,
@@ -85,10 +87,10 @@ class Student(Plotting):
         return self.answer(Question("simulate", "simulate_and_collect", _collected, fields, arrays), called)
 
     def replay(self, course: Mapping[str, Array], steps: int) -> Array | None:
-        """Simulate a run that the student's process reports again, in another worker; return all sensors (steps, n).
+        """Simulate again, in a worker without student code, a run that the student's process reported; return its sensordata.
 
-        `course` is the reported run: its start and the changes of its state. The result is None if it cannot be simulated: a
-        student's process may report anything.
+        `course` is the reported run: its start and the changes of its state. The result (steps, n) is None if it cannot be
+        simulated: a student's process may report anything.
         """
         fields = {"model": self.robot.xml, "steps": steps}
         return self.once(key_of("replay", fields, course), lambda: self._replay(fields, course))
@@ -122,7 +124,6 @@ class Student(Plotting):
         reads : number of reads in each state
         stds : standard deviations of the noise in m/s² and rad/s
         biases : the (3,) biases in m/s² and rad/s; None leaves out these arguments
-        called : a name by which the charts of a report find the answer; leave it out
         """
         given = {"accel_bias": biases[0], "gyro_bias": biases[1]} if biases else {}
         arrays = {"qpos": qpos, "qvel": qvel, **given}
@@ -132,10 +133,10 @@ class Student(Plotting):
 
     def noise_twins(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: Sequence[tuple[float, float]],
                     biases: Array | None, states: Sequence[int]) -> NoiseRun:  # fmt: skip
-        """Return a few reads of several `NoisyIMU`s that start from one seed: (twins, reads, 3).
+        """Return reads (twins, reads, 3) of several `NoisyIMU`s with one random seed, so that only their arguments differ.
 
-        The instances differ in their standard deviations `stds`, biases (twins, 2, 3) or row of `states`. Without `biases`
-        they draw their own.
+        The instances (twins) differ in their standard deviations `stds`, biases (twins, 2, 3) or row of `states`. If `biases` is
+        None, each draws its own.
         """
         fields = self._noise_fields(ids, reads, stds[0])
         fields["twins"] = [{"accel_noise_std": accel, "gyro_noise_std": gyro} for accel, gyro in stds]
@@ -160,13 +161,7 @@ class Student(Plotting):
         }  # fmt: skip
 
     def filter(self, cases: Sequence[FilterCase], called: str = "") -> list[FilterRun]:
-        """Return the output of `LowPassFilter` for each case, in the same order.
-
-        Parameters
-        ----------
-        cases : signals and arguments; a new filter is made for each case
-        called : a name by which the charts of a report find the answer; leave it out
-        """
+        """Return the output of `LowPassFilter` for each case, in the same order; each case gets a new filter."""
         arrays: dict[str, np.ndarray] = {}
         rows = []
         for number, case in enumerate(cases):
@@ -179,7 +174,7 @@ class Student(Plotting):
         return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
 
     def filter_alone(self, case: FilterCase) -> FilterRun:
-        """Run one filter case in a new process, so that a state shared by all filters is as at the start."""
+        """Run one filter case in a new process, so that a state that all filters share is as at the start."""
         self.end_session()
         return self.filter([case])[0]
 
@@ -215,7 +210,7 @@ def _collected(frame: Frame) -> Collection:
 
 
 def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the run that the student's process reports, by name; empty if it is impossible.
+    """Return the run that the student's process reports, by name; empty if it is incomplete or impossible.
 
     The worker records it beside student code, which may have changed it.
     """
@@ -252,10 +247,7 @@ def _filter_runs(frame: Frame) -> list[FilterRun]:
 
 
 def _filter_run(answer: Mapping[str, Any], frame: Frame) -> FilterRun:
-    """Convert the worker's answer about one filter case.
-
-    `odd` describes a return value that is no vector; `departs` names parameters that differ from the sheet's.
-    """
+    """Convert the worker's answer about one filter case to a `FilterRun`."""
     odd = answer["odd"]
     return FilterRun(
         output=frame.arrays[answer["output"]] if answer["output"] else None,

@@ -1,4 +1,4 @@
-"""Checks of `simulate_and_collect`: each a threshold on one measured property."""
+"""Checks of `simulate_and_collect`: each compares one measured property with a limit."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Push = TypedDict("Push", {"came": str, "n": int})
 
 
 class Rows(TypedDict):
-    """Counts of the rows, and the row in which a wrong sensor differs most from the truth.
+    """Numbers for messages about wrong rows of a recording: their counts, and the row that differs most from the truth.
 
-    `late` is the number of samples by which rows are late or early, `changed` says what the code changed of the model, and `of`
-    names the key if only one sensor is wrong.
+    `filled` rows are not left zero, `late` is by how many samples rows are late or early, `changed` says what the code changed of
+    the model, and `of` names the key if only one sensor is wrong. `wanted` and `came` show the row.
     """
 
     n: int
@@ -99,7 +99,7 @@ def _stamped(apart: float, stamps: Array, affected: float = 1.0, worst: int = 0)
 
 
 def _furthest_row(found: Explained, affected: float) -> Deviation[Rows]:
-    """Return a deviation that describes the row in which a wrong sensor differs most from the truth."""
+    """Return a deviation that shows the row in which a wrong sensor differs most from the truth; it costs the share `affected`."""
     which = int(found.is_right(0))
     key, unit, got, true = SENSORS[which], SENSOR_UNITS[which], found.series.sensors[which], found.true_rows[which]
     assert got is not None

@@ -1,4 +1,4 @@
-"""Facts about `simulate_and_collect` that follow from the explanation of its recordings: form, rows, time stamps, start."""
+"""Properties of `simulate_and_collect` that follow once its recordings are explained: form, rows, time stamps, start."""
 
 from __future__ import annotations
 
@@ -24,19 +24,15 @@ from grader.labs.imu.data_collection.measure import (
     differ,
     velocities_in_words,
 )
-from grader.labs.imu.data_collection.row_origins import (
-    RowOrigin,
-    moves,
-    time_error,
-    treatment,
-)
+from grader.labs.imu.data_collection.row_origins import RowOrigin, moves, time_error, treatment
 
 
 @dataclass(frozen=True)
 class Explained:
-    """Facts about `simulate_and_collect` with the simulated run that explains each of its two recordings; None if none does.
+    """Facts about a student's `simulate_and_collect`, and the origin of the rows in each of its two recordings, None if unknown.
 
-    `push` explains the run with the sheet's push. `later` explains the run that starts with data of an earlier run.
+    `push` explains the recording of the sheet's push, `later` that of a run which begins with data of an earlier run. The checks
+    and the hypotheses of `explain.py` read it.
     """
 
     facts: Facts
@@ -73,7 +69,10 @@ class Explained:
 
     @property
     def count_off(self) -> Run | None:
-        """The run with another number of rows than of steps; None without one. Unfilled rows after the last step do not count."""
+        """The run that has another number of rows than of steps, the later one if both have; None if neither has.
+
+        One row more or less is accepted, as are zero rows after the last step, and too few rows that a missing reset explains.
+        """
         if all(complete(run.series) and abs(run.series.filled_rows - run.steps) <= 1 for run in self.facts.runs):
             return None
         off = [run for run in self.facts.runs if abs(run.length - run.steps) > 1]
@@ -85,13 +84,13 @@ class Explained:
 
     @property
     def ends_at_once(self) -> bool:
-        """Return whether only the first few rows exist, too few to identify a run by later ones."""
+        """Return whether the recording stops after the first few rows, too few to tell by them what later rows would hold."""
         few = self.series.filled_rows < min(FEWEST_ROWS, self.facts.push.model_steps // 2)
         return self.push is not None and self.push.skip == 1 and few
 
     @property
     def is_no_recording(self) -> bool:
-        """Return whether so few rows exist, or a few steps repeated, that they show no motion, where the duration has many."""
+        """Return whether there are so few different rows that they show no motion, although the duration has many steps."""
         steps = self.series.first_step.get("steps", np.zeros(1))[0]
         few = min(FEWEST_ROWS, self.facts.push.model_steps // 2)
         rows = next(rows for rows in self.series.sensors if rows is not None)
@@ -107,11 +106,11 @@ class Explained:
 
     @property
     def few_rows_follow(self) -> bool:
-        """Return whether a fault that `matches_truth` reports also explains missing rows, so that they cost nothing more."""
+        """Return whether a fault that the check `matches_truth` reports also explains missing rows, which then cost nothing."""
         return self.ends_at_once or self.last_alone
 
     def counts_by(self, fault: str) -> bool:
-        """Return whether this fault explains the numbers of rows of both runs."""
+        """Return whether this fault explains the numbers of rows in both recordings; False without a second recording."""
         first, second = self.facts.push, self.facts.later
         if second is None or not (first.length or second.length) or self.few_rows_follow:
             return False
@@ -139,7 +138,7 @@ class Explained:
 
     @property
     def keeps_timestep(self) -> Run | None:
-        """The run whose stamps have the time step of another model, as code with a hard-coded step gives; None without one."""
+        """The run whose time stamps have the time step of another model, as a hard-coded step gives; None if no run has."""
         push, later = self.facts.push, self.facts.later
         if self.stamps_off > TIME_ATOL:
             return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
@@ -150,7 +149,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether a fault beside the time column explains its errors: unequal arrays, one filled row, a repeated start."""
+        """Return whether another fault explains wrong time stamps: unequal arrays, one filled row, a start set in each step."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -165,7 +164,7 @@ class Explained:
 
     @property
     def plain(self) -> bool:
-        """Return whether a simulated run explains the rows with unaltered numbers; rows may be missing or reordered."""
+        """Return whether a simulated run explains the rows with unaltered numbers; rows may be missing or in another order."""
         return self.push is not None and not self.push.altered
 
     @property
@@ -174,7 +173,7 @@ class Explained:
 
     @property
     def starts_over(self) -> bool:
-        """Return whether all rows after the first show one state, because the code sets the start again in each pass."""
+        """Return whether all rows after the first show one state, because the code sets the start again in every pass."""
         again = self.push_claim is not None and len(self.push_claim.set_at) > 0
         filled = self.series.rows(1, self.series.filled_rows)
         return again and all_alike(filled) and self.push is not None and not self.push.aliased
@@ -187,19 +186,19 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """Acceleration and angular velocity, each (rows, 3), that right code records in the run of this recording."""
+        """Acceleration and angular velocity, each (rows, 3), that right code would record in the run of this recording."""
         worlds = self.facts.push.worlds
         from_truth = self.starts_over or (self.push is not None and self.push.world == TRUE_WORLD)
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
-        """Return whether the sensor with this index (0 accelerometer, 1 gyroscope) has the true rows and shows motion."""
+        """Return whether a sensor (0 accelerometer, 1 gyroscope) has the true rows, and these show motion."""
         got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
         return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
 
     @property
     def one_is_late(self) -> bool:
-        """Return whether one sensor has its true rows, and the other sensor has in each row its reading of the step before."""
+        """Return whether one sensor has its true rows, and each row of the other sensor holds the reading of the step before."""
         return not self.plain and any(self.is_right(which) and self._is_late(1 - which) for which in BOTH)
 
     def _is_late(self, which: int) -> bool:
@@ -213,7 +212,7 @@ class Explained:
 
     @property
     def treated(self) -> bool:
-        """Return whether rounding, or a linear map with an offset, predicts all rows of each altered sensor from the true ones."""
+        """Return whether rounding, or a linear map with an offset, makes all rows of each altered sensor out of the true ones."""
         keys = self.push.altered if self.push is not None else ()
         pairs = dict(zip(SENSORS, zip(self.series.sensors, self.true_rows, strict=True), strict=True))
         known = [(key, got, true) for key, (got, true) in pairs.items() if key in keys and got is not None]
@@ -221,7 +220,7 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows are wrong by less than a real sensor's noise, which costs half."""
+        """Return whether both sensors' rows are wrong by less than a real sensor's noise, which costs only half of the points."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
@@ -243,7 +242,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and end before the run; rows to its end are deducted by the check sample_count."""
+        """Return whether rows leave out steps and end before the run does; if they reach its end, `sample_count` deducts."""
         return (
             self.push is not None
             and self.push.skip != 1
@@ -252,14 +251,14 @@ class Explained:
 
     @property
     def steps_beyond_rows(self) -> int:
-        """Number of simulation steps minus number of rows, which tells rows that were left out."""
+        """Number of simulated steps minus number of rows, which tells how many rows were left out."""
         return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
 
     @property
     def model_changed(self) -> str:
-        """The time step or gravity that the code set for the run and restored, in words; "" if none.
+        """The time step or gravity that the code set for the run and restored, in words; "" if none, or if it was not restored.
 
-        If the code does not restore it, the check starts_from_reset charges that.
+        If the code does not restore it, the check `starts_from_reset` deducts that.
         """
         claim = self.push_claim
         if claim is None or not self.plain or self.series.changed:
@@ -287,15 +286,15 @@ class Explained:
 
     @property
     def push_claim(self) -> Claim | None:
-        """The start of the first run (state, gravity, time step, forces) as the worker reports it.
+        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if it is the sheet's.
 
-        None if the rows are true. A robot that only stands, and is pushed later, gives true rows from another start.
+        That is so if the true run explains the rows, unless the robot only stands at first and is pushed later.
         """
         return Claim.of(self.series.first_step) if self._settles_first else _claim_of(self.push, self.facts.push)
 
     @property
     def _settles_first(self) -> bool:
-        """Return whether many steps come before the push, and no reset between them and it."""
+        """Return whether many steps without motion come before the push, without a reset between them and the push."""
         start = self.series.first_step
         if not start or start["qvel"].any() or not len(start["set_at"]) or start["set_at"][0] < FEWEST_ROWS:
             return False
@@ -329,7 +328,7 @@ class Explained:
 
     @property
     def pushed_apart(self) -> bool:
-        """Return whether two runs from a fresh state start with different velocities: the push is random."""
+        """Return whether two runs from a fresh state start with different velocities, because the push is random."""
         return bool(self.facts.velocities) and differ(*self.facts.velocities)
 
     @property
@@ -338,7 +337,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """The start of the run in words; "" if it starts with the sheet's push."""
+        """The start of the run in words, such as a push in another direction; "" if it starts with the sheet's push."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"
@@ -346,13 +345,13 @@ class Explained:
 
 
 def _first_stamp(run: Run | None) -> float:
-    """Return the first time stamp in seconds; NaN if there is none."""
+    """Return the first time stamp in seconds; NaN without a run or without time stamps."""
     time = run.series.time if run is not None else None
     return float(time[0]) if time is not None and len(time) else np.nan
 
 
 def _claim_of(origin: RowOrigin | None, run: Run) -> Claim | None:
-    """Return the start of a run as the worker reports it; None if the rows come from the true run."""
+    """Return the start of a run as the worker reports it; None if the rows come from the true run, or if no start was simulated."""
     return run.claim if origin is None or origin.world != TRUE_WORLD else None
 
 
@@ -361,7 +360,7 @@ _GRAVITY_ATOL = 1e-3
 
 
 def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
-    """Return the fault that the numbers of rows of two runs show; "" for none. `skips`: rows leave out steps."""
+    """Return the id of the fault that the numbers of rows of two runs show; "" for none. `skips`: whether rows leave out steps."""
     n, m, a, b = first.length, second.length, first.duration_s, second.duration_s
     if skips:
         return "fixed-rate" if abs(n / a - m / b) <= 1 / min(a, b) else "samples-skipped"
@@ -372,6 +371,6 @@ def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
 
 
 def has_timestep(time: Array, timestep: float, usual: float) -> bool:
-    """Return whether stamps are `usual` seconds apart although the run's time step is another."""
+    """Return whether time stamps are `usual` seconds apart although the time step of the run, `timestep`, is another."""
     apart = np.abs(np.diff(time) - usual)
     return len(apart) > 0 and bool(apart.max() <= TIME_ATOL) and abs(timestep - usual) > TIME_ATOL

@@ -1,4 +1,4 @@
-"""Diagnosis of `simulate_and_collect`: the simulated run that explains each recording, and the fault that explains a deviation."""
+"""Diagnosis of `simulate_and_collect`: where the rows of each recording come from, and the fault that explains what is wrong."""
 
 from __future__ import annotations
 
@@ -25,11 +25,7 @@ from grader.labs.imu.data_collection.measure import (
     all_alike,
     complete,
 )
-from grader.labs.imu.data_collection.row_origins import (
-    RowOrigin,
-    explain,
-    explain_altered,
-)
+from grader.labs.imu.data_collection.row_origins import RowOrigin, explain, explain_altered
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.parameters import CALL_REASONS, departures
 from grader.labs.imu.returned import if_nothing
@@ -45,7 +41,7 @@ _STAMPS = "time stamps; the returned value has none"
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Measure a recorder: ask for two recordings and explain them; ask for further ones only if these leave the cause open."""
+    """Measure a student's recorder: ask for two recordings and explain them; ask for further ones only if the cause stays open."""
     push = facts_of.run(student, truth, "push")
     if push.series.error is not None:
         raised = Raised(push.series.error, "collecting data")
@@ -73,10 +69,10 @@ def measured(student: Student, truth: Traces) -> Explained:
 
 
 def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
-    """Return which simulated run the rows of a recording come from, and the run with all simulated runs (worlds) that were tried.
+    """Return where the rows of a recording come from (None if unknown), and the run with all simulated runs that were tried.
 
-    The true run is tried first, then those simulated from the start that the worker reports: if both explain the rows, the true
-    run counts.
+    The true run is tried first, then runs simulated from the start that the worker reports: if both explain the rows, the true run
+    counts.
     """
     if not complete(run.series):
         return None, run
@@ -95,7 +91,10 @@ def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[Row
 
 
 def _of_later_run(student: Student, truth: Traces, push: Run) -> tuple[RowOrigin | None, Run | None, Exception | None]:
-    """Return the explanation of the run that starts with data of an earlier run, that run, and the error if there is none."""
+    """Return the origin of the rows of the run that starts with data of an earlier run, this run, and the error if it failed.
+
+    What is missing is None: the first two after an error, the error otherwise.
+    """
     try:
         later = facts_of.run(student, truth, "push_dirty", push)
     except NoAnswer as nothing:
@@ -106,7 +105,7 @@ def _of_later_run(student: Student, truth: Traces, push: Run) -> tuple[RowOrigin
 
 
 def _stops(found: Explained, stop: Exception | None) -> Mapping[str, Exception]:
-    """Return, by check, the exception because of which its property could not be measured."""
+    """Return, by check, the exception because of which its property could not be measured and the check cannot judge."""
     series, later, stops = found.series, found.facts.later, dict[str, Exception]()
     if stop is not None:
         stops |= dict.fromkeys((COUNT, RESET), stop)
@@ -163,7 +162,7 @@ def _from(found: Explained) -> str:
 
 
 def row_fault(found: Explained) -> str:
-    """Return the id of the fault that the rows show, such as reading before the step; "" for none."""
+    """Return the id of the first fault of `ROW_FAULTS` that the rows show, such as reading before the step; "" for none."""
     return next((fault for fault, holds in ROW_FAULTS if holds(found)), "")
 
 
@@ -198,9 +197,5 @@ REASONS: tuple[Reason[Explained], ...] = (
 )
 
 JUDGE: Judge[Explained] = Judge(
-    LAB,
-    "data_collection",
-    measured,
-    REASONS,
-    departures("simulate_and_collect", lambda found: found.series.departs),
+    LAB, "data_collection", measured, REASONS, departures("simulate_and_collect", lambda found: found.series.departs)
 )

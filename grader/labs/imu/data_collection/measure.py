@@ -1,4 +1,4 @@
-"""Facts about `simulate_and_collect`: its recordings, and the simulated runs that they may come from."""
+"""Facts about `simulate_and_collect`: its recordings, and the simulated runs that their rows may come from."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _LEAN = 1.2
 
 @dataclass(frozen=True)
 class Claim:
-    """Start of a run as the worker reports it. It counts only if a simulation from there gives the same rows.
+    """Start of a run as the worker reports it. Student code may have falsified it: it counts if a simulation gives the same rows.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ def velocities_in_words(qvel: Array) -> str:
 
 @dataclass(frozen=True)
 class Run:
-    """One recording, and the simulated runs (worlds) that it may come from.
+    """One recording of a student's `simulate_and_collect`, and the simulated runs (worlds) that its rows may come from.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Run:
     worlds : sensor values in each world: name -> (acceleration, angular velocity), each (rows, 3)
     duration_s, model_timestep : duration and time step (s) that the function was called with
     model_steps : the number of steps in this duration
-    claim : the start from which all worlds but `TRUE_WORLD` were simulated
+    claim : the start from which all worlds but `TRUE_WORLD` were simulated; None if none was
     """
 
     series: Collection
@@ -121,7 +121,7 @@ class Run:
 
     @property
     def timestep(self) -> float:
-        """Time step (s) of the run: the model's, or that to which the code changed it (starts_from_reset charges the change)."""
+        """Time step (s) of the run: the model's, or that to which the code changed it (which `starts_from_reset` deducts)."""
         changed = "opt.timestep" in self.series.changed and "timestep" in self.series.first_step
         return float(self.series.first_step["timestep"][0]) if changed else self.model_timestep
 
@@ -139,7 +139,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Facts:
-    """The facts about one recorder.
+    """What was measured of one student's `simulate_and_collect`, before anything is judged.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class Facts:
     left_at : time (s) of the simulation data at the call that recorded `later`
     follows : whether the rows change as the robot's motion does
     velocities : (2, nv) at the start of two runs with the sheet's push; empty if they were not asked for
-    stopped : by check, what kept its property from being measured
+    stopped : by check, the exception that kept its property from being measured
     """
 
     push: Run
@@ -170,7 +170,7 @@ class Facts:
 
 
 def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
-    """Build the facts from these runs, from the model that the traces name, and from the fields in `more`."""
+    """Build the facts from these runs, from the model that the traces name, and from further fields of `Facts` in `more`."""
     lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
     gravity = np.asarray(lab.scalars["gravity"], float)
     return Facts(push, later, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
@@ -192,7 +192,7 @@ def asked(student: Student, truth: Traces, name: str) -> Collection:
 
 
 def recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> dict[str, Collection]:
-    """Return what `simulate_and_collect` records of the motion on the sheet, by scenario; tell why one is missing."""
+    """Return what `simulate_and_collect` records of the sheet's motion, by scenario, for plots; `tell` why one is missing."""
     own = {}
     for scenario in ("push", "push_dirty"):
         try:
@@ -205,7 +205,7 @@ def recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> 
 
 
 def run(student: Student, truth: Traces, name: str, before: Run | None = None) -> Run:
-    """Ask for the recording of a scenario, and separate rows that are left from the run `before`."""
+    """Ask for the recording of a scenario, and separate rows that the submission kept from the run `before` (None: first run)."""
     return _run(asked(student, truth, name), truth[name], before.recorded if before else None)
 
 
@@ -217,10 +217,11 @@ def _run(series: Collection, scenario: Scenario, before: Collection | None = Non
 
 
 def with_claim(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with worlds that a second worker, without the submission, simulates from the reported start.
+    """Return the run with worlds that a second worker, without the submission, simulates from the start that was reported.
 
-    Each world has the readings of a pair of sensors: the right ones, those of each other IMU, the model's last sensor (which
-    ``id = -1`` reads), and those with the ids of the students' model if this robot has other ids.
+    Each world has the readings of a pair of sensors: the right ones, those of each other IMU, the model's last sensor (which ``id =
+    -1`` reads), and those with the ids of the students' model if this robot has other ids. If no start was reported, or it cannot
+    be simulated, the run is unchanged.
     """
     start = run.series.first_step
     if not start:
@@ -241,7 +242,10 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) -> Iterator[Run]:
-    """Yield the run with the worlds of each likely wrong start, if the worker saw no step: `mujoco.rollout` makes its own."""
+    """Yield the run with the worlds of one likely wrong start after another, for code in which the worker saw no step.
+
+    `mujoco.rollout`, for example, makes its steps where the worker cannot count them.
+    """
     lab, scenario = truth["reading_lab"], truth[name]
     rest, still = lab["qpos"][-1], np.zeros(lab["qvel"].shape[1])
     left = [(scenario["dirty_qpos"], scenario["dirty_qvel"], 0, _PUSH)] if "dirty_qpos" in scenario else []
@@ -262,7 +266,10 @@ _OTHER_PUSHES = ((0, 0.0), (0, _PUSH / 2), (0, 2 * _PUSH), (0, -_PUSH), (1, _PUS
 
 
 def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with a further world: the readings of the submission's own reader in a simulation from the reported start."""
+    """Return the run with one more world: what the submission's own reader reads in a simulation from the reported start.
+
+    If the reader fails, the run is unchanged.
+    """
     steps = len(run.worlds[CLAIMED_WORLD][0])
     rows = student.read_along(run.series.first_step, steps, torso_ids(truth))
     return run if rows is None else replace(run, worlds={**run.worlds, OWN_WORLD: (rows[:, :3], rows[:, 3:])})
@@ -271,7 +278,7 @@ def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
 def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
     """Return whether the rows change with tilted gravity as the grader's own simulation from the same start does.
 
-    If all rows of the recording are equal, it suffices that the first one differs with tilted gravity.
+    Rows that were stored in the file do not. If all rows of the recording are equal, it suffices that the first one differs.
     """
     try:
         leaning = _leaning(student, truth)
@@ -306,7 +313,7 @@ def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[A
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Record another run with the sheet's push; return the velocities (nv,) at the start of both; () if one is unknown."""
+    """Record another run with the sheet's push, to see a random push: return the velocities (nv,) at both starts; () if unknown."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()
@@ -327,7 +334,7 @@ def all_alike(series: Collection) -> bool:
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
-    """Return the number of rows at the beginning that are left from earlier runs because a list outlives the call.
+    """Return how many rows at the beginning are left from earlier runs, because the submission's list outlives the call.
 
     Parameters
     ----------
@@ -359,9 +366,9 @@ def _alike(series: Collection, other: Collection, rows: slice, others: slice) ->
 def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> bool:
     """Return whether rows (n, 3) change with the simulation, whatever linear map and offset the code applies to them.
 
-    A least-squares fit to the first run gives this map. It has to predict the rows of the other run with an error below half of
-    the change between the runs. Stored rows do not change, so they fail. Rows in any order, late or repeated, pass if nearly all
-    their numbers occur in the other simulation.
+    A least-squares fit to the first run gives this map. It has to predict the rows of the other run with an error below half of the
+    change between the runs. Stored rows do not change, so they fail. Rows in any order, late or repeated, pass if nearly all their
+    numbers occur in the other simulation.
     """
     n, m = min(len(rows), len(true)), min(len(other_rows), len(other_true), len(rows), len(true))
     if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):

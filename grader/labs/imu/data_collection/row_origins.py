@@ -33,7 +33,7 @@ Rows = slice | NDArray[np.intp]
 
 @dataclass(frozen=True)
 class RowOrigin:
-    """Hypothesis on the origin of the rows of a recording.
+    """Hypothesis on the origin of the rows of a recording; without arguments it stands for right code.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class RowOrigin:
 
     @property
     def of_other_sensors(self) -> bool:
-        """Return whether wrong sensors were read, or the right ones in the wrong order; a fault of the reader may cause that."""
+        """Return whether wrong sensors, or the right ones in the wrong order, were read, as a fault of the reader may cause."""
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:
@@ -67,7 +67,7 @@ class RowOrigin:
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether the explanation predicts every filled row for which its world has a sample."""
+        """Return whether this origin predicts every filled row for which its world has a sample; False if too few rows can tell."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -121,19 +121,19 @@ def moves(true: Array, atol: float, rows: Rows) -> bool:
 
 
 def explain(run: Run) -> RowOrigin | None:
-    """Return the simplest explanation that predicts the rows; None if none does, or if two equally simple ones disagree."""
+    """Return the simplest origin that predicts the rows; None if none does, or if two equally simple ones have other causes."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 
 def _by_cost(run: Run) -> Iterator[Iterable[RowOrigin]]:
-    """Yield the explanations in groups of equal cost. The first, the true run unaltered, costs nothing and fits most recordings."""
+    """Yield the possible origins in groups of equal cost. The first, the unaltered true run, fits most recordings at once."""
     if TRUE_WORLD in run.worlds:
         yield [RowOrigin()]
     yield from hypothesis.by_cost(_origins(run))
 
 
 def explain_altered(run: Run) -> RowOrigin | None:
-    """Return the run whose rows were altered: one sensor in any way, or both by one treatment each; None if none fits."""
+    """Return the origin of rows that the code altered: one sensor in any way, or both by one treatment each; None if none fits."""
     known = [RowOrigin(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
     changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
     return hypothesis.explain((replace(origin, altered=keys) for keys in changed for origin in known), run)
@@ -176,7 +176,7 @@ def _steps_by_stamps(run: Run) -> tuple[int, ...]:
 
 
 def _missing_at_first(run: Run, world: str) -> int:
-    """Return the number of samples of a world that are missing before the first row: the index of its nearest sample."""
+    """Return how many samples of a world come before the first row: the index of the sample nearest to it; 0 without rows."""
     accel = run.series.acceleration
     if accel is None or not len(accel):
         return 0
@@ -187,7 +187,7 @@ def _missing_at_first(run: Run, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """Return which change turns all true rows (n, 3) into these: "rounded", "treated" (a linear map and an offset), or None."""
+    """Return which change makes `got` (n, 3) out of the true rows: "rounded", "treated" (a linear map and an offset), or None."""
     n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
     got, true = got[:n], true[:n]
     coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))
@@ -200,7 +200,7 @@ def treatment(key: str, got: Array, true: Array) -> str | None:
 
 
 def affine(got: Array, true: Array) -> Array | None:
-    """Return the least-squares map (4, 3) from true to recorded rows, offset last; None if rows are few, constant or not finite."""
+    """Return the least-squares map (4, 3) from true to recorded rows, offset last; None for few, constant or infinite rows."""
     if len(got) < FEWEST_ROWS or not np.isfinite(got).all() or not np.ptp(got, axis=0).any():
         return None
     return np.asarray(np.linalg.lstsq(np.column_stack([true, np.ones(len(true))]), got, rcond=None)[0], np.float64)

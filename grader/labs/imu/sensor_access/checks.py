@@ -1,4 +1,4 @@
-"""Checks of the reader: each a threshold on one measured property."""
+"""Checks of `get_imu_readings` (the reader): each compares one measured property with a limit."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ from grader.labs.imu.sensor_access.measure import FORM, Visit
 
 
 class Reading(TypedDict):
-    """Numbers of a message: the reading that was wanted, and the reading that the student's code returned."""
+    """Texts for a message: the reading that was wanted, and the reading that the student's code returned."""
 
     wanted: str
     got: str
 
 
 class Values(Reading, Form):
-    """Numbers of a message as in `Reading`, with the answer's form and the smallest difference between two of its numbers."""
+    """Texts for a message as in `Reading`, with the form of the answer, and `grain`, the smallest gap between its numbers.
+
+    A large gap shows that the reader rounds. It is infinite if all numbers are equal.
+    """
 
     grain: float
 
@@ -83,7 +86,7 @@ def check_leaves_simulation_alone(found: Explained) -> Deviation[Came] | None:
 
 
 def _off(visit: Visit, sensor: int, true: Array, *, whole: bool) -> tuple[Reading, Size]:
-    """Describe the row in which a sensor is furthest from what stands where it should be read."""
+    """Describe the row in which a sensor's readings are furthest from `true`, which should be read; `whole`: as three numbers."""
     got, name, unit = visit.got[sensor], SENSOR_NAMES[sensor], SENSOR_UNITS[sensor]
     gap = deviation(got, true)
     wanted, came = distinct_texts(true[gap.row], got[gap.row])

@@ -1,6 +1,6 @@
-"""Diagnosis of a reader: hypotheses on the address that it reads, and on what it does to the values.
+"""Diagnosis of a reader (`get_imu_readings`): hypotheses on the address that it reads, and on what it does to the values.
 
-Each sensor is explained by itself. A hypothesis predicts every number that the reader returned for the sensor, for every IMU.
+Accelerometer and gyroscope are explained separately. A hypothesis has to predict every number that was returned for every IMU.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ Change = Callable[[Scene, Array], Array]
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A hypothesis on one sensor: faults of the address, faults of the values, both or none.
+    """A guess at what a reader does with one sensor: a fault of the address in sensordata, a fault of the values, both or none.
 
     Attributes
     ----------
-    cost : how implausible the hypothesis is
-    place, values : id of the fault of the address, and of the values
-    start : returns the address that is read
-    change : returns the readings that the fault makes of the values at that address
+    cost : how implausible the guess is; the cheapest one that fits is the explanation
+    place, values : ids of the faults of the address, and of the values
+    start : function that returns the address that is read
+    change : function that returns the readings that the fault makes of the values at that address
     """
 
     cost: int
@@ -65,11 +65,14 @@ class Hypothesis:
         return self.place, self.values
 
     def predict(self, scene: Scene, sensor: int) -> Array:
-        """Return the readings (states, 3) that this hypothesis predicts for a sensor."""
+        """Return the readings (states, 3) that this hypothesis predicts for a sensor of a scene's IMU."""
         return self.change(scene, scene.at(self.start(scene, sensor)))
 
     def fits(self, seen: Seen) -> bool:
-        """Return whether this hypothesis predicts every reading. A prediction of zeros does not count: many faults give zeros."""
+        """Return whether this hypothesis predicts every reading of a sensor.
+
+        A changed value predicted as zero throughout, or as no number, proves nothing and does not fit: many faults give zeros.
+        """
         sensor, visits = seen
         first = self.predict(visits[0].scene, sensor)
         tells = np.isfinite(first).any() and (not self.values or first.any())
@@ -77,7 +80,7 @@ class Hypothesis:
 
 
 def _agree(got: Array, wanted: Array) -> bool:
-    """Return whether all returned numbers are the predicted ones; no number must be returned from beyond the end of sensordata."""
+    """Return whether all returned numbers are the predicted ones; where sensordata has no such numbers, none may be returned."""
     return same_where_known(got, wanted, ATOL) or not (np.isfinite(got).any() or np.isfinite(wanted).all())
 
 
@@ -105,7 +108,7 @@ _PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def _fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield a hypothesis for each address whose values are the reader's numbers in every state."""
+    """Yield a hypothesis for each address in sensordata whose values are the reader's numbers in every state, ids ignored."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
@@ -126,7 +129,7 @@ def _of_numbers(change: Callable[[Array], Array]) -> Change:
 
 
 def _turned(turning: str, frame: str, by_name: bool) -> Change:
-    """Rotate the values into or out of a frame: that of the sensor's site or body, or of the torso's if it is found by its name."""
+    """Return a change that rotates values into or out of the frame of a sensor's site or body; `by_name`: always the torso's."""
 
     def change(scene: Scene, x: Array) -> Array:
         return np.asarray(np.einsum(turning, getattr(scene.torso if by_name else scene, frame), x))
@@ -135,7 +138,7 @@ def _turned(turning: str, frame: str, by_name: bool) -> Change:
 
 
 def _of_body(name: str, first: int, up: float, by_name: bool) -> Change:
-    """Return another quantity of the simulator in place of the sensor's values: of the sensor's own body, or of the torso's."""
+    """Return a change that puts another quantity of the simulator, of the sensor's or the torso's body, in place of the values."""
 
     def change(scene: Scene, _x: Array) -> Array:
         return np.asarray(triple(getattr(scene.torso if by_name else scene, name), first) + np.array([0, 0, up]))
@@ -234,7 +237,10 @@ def _then_rounded(change: Change, decimals: int) -> Change:
 
 @dataclass(frozen=True)
 class Explained:
-    """Facts about a reader, with the hypothesis that explains each sensor; None if none does, or if several disagree."""
+    """Facts about a student's `get_imu_readings`, with the hypothesis that explains each of its two sensors.
+
+    A hypothesis is None if none fits, or if several that fit disagree on the fault.
+    """
 
     facts: Facts
     sensors: tuple[Hypothesis | None, ...] = (None, None)
@@ -249,7 +255,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """The faults of the address. Ignored ids also show in other IMUs, or as an exception in another model."""
+        """The ids of the faults of the address. Ignored ids also show in other IMUs, or as an exception in another model."""
         known = _named_places([each for each in self.sensors if each])
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
@@ -263,18 +269,18 @@ class Explained:
         return [value for each in self.sensors if each for value in each.values]
 
     def meant(self, visit: Visit, sensor: int) -> Array:
-        """Return the true values at the address that the reader reads for a sensor."""
+        """Return the true values at the address that the reader reads for a sensor, or at the right one if that is unknown."""
         known = self.sensors[sensor]
         return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
 
     @property
     def wrong_on_torso(self) -> list[int]:
-        """The sensors whose numbers on the robot itself are not those at the address that is read."""
+        """The sensors (0 accelerometer, 1 gyroscope) of the robot's own IMU whose numbers are not those at the address read."""
         return [i for i in BOTH if (known := self.sensors[i]) is None or known.values or self.lacks_numbers(i)]
 
     @property
     def share_altered(self) -> float:
-        """The share of the points that an altered sensor loses: gravity, for example, is in the acceleration alone."""
+        """The share of the points that altered values cost: all if both sensors are wrong, or gravity, which only one has."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 
@@ -312,11 +318,11 @@ class Explained:
         return known is not None and _agree(visit.got[sensor], known.predict(visit.scene, sensor))
 
     def _partly_right(self, sensor: int) -> bool:
-        """Return whether most numbers of the other IMUs are right, so that only some are altered."""
+        """Return whether at least half of the numbers of the other IMUs are right, so that the rest is altered, not misplaced."""
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether numbers are missing, and no wrong address explains it."""
+        """Return whether the reader returned too few finite numbers for a sensor, and no wrong address explains it."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
@@ -330,7 +336,7 @@ _NOT_FOUND = ("KeyError", "ValueError", "IndexError")
 
 
 def _explain(facts: Facts, sensor: int) -> Hypothesis | None:
-    """Return the cheapest hypothesis for a sensor that predicts all IMUs, else the cheapest that predicts the robot's own."""
+    """Return the cheapest hypothesis for a sensor that predicts all IMUs, else one that predicts the robot's own; None without."""
     everywhere = (*_hypotheses(), *_two_faults(), *_fixed_places(facts.torso, sensor))
     return explained(everywhere, sensor, facts.visits) or explained(_hypotheses(), sensor, [facts.torso])
 
@@ -346,13 +352,13 @@ def _named_places(found: Sequence[Hypothesis]) -> list[str]:
 
 
 def _rightness(visits: Sequence[Visit], sensor: int) -> float:
-    """Return the share of a sensor's numbers that are true."""
+    """Return the share of a sensor's numbers that are true; 0 without any visit."""
     right = [np.abs(visit.got[sensor] - visit.scene.true(sensor)) <= ATOL for visit in visits]
     return float(np.mean(np.concatenate(right))) if right else 0.0
 
 
 def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
-    """Return whether the ids are ignored: with those of another IMU, whose true values differ, the readings are the same."""
+    """Return whether the reader ignores the ids: it returns the same with those of another IMU, whose true values differ."""
     if torso.scene.sensordata is not other.scene.sensordata or not np.ptp(torso.got[sensor], axis=0).any():
         return False
     differ = np.abs(torso.scene.true(sensor) - other.scene.true(sensor)).max() > ATOL
@@ -363,7 +369,10 @@ def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Measure a reader and explain its readings. If these do not depend on the state, checks of address and copy are skipped."""
+    """Measure a reader and explain its readings; if these do not depend on the state, skip the checks that presuppose a reading.
+
+    These are the checks that the address is followed, that a reading is a copy, and that the simulation is left alone.
+    """
     facts = facts_of.measure(student, truth)
     if facts.stopped:
         return Explained(facts)
@@ -381,7 +390,7 @@ _CONSTANT = "a reading of the simulation: the function returns the same numbers 
 
 
 def _by_chance(facts: Facts) -> str:
-    """Say why readings that no hypothesis predicts cannot be judged; empty where they follow the states.
+    """Say why readings that no hypothesis predicts cannot be judged; "" if they depend on the simulator's state.
 
     Another process visits the states in reverse order. What follows them is more like the first visit by state than by call; a
     counter and seeded random numbers are the same by call.
@@ -405,7 +414,10 @@ def _by_chance(facts: Facts) -> str:
 
 
 def _likeness(first: Array, again: Array) -> float:
-    """Return the correlation of two visits (…, k, 3) of the same states, each channel about its mean in units of its spread."""
+    """Return the correlation of two visits (…, k, 3) of the same states, each channel about its mean in units of its spread.
+
+    It is 0 if no number is finite or the readings are constant.
+    """
     known = np.isfinite(first) & np.isfinite(again)
     if not known.any():
         return 0.0
@@ -442,7 +454,7 @@ REASONS: tuple[Reason[Explained], ...] = (
 
 
 def _departs(found: Explained) -> Sequence[str]:
-    """Return in what the calls depart from the sheet's; a reader that ignores the ids lacks parameters for that alone."""
+    """Return the parameters by which the calls differ from the sheet's; none if the reader ignores the ids, which is its fault."""
     ignores = PLACE in found.stopped or found.misplaced() is not None
     return () if ignores else found.facts.departs
 

@@ -22,7 +22,7 @@ CHECKS = ("returns_two_vectors", "matches_truth", "follows_address", "reading_is
 
 @dataclass(frozen=True)
 class Scene:
-    """State of the simulator in k states in which the reader is called with the ids of one IMU.
+    """What the simulator holds in the k states in which the student's reader is called with the ids of one IMU.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Scene:
 
     @classmethod
     def of(cls, scenario: Scenario, number: int = 0) -> Scene:
-        """Return the scene of one IMU of a scenario."""
+        """Return the scene of the IMU with this number in a scenario of the traces; 0 is the torso's."""
         accel, gyro = (int(sensor) for sensor in scenario["pairs"][number])
         site, body, cvel, cacc = (scenario[key][:, number] for key in ("site_xmat", "body_xmat", "cvel", "cacc"))
         of_robot = scenario["qvel"], scenario["qacc"]
@@ -64,7 +64,7 @@ class Scene:
         return triple(self.sensordata, first)
 
     def own(self, sensor: int) -> int:
-        """Return the address of the accelerometer (0) or the gyroscope (1)."""
+        """Return the address in sensordata of the IMU's accelerometer (0) or gyroscope (1)."""
         return int(self.address[self.pair[sensor]])
 
     def true(self, sensor: int) -> Array:
@@ -73,7 +73,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Visit:
-    """The (k, 3) accelerations and angular velocities that a reader returned in a scene, or the exception that it raised."""
+    """What a reader returned in one scene: (k, 3) accelerations and angular velocities, NaN where none came, and its exception."""
 
     scene: Scene
     got: tuple[Array, Array]
@@ -82,18 +82,18 @@ class Visit:
 
 @dataclass(frozen=True)
 class Facts:
-    """The facts about one reader.
+    """What was measured of one student's `get_imu_readings`, before anything is judged.
 
     Attributes
     ----------
     torso, again : the robot's IMU in every state, and once more in the same order
     others : the other IMUs of the robot, and those of a model with other names and another order
-    later : (2, 3) the first reading, looked at again after the simulation moved on
+    later : (2, 3) the arrays of the first reading, looked at again after the simulation moved on
     disturbance : largest changes of time, qpos, qvel and sensordata while reading
-    odd : in words, how the returned form deviates from the sheet; whole : whether each vector has three numbers
-    departs : the sheet's parameters that the reader could not be called with
-    reverse : the accelerations and angular velocities of another process that visits the states in reverse order
-    stopped : by check, what kept its property from being measured
+    odd : in words, how the returned form differs from the sheet's; "" if it does not; whole : whether each vector has three numbers
+    departs : the sheet's names of the parameters for which the reader had to be called in another way
+    reverse : accelerations and angular velocities from another process that visits the states in reverse; None if not asked for
+    stopped : by check, the exception that kept its property from being measured
     """
 
     torso: Visit
@@ -132,7 +132,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def in_reverse(student: Student, truth: Traces) -> tuple[Array, Array]:
-    """Return what another process reads of the robot's IMU in the reverse order of states, in the order of the states."""
+    """Return what another process reads of the robot's IMU in the states visited in reverse, sorted as the states are."""
     lab = truth["reading_lab"]
     states = {key: lab[key][::-1].copy() for key in ("qpos", "qvel")}
     readings = student.read_in_new_process(model=truth.models[lab.model or "lab"], pairs=lab["pairs"][:1], **states)
@@ -167,5 +167,5 @@ def _stopped(readings: Readings) -> dict[str, Exception]:
 
 
 def with_stops(facts: Facts, stop: Exception, *names: str) -> Facts:
-    """Return the facts with the exception `stop` as the reason why some checks cannot be judged."""
+    """Return the facts with the exception `stop` as the reason why the named checks cannot be judged."""
     return replace(facts, stopped={**facts.stopped, **dict.fromkeys(names, stop)})

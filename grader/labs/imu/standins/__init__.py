@@ -1,4 +1,4 @@
-"""Sound stand-ins, sent into the sandbox in place of a part that a student's own version gets wrong.
+"""The grader's own sound versions (stand-ins) of functions that a student got wrong, so that other criteria can be judged.
 
-They go over the wire as text, and only after the checks of that part are over. Each says no more than the lab sheet itself.
+They are sent into the sandbox as text, after the checks of the wrong function. Each says no more than the lab sheet itself.
 """

@@ -1,4 +1,4 @@
-"""The lab's questions: the functions that run in the sandbox beside a student's code, by operation."""
+"""What the sandbox worker of this lab can be asked: by operation, the function that calls student code and reports the result."""
 
 from __future__ import annotations
 
@@ -30,11 +30,10 @@ HANDLERS = {
 
 
 def sheet_names(lab_configuration: dict[str, Any], standins: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the names that a file of the sheet defines at its top level, as ``from imu_reader import *`` imports them.
+    """Return the names that a file of the sheet defines at top level, as ``from imu_reader import *`` expects them of a stand-in.
 
-    Parameters
-    ----------
-    standins : the stand-ins for the definitions of that file; objects that the sheet makes of them at its top level are made, too
+    `standins` are the grader's versions of that file's functions and classes. Objects that the sheet makes with them at top level,
+    such as `imu_data`, are made, too.
     """
     import matplotlib.pyplot as plt
 

@@ -1,4 +1,4 @@
-"""Questions about the sheet's extensions."""
+"""Call the student's code for the sheet's four extensions and report what it returned."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _PITCH = re.compile(r"pitch|theta", re.IGNORECASE)
 
 
 def tilt(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Run a new `ComplementaryFilter` over each case.
+    """Run a new `ComplementaryFilter` of the student's over each case, a record of both sensors.
 
     Parameters
     ----------
-    fields : ``path`` and ``cases``, each with ``dt`` (s), ``accel`` and ``gyro`` (array names, (n, 3))
+    fields : ``path`` (the student's file) and ``cases``, each with ``dt`` (s), ``accel`` and ``gyro`` (array names, (n, 3))
 
     Returns
     -------
@@ -55,7 +55,7 @@ def _tilt_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: 
 
 
 def _roll_and_pitch(value: Any) -> tuple[float, float]:
-    """Return the two angles of a pair, a longer sequence, a dictionary or an object; NaN if there are none."""
+    """Return the two angles of a pair, a longer sequence, a dictionary or an object; NaN where they are missing."""
     try:
         if hasattr(value, "keys"):
             return _named({str(key): value[key] for key in value.keys()})  # noqa: SIM118 - any mapping
@@ -68,7 +68,7 @@ def _roll_and_pitch(value: Any) -> tuple[float, float]:
 
 
 def _named(members: dict[str, Any]) -> tuple[float, float]:
-    """Return the two angles by the names of the members."""
+    """Return roll and pitch by the names of the members; NaN for a missing angle."""
     roll = next((v for k, v in members.items() if _ROLL.search(k)), np.nan)
     pitch = next((v for k, v in members.items() if _PITCH.search(k)), np.nan)
     return float(numbers(roll).reshape(())), float(numbers(pitch).reshape(()))
@@ -78,7 +78,7 @@ def _named(members: dict[str, Any]) -> tuple[float, float]:
 
 
 def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `allan_deviation` with one record.
+    """Call the student's `allan_deviation` with one record and report the returned value.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `read_all_imus` in every state. Report each answer at once, and the first one again after the next step.
+    """Call the student's `read_all_imus` in every state, and look at the first answer again after a step: it has to be a copy.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : a node for each state; ``later`` : the first state's answer, read again after the next step.
+    ``calls`` : each state's answer, as a node (description of a value); ``later`` : the first answer again, after the next step.
     """
     function = submission.find("read_all_imus", fields["path"])
     packer = Packer()

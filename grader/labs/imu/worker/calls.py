@@ -1,4 +1,7 @@
-"""Slots of the lab's functions: the arguments of each, and other names that students use for the parameters."""
+"""How the lab's functions are called: the sheet's arguments as slots, and the other names that students give the parameters.
+
+Each tuple of slots belongs to one function. `plan_call` and `adapt` match a student's parameters with them.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ def _meaning(pattern: str) -> re.Pattern[str]:
 
 
 def _sensor_patterns(quantity: str, other: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
-    """Return patterns of parameter names for a quantity of the accelerometer and of the gyroscope, without names of `other`."""
+    """Return name patterns of two parameters, a `quantity` of the accelerometer and of the gyroscope, without names of `other`."""
     accel, gyro = (
         rf"^(?!.*({other}))(({own}).*({quantity})|({quantity}).*_({own}))" for own in ("a", "g|w|omega|rate")
     )
@@ -97,11 +100,11 @@ PLOT_TEXTS = {"file_name": "imu_data.png", "title": "IMU data"}
 
 
 class Reader:
-    """Caller of a student's reader. A reader that fails with ids and works with sensor names is called with names.
+    """A student's `get_imu_readings`, called as on the sheet; with sensor names if it fails with ids and works with names.
 
     Attributes
     ----------
-    departs : parameters in which its signature differs from the sheet's, known after the first reading
+    departs : the sheet's names of the parameters in which its signature differs, complete after the first reading
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -128,10 +131,10 @@ class Reader:
 
 
 def method_of(instance: Any, name: str, takes: int) -> tuple[Callable[..., Any], list[str]]:
-    """Return the method of this name, and no departures from the sheet.
+    """Return the method of this name, and an empty list: it does not differ from the sheet's.
 
-    If the class has no such method and only one public method of its own needs `takes` arguments, return it, and its other name
-    as the departure.
+    If the class has no such method, but just one public method that needs `takes` arguments, return that and ``["method <name>"]``.
+    If there is no such method either, an AttributeError is raised.
     """
     if not hasattr(instance, name):
         members = {own: each for kind in reversed(type(instance).__mro__) for own, each in vars(kind).items()}
@@ -143,13 +146,13 @@ def method_of(instance: Any, name: str, takes: int) -> tuple[Callable[..., Any],
 
 
 def _needed(function: Callable[..., Any]) -> int:
-    """Return how many arguments a function needs."""
+    """Return how many arguments without a default a function needs, so that a renamed method is found by their number."""
     parameters = inspect.signature(function).parameters.values()
     return sum(each.default is each.empty and each.kind is each.POSITIONAL_OR_KEYWORD for each in parameters)
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return arguments for a `read` that takes readings: each sensor's present values, and the time since the last ones."""
+    """Return arguments for a `read` that asks for readings: each sensor's present values, and the time since the last ones."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
@@ -157,7 +160,10 @@ def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[
 def adapt_collector(
     function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return a `simulate_and_collect` that is called as on the sheet, with ids passed if it asks for them, and its departures."""
+    """Return the student's `simulate_and_collect` as a function that is called as on the sheet, and where it differs from that.
+
+    Sensor ids and the number of steps are passed if it has parameters for them.
+    """
     steps = round(duration_s / model.opt.timestep)
     return adapt(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})
 
@@ -168,7 +174,7 @@ _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 
 
 def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
-    """Return a function that builds a filter from the sheet's options, and where its signature differs from the sheet's.
+    """Return a function that builds the student's filter from the sheet's options, and the sheet's names of what differs.
 
     A filter that takes a cutoff or a time constant gets the values that correspond to alpha. For an RC circuit, sampled by the
     backward difference, alpha = dt / (RC + dt), and the cutoff is 1 / (2 pi RC).

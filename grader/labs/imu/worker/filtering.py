@@ -1,4 +1,4 @@
-"""Questions about the low-pass filter: signals run through it, each case by itself."""
+"""Run signals through the student's low-pass filter and report what came out."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .questions import Reply, parts_of, reporting_errors, vectors_in
 
 
 def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Run filters over given measurements, each case by itself.
+    """Run the student's `LowPassFilter` over given measurements, a new instance for each case.
 
     Parameters
     ----------
@@ -28,7 +28,8 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``cases`` : per case ``output`` (array name) or None, ``odd`` (node), ``error``, ``input_changed``, ``output_changed``.
+    ``cases`` : per case ``output`` (array name or None), ``odd`` (what came in place of the first missing vector), ``error``,
+        ``departs``, ``input_changed``, ``output_changed``.
     """
     kind = submission.find("LowPassFilter", fields["path"])
     packer = Packer()
@@ -80,14 +81,17 @@ def _filter_case(
 
 
 def _vectors_kept(instance: Any) -> list[tuple[str, np.ndarray]]:
-    """Return copies of the vectors that a filter keeps in its attributes, by name."""
+    """Return copies of the vectors that a filter keeps in its attributes, by name; empty for an object without attributes."""
     with suppress(TypeError):
         return [(name, vector.copy()) for name, vector in vectors_in(vars(instance).items())]
     return []
 
 
 def _hidden_state(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Return the vector that the filter keeps where no update returned one, if only one differs from the input."""
+    """Return the vectors that the filter keeps if no update returned one: its output, of a filter that forgets `return`.
+
+    If several kept vectors differ from the input and from each other, or an update returned a vector, return `rows`.
+    """
     if not np.isnan(rows).all() or len({tuple(name for name, _ in each) for each in kept}) != 1:
         return rows
     series = [np.array([vector for _, vector in each]) for each in zip(*kept, strict=True)]
@@ -99,7 +103,10 @@ def _hidden_state(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, 
 def _filtered(
     update: Callable[[np.ndarray], Any], measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
 ) -> tuple[Any, np.ndarray]:
-    """Pass one measurement to the filter; return what came back, and the row of numbers in it (NaN if there is none)."""
+    """Pass one measurement to the filter; return what came back, and the row of numbers in it (NaN if there is none).
+
+    What the filter did to the measurement, and the first value of another form, are noted in `answer`.
+    """
     given = measurement.copy()
     value = update(given)
     try:
@@ -116,7 +123,7 @@ def _filtered(
 
 
 def _first_vector(value: Any, measurement: np.ndarray) -> np.ndarray:
-    """Return the first vector in a value of another form, other than the measurement itself; NaN if there is none."""
+    """Return the first vector in a value of another form that is not the measurement itself, else that; NaN if there is none."""
     with suppress(TypeError):
         vectors = [vector.copy() for _, vector in vectors_in(parts_of(value))]
         return next((v for v in vectors if not np.array_equal(v, measurement)), [*vectors, np.full(3, np.nan)][0])

@@ -1,4 +1,4 @@
-"""Questions about `live_plot`: the curves and the simulated time at each moment when a figure is shown."""
+"""Run the student's `live_plot` without a window, and record its curves against the simulated time."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 class _PlotRecorder:
-    """Recorder of the curves that a live plot shows, against the simulated time."""
+    """Recorder of the curves that a live plot shows, with the simulated time of each change, to see whether the plot grows."""
 
     def __init__(self, data: Any, duration_s: float) -> None:
         self._data, self._start, self._duration_s = data, float(data.time), duration_s
@@ -83,7 +83,7 @@ class _PlotRecorder:
         return self.simulated >= self._duration_s * 0.999
 
     def seen(self, figure: Any) -> None:
-        """Record the curves of a figure that is shown, if they have changed."""
+        """Record the curves of a figure that is shown, and of all open ones, if they have changed."""
         shown = {id(one): one for one in (figure, *open_figures())}
         curves = [curve for one in shown.values() for curve in _curves(one)][:_MAX_CURVES]
         points = sum(len(x) for _, x, _ in curves)

@@ -1,4 +1,4 @@
-"""Questions about the noisy IMU: many reads in a simulation that does not move."""
+"""Read the student's noisy IMU many times in a simulation that does not move."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _RATE = re.compile(r"gyr|ang|omega|rate", re.IGNORECASE)
 
 
 def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build one `NoisyIMU` and read it many times, in one state after the other.
+    """Build one `NoisyIMU` of the student's and read it many times, in one state after the other.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Returns
     -------
     arrays ``accel``, ``gyro`` (s, reads, 3), NaN if a read did not return two vectors of three (``odd``: the first such value);
-    ``disturbance`` (s, 4), as for `read`.
+    ``disturbance`` (s, 4): largest change of time, qpos, qvel and sensordata by the first read in each state.
     """
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
@@ -101,9 +101,9 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def _restart_generators(owner: Any = None, seed: int = 1234) -> None:
-    """Give every random generator one common state: the global ones, and those in the submission's modules, classes and `owner`.
+    """Give all random generators one state: the global ones, and those in `owner` and in the submission's modules and classes.
 
-    Any seed works as long as the instances that are compared share it.
+    Any seed works as long as the instances that are compared share it. `owner` is an instance; None: no further generators.
     """
     repeatability.seed(seed)
     modules = list(submission.STATE.modules.values())
@@ -124,10 +124,10 @@ def _restart_generators(owner: Any = None, seed: int = 1234) -> None:
 
 
 class _FrozenSimulation:
-    """Simulation that is put back into one state after each read.
+    """Simulation that is put back into one state after each read, so that all reads of a noisy IMU have the same true values.
 
-    If a read writes to the sensor data, the following reads are not affected. If a read steps or resets the simulation, which
-    leaves_simulation_alone deducts, the change of the sensors is subtracted from its row.
+    If a read writes to the sensor data, the following reads are not affected. If a read steps or resets the simulation, which the
+    check leaves_simulation_alone deducts, the change of the sensors is subtracted from its row.
     """
 
     def __init__(self, fields: dict[str, Any], model: Any, data: Any, qpos: Any, qvel: Any) -> None:
@@ -140,13 +140,13 @@ class _FrozenSimulation:
         self._moved = False
 
     def changes(self) -> list[float]:
-        """Return the changes by the first read, and note whether it moved the simulation: then `again` restores it."""
+        """Return what the read changed: time, qpos, qvel and sensordata; note whether it moved the simulation, for `restore`."""
         found = changes_of(self._before, state_of(self._data))
         self._moved = any(found[:3])
         return found
 
     def restore(self, row: np.ndarray) -> None:
-        """Restore the state before the read that returned this row, and remove the effect of the change from the row."""
+        """Restore the state before the read that returned this row, and remove the effect of a moved simulation from the row."""
         if self._moved:
             row -= (self._sensordata - self._clean)[self._columns]
             put_in_state(self._model, self._data, self._qpos, self._qvel)
@@ -156,7 +156,10 @@ class _FrozenSimulation:
 def _imu_builder(
     fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]
 ) -> Callable[..., tuple[Any, Callable[[], Any]]]:
-    """Return a function that builds a `NoisyIMU` from biases and standard deviations, and returns it with its read function."""
+    """Return a function that builds a `NoisyIMU` from biases and standard deviations, and returns it with its read function.
+
+    Names of parameters and methods that differ from the sheet's are added to ``answer["departs"]``.
+    """
     kind = submission.find("NoisyIMU", fields["path"])
     way = plan_call(kind, calls.NOISY)
     answer["departs"] = list(way.departs)
@@ -178,7 +181,7 @@ def _imu_builder(
 
 
 def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
-    """Write a reading into a row; note the first one of another form, and find the two vectors in it."""
+    """Write the two vectors of a reading into a row (NaN if there are none); note the first reading of another form as `odd`."""
     as_asked = not isinstance(reading, dict)
     try:
         try:
@@ -195,7 +198,7 @@ def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer
 
 
 def _two_vectors(reading: Any) -> Iterable[Any]:
-    """Return both vectors of another form: six numbers in a row, or two vectors among other values, named or in order."""
+    """Return both vectors of a reading in another form: six numbers, or two vectors among other values, by name or in order."""
     parts = parts_of(reading)
     if len(parts) == 6:
         return np.reshape(numbers([part for _, part in parts]), (2, 3))

@@ -38,7 +38,7 @@ def provide_ids(ids: Mapping[str, int]) -> None:
 
 
 def provide_ids_of(model: Any) -> None:
-    """Look up the ids of the robot's IMU in `model` and set the globals as `provide_ids` does; skip a model without it."""
+    """Look up the ids of the robot's IMU in `model` and set the globals as `provide_ids` does; do nothing if it has no such IMU."""
     import mujoco
 
     names = submission.STATE.lab_configuration.get("imu", ())
@@ -123,14 +123,17 @@ def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Itera
 
 
 def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
-    """Return whether a global may be the recording: it is None, a dict, a sequence without text, or of a student's class."""
+    """Return whether a global may be the recording: it is None, a dict, a sequence without text, or of a student's class.
+
+    `classes` are the names of the submission's modules.
+    """
     if isinstance(value, tuple | list):
         return not any(isinstance(part, str) for part in value)
     return value is None or isinstance(value, dict) or type(value).__module__ in classes
 
 
 def globals_read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
-    """Return which of model and data a function reads as globals although it has an unused parameter for it.
+    """Return which of model and data (`slots`) a function reads as globals although it has an unused parameter for it.
 
     The list is empty if it is no Python function. Call this while `set_model_and_data` is entered.
     """
@@ -149,13 +152,16 @@ def globals_read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
 
 
 def _own_names(function: FunctionType, *slots: Slot) -> list[str]:
-    """Return the parameters that suit one of the slots; without slots, those without a default."""
+    """Return the names of a function's parameters that suit one of the slots; without slots, those without a default."""
     parameters = inspect.signature(function).parameters.values()
     return [p.name for p in parameters if (any(slot.suits(p) for slot in slots) if slots else p.default is p.empty)]
 
 
 def _scene_globals(module: ModuleType, name: str, given: Any) -> Iterator[tuple[ModuleType, str, Any]]:
-    """Return where a module's functions read a model or data from globals, with the present value."""
+    """Yield module, name and present value of each global that a module's functions read as `name`, "model" or "data".
+
+    It holds an object of the type of `given`, or it is unset and has such a name.
+    """
     values = vars(module)
     for own in {own for function in _functions(module) for own in _globals_read(function.__code__, "LOAD_GLOBAL")}:
         held = values.get(own)
@@ -181,7 +187,7 @@ def _functions(module: ModuleType) -> list[FunctionType]:
 
 
 def _values_read(function: FunctionType) -> Iterator[Any]:
-    """Yield the values of all globals that a function reads, directly or through other functions."""
+    """Yield the values of all globals that a function reads, directly or through other functions; None for an unset one."""
     seen, waiting = {function}, [function]
     while waiting:
         this = waiting.pop()
@@ -200,7 +206,7 @@ def _is_no_id(value: Any) -> bool:
 
 @functools.cache  # asked for every instance of a class
 def _globals_read(code: CodeType, by: str) -> frozenset[str]:
-    """Return the globals that code and its nested functions use with the bytecode instruction `by`."""
+    """Return the globals that code and its nested functions use with the bytecode instruction `by`, LOAD_GLOBAL or STORE_GLOBAL."""
     inner = (name for const in code.co_consts if isinstance(const, CodeType) for name in _globals_read(const, by))
     return frozenset({str(step.argval) for step in dis.get_instructions(code) if step.opname == by}.union(inner))
 

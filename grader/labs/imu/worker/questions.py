@@ -1,6 +1,6 @@
-"""Questions about reader, recorder and plot: each runs one student function on given states and reports the results.
+"""Run a student's reader, recorder or plot on given states and report the results, one function for each kind of question.
 
-An answer consists of facts and arrays. An exception of the student's ends the question and is reported with the earlier results.
+A reply consists of fields and arrays. An exception of the student's ends the question and is reported with the earlier results.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
-    """Return the members of a dictionary, a sequence or an object, by name where it has names; TypeError without members."""
+    """Return the members of a dictionary, a sequence or an object, with their names where it has any; TypeError without members."""
     if isinstance(value, dict):
         return [(str(name), part) for name, part in value.items()]
     if isinstance(value, tuple | list | np.ndarray):
@@ -55,18 +55,20 @@ def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]
 
 
 def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the reader with every pair of sensors in every state; report each reading at once and after the next step.
+    """Call the student's reader with every pair of sensors in every state; report each reading at once and after the next step.
 
     Parameters
     ----------
-    fields : ``path``, ``model`` (XML text)
+    fields : ``path`` (the student's file), ``model`` (XML text)
     arrays : ``qpos`` (k, nq), ``qvel`` (k, nv), ``pairs`` (p, 2) sensor ids
 
     Returns
     -------
-    ``calls`` : a node for each pair and state; ``later`` : the readings of the first state again, after a step and another reading;
+    ``calls`` : for each pair and state a node, the description of a returned value; ``later`` : the readings of the first state
+        again,
+        after a step and another reading
     arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by a reading, in each of these states and
-    after that step.
+        after that step
     """
     reader = submission.find("get_imu_readings", fields["path"])
     packer = Packer()
@@ -149,7 +151,9 @@ def step_and_shift(model: Any, data: Any) -> None:
 
 
 def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `simulate_and_collect` on the lab model, from a dirty state if one is given.
+    """Call the student's `simulate_and_collect` on a model, with data in a used (dirty) state if one is given.
+
+    The reply has the returned ``value``, what the call ``changed`` of the model, and the start of the run (``first_…`` arrays).
 
     Parameters
     ----------
@@ -183,7 +187,7 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Step the lab model from a given state, in a worker without a submission.
+    """Step a model from a given state, in a worker without student code, to test what a student's process reported of a run.
 
     Parameters
     ----------
@@ -220,7 +224,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def _replayed_steps(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
-    """Yield model and data after each step of a run; set the state where the record says so."""
+    """Yield model and data after each step of a run; set the state before the steps in ``set_at``."""
     import mujoco
 
     model = model_of(fields["model"])
@@ -263,7 +267,7 @@ def _options(model: Any) -> dict[str, np.ndarray]:
 
 
 def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `plot_imu_data` with the given data; report what it drew and saved.
+    """Call the student's `plot_imu_data` with the given data; report what it drew and saved.
 
     Parameters
     ----------
@@ -274,7 +278,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``given`` : with a recorder, a node of what it returned
+    ``given`` : a node (description) of what the recorder returned; None without a recorder
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)
@@ -299,9 +303,9 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str, Any]) -> Any:
-    """Return what the submission records in a run with these series as measurements, in its own form.
+    """Return what the submission's recorder returns, in its own form, of a run in which the sensors measure these series.
 
-    If it alters what it reads, the given series replace its own series of the same form.
+    If the recorder alters what it reads, the given series replace its own series of the same form.
     """
     function = submission.find("simulate_and_collect", recorder["path"])
     model, data = simulation_of(recorder["model"])
@@ -321,7 +325,7 @@ def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str
 
 @contextmanager
 def _measuring(time: np.ndarray, measured: dict[int, np.ndarray]) -> Iterator[None]:
-    """Make each step measure the next row (n, 3) at each sensor address; nothing moves."""
+    """Make each step measure the next row (n, 3) at each sensor address, in place of a simulation; nothing moves."""
     import mujoco
 
     steps = 0

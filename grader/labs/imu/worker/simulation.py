@@ -24,10 +24,10 @@ _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 
 
 def warm_up(thorough: bool) -> None:
-    """Let callbacks of a simulation be called, and with `thorough` simulate a step, so that no forked worker pays for the first.
+    """Prepare MuJoCo once in the parent process, and with `thorough` simulate a step, so that no forked worker pays for the first.
 
     MuJoCo keeps its wrapper classes among the built-in functions of its caller. All steps are made by a function of the worker code
-    (see `_watch_steps`), and the worker's built-in functions are its own.
+    (see `_watch_steps`), whose built-in functions are its own, so these classes are copied there.
     """
     own = globals()["__builtins__"]
     own.update({name: value for name, value in vars(builtins).items() if name.startswith("__MUJOCO_")})
@@ -39,7 +39,7 @@ def warm_up(thorough: bool) -> None:
 
 
 def install(lab_configuration: Mapping[str, Any]) -> None:
-    """Put the robot where the sheet expects it, and replace what loads it, steps it and shows it.
+    """Put the robot where the sheet expects it, and replace the MuJoCo functions that load, step and show it.
 
     Parameters
     ----------
@@ -56,9 +56,9 @@ def install(lab_configuration: Mapping[str, Any]) -> None:
 
 
 def _place_model(sheet: pathlib.PurePosixPath, file: str, model: str) -> None:
-    """Write the model where the sheet expects it, and redirect missing paths with its name to that file, in the loaders, too.
+    """Write the model where the sheet expects it, and make MuJoCo's loaders find it under any missing path with its file name.
 
-    The name on the sheet is redirected, too, if an instructor's robot has another name.
+    This holds for the file name on the sheet, too, if an instructor's robot has another one.
     """
     path = pathlib.Path(sheet.parent, file)
     if not path.exists():
@@ -86,7 +86,7 @@ def _place_model(sheet: pathlib.PurePosixPath, file: str, model: str) -> None:
 
 
 class _Viewer(Stub):
-    """MuJoCo viewer without a window; `is_running` becomes false after a number of calls or some CPU time."""
+    """MuJoCo viewer without a window; `is_running` becomes false after a number of calls or some CPU time, so that loops end."""
 
     def __init__(self, model: Any, data: Any, **_: object) -> None:
         scene = mujoco.MjvScene(model, _MAX_MARKS)
@@ -102,7 +102,7 @@ class _Viewer(Stub):
 
 
 def _open_no_window() -> None:
-    """Replace the viewer and what draws by stubs that accept any call."""
+    """Replace MuJoCo's viewer and renderer by stubs that accept any call."""
     viewer = Stub("mujoco.viewer", launch_passive=_Viewer, Handle=_Viewer)
     for name, stub in (("glfw", Stub("mujoco.glfw")), ("viewer", viewer)):
         setattr(mujoco, name, stub)
@@ -117,7 +117,7 @@ _ROUNDING = 1e-12  # a quaternion that was made a unit again is not set from out
 
 
 class _RunRecorder:
-    """Recorder of a simulation run: its start, and each change of its state between two steps."""
+    """Recorder of a simulation run: its start, and each change of its state between two steps, which student code made."""
 
     def __init__(self) -> None:
         self._read_state = _state_reader()
@@ -148,7 +148,7 @@ class _RunRecorder:
             self._read_state(model, data, self._left)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Return the first state, the number of steps, and the later changes: before which steps, and to which states."""
+        """Return the first state, the number of steps, and the states set later with the steps before them; {} without a step."""
         if not self._first:
             return {}
         states = np.array([state for _, state in self._changes]).reshape(-1, len(self._left))
@@ -187,14 +187,14 @@ def watch_next_run() -> None:
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """Return the record of the run, and stop recording."""
+    """Return the record of the run, and stop recording; {} if nothing was recorded."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
     return course.arrays() if course else {}
 
 
 def _watch_steps() -> None:
-    """Replace MuJoCo's step functions by ones that advance the clock and record the run."""
+    """Replace MuJoCo's step functions by ones that advance the clock that student code sees, and record the run."""
 
     def watched(step: Callable[..., Any], *, begins: bool, ends: bool) -> Callable[..., Any]:
         def stepping(model: Any, data: Any, *args: Any, **kwargs: Any) -> Any:
