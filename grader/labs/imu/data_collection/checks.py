@@ -20,10 +20,10 @@ Push = TypedDict("Push", {"came": str, "n": int})
 
 
 class Rows(TypedDict):
-    """Numbers for messages about wrong rows of a recording: their counts, and the row that differs most from the truth.
+    """Numbers for the message of a check that found wrong rows in a recording: their counts, and the row furthest from the truth.
 
-    `filled` rows are not left zero, `late` is by how many samples rows are late or early, `changed` says what the code changed of
-    the model, and `of` names the key if only one sensor is wrong. `wanted` and `came` show the row.
+    `filled` counts the rows that are not left zero, `late` the samples by which rows are late or early. `changed` says what the
+    code changed of the model, `of` names the key if only one sensor is wrong, and `wanted` and `came` show the row.
     """
 
     n: int

@@ -1,4 +1,4 @@
-"""Properties of `simulate_and_collect` that follow once its recordings are explained: form, rows, time stamps, start."""
+"""Properties of a student's `simulate_and_collect` that checks and fault hypotheses ask about: form, rows, time stamps, start."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ from grader.labs.imu.data_collection.row_origins import RowOrigin, moves, time_e
 
 @dataclass(frozen=True)
 class Explained:
-    """Facts about a student's `simulate_and_collect`, and the origin of the rows in each of its two recordings, None if unknown.
+    """What was measured of a student's `simulate_and_collect`, and where the rows of its two recordings come from, None if unknown.
 
-    `push` explains the recording of the sheet's push, `later` that of a run which begins with data of an earlier run. The checks
-    and the hypotheses of `explain.py` read it.
+    `push` explains the recording of the sheet's push, `later` that of a run which begins with data of an earlier run. `explain.py`
+    makes it; the checks and the hypotheses on faults read its properties.
     """
 
     facts: Facts
@@ -45,7 +45,7 @@ class Explained:
 
     @property
     def series(self) -> Collection:
-        """The recording of the run with the sheet's push."""
+        """The recording of the run with the sheet's push, from which most properties follow."""
         return self.facts.push.series
 
     # ---- form
@@ -69,7 +69,7 @@ class Explained:
 
     @property
     def count_off(self) -> Run | None:
-        """The run that has another number of rows than of steps, the later one if both have; None if neither has.
+        """The run that has another number of rows than of steps, the later one if both have; None if the check passes.
 
         One row more or less is accepted, as are zero rows after the last step, and too few rows that a missing reset explains.
         """
@@ -84,13 +84,13 @@ class Explained:
 
     @property
     def ends_at_once(self) -> bool:
-        """Return whether the recording stops after the first few rows, too few to tell by them what later rows would hold."""
+        """Return whether the recording stops after the first few rows, too few to identify a run: the fault `ends-early`."""
         few = self.series.filled_rows < min(FEWEST_ROWS, self.facts.push.model_steps // 2)
         return self.push is not None and self.push.skip == 1 and few
 
     @property
     def is_no_recording(self) -> bool:
-        """Return whether there are so few different rows that they show no motion, although the duration has many steps."""
+        """Return whether so few different rows exist that they show no motion, so that no check of a run can be judged."""
         steps = self.series.first_step.get("steps", np.zeros(1))[0]
         few = min(FEWEST_ROWS, self.facts.push.model_steps // 2)
         rows = next(rows for rows in self.series.sensors if rows is not None)
@@ -100,7 +100,7 @@ class Explained:
 
     @property
     def last_alone(self) -> bool:
-        """Return whether the recording has one filled row only, the reading after the last step."""
+        """Return whether only one row is filled, with the reading after the last step: the fault `only-last-row`."""
         single = self.push is not None and self.push.skip > 1 and self.facts.push.length == 1
         return single or self.series.last_alone
 
@@ -128,7 +128,7 @@ class Explained:
 
     @property
     def stamp_errors(self) -> Array:
-        """Distance (n,) of each time stamp from the true time, in seconds."""
+        """Distance (n,) of each time stamp from the true time, in seconds, for the check `time_axis`."""
         return time_error(self.stamps, self.facts.push.timestep, self.push or RowOrigin())
 
     @property
@@ -138,7 +138,7 @@ class Explained:
 
     @property
     def keeps_timestep(self) -> Run | None:
-        """The run whose time stamps have the time step of another model, as a hard-coded step gives; None if no run has."""
+        """The run whose stamps have the time step of another model, the fault `hard-coded-timestep`; None if no run has."""
         push, later = self.facts.push, self.facts.later
         if self.stamps_off > TIME_ATOL:
             return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
@@ -173,14 +173,14 @@ class Explained:
 
     @property
     def starts_over(self) -> bool:
-        """Return whether all rows after the first show one state, because the code sets the start again in every pass."""
+        """Return whether all rows after the first show one state: the code sets the start again in every pass of its loop."""
         again = self.push_claim is not None and len(self.push_claim.set_at) > 0
         filled = self.series.rows(1, self.series.filled_rows)
         return again and all_alike(filled) and self.push is not None and not self.push.aliased
 
     @property
     def driven(self) -> bool:
-        """Return whether the code sets the state again before most of the steps that it makes."""
+        """Return whether the code sets the state before most of its steps: the fault `driven-in-every-step`."""
         steps = self.series.first_step.get("steps", np.zeros(1))[0]
         return self.push_claim is not None and len(self.push_claim.set_at) > max(steps // 2, 1)
 
@@ -198,7 +198,7 @@ class Explained:
 
     @property
     def one_is_late(self) -> bool:
-        """Return whether one sensor has its true rows, and each row of the other sensor holds the reading of the step before."""
+        """Return whether one sensor has its true rows and the other those of the step before: it is read before the step."""
         return not self.plain and any(self.is_right(which) and self._is_late(1 - which) for which in BOTH)
 
     def _is_late(self, which: int) -> bool:
@@ -212,7 +212,7 @@ class Explained:
 
     @property
     def treated(self) -> bool:
-        """Return whether rounding, or a linear map with an offset, makes all rows of each altered sensor out of the true ones."""
+        """Return whether rounding or a linear map with an offset makes the altered rows of the true ones: `rows-altered`."""
         keys = self.push.altered if self.push is not None else ()
         pairs = dict(zip(SENSORS, zip(self.series.sensors, self.true_rows, strict=True), strict=True))
         known = [(key, got, true) for key, (got, true) in pairs.items() if key in keys and got is not None]
@@ -220,7 +220,7 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows are wrong by less than a real sensor's noise, which costs only half of the points."""
+        """Return whether both sensors' rows are wrong by less than a real sensor's noise, which costs half of the points."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
@@ -242,7 +242,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and end before the run does; if they reach its end, `sample_count` deducts."""
+        """Return whether rows leave out steps and end before the run: `samples-skipped`. To its end, `sample_count` deducts."""
         return (
             self.push is not None
             and self.push.skip != 1
@@ -251,7 +251,7 @@ class Explained:
 
     @property
     def steps_beyond_rows(self) -> int:
-        """Number of simulated steps minus number of rows, which tells how many rows were left out."""
+        """Number of simulated steps minus number of rows: -1 if the first row is left empty, many after settling."""
         return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
 
     @property
@@ -272,7 +272,7 @@ class Explained:
 
     @property
     def second_is_empty(self) -> bool:
-        """Return whether the first recording has rows and the second, of the same process, has none."""
+        """Return whether the first recording has rows and the second, of the same process, none: the fault `ignores-duration`."""
         return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property
@@ -281,7 +281,7 @@ class Explained:
 
     @property
     def rows_left(self) -> int:
-        """Largest number of rows of an earlier run that a recording begins with."""
+        """Largest number of rows of an earlier run that a recording begins with: the fault `keeps-old-rows`."""
         return max(run.left for run in self.facts.runs)
 
     @property
@@ -304,7 +304,7 @@ class Explained:
 
     @property
     def goes_on(self) -> bool:
-        """Return whether a run continues from the state of an earlier run, or starts in a pose that is not the reset pose."""
+        """Return whether a run continues an earlier one, or starts in another pose than the reset pose: the fault `no-reset`."""
         later, left_at = self.facts.later, self.facts.left_at
         # The stamps of both runs may begin late, by the same time or by as many steps.
         late = _first_stamp(self.facts.push)
@@ -321,14 +321,14 @@ class Explained:
 
     @property
     def other_velocities(self) -> bool:
-        """Return whether the run after an earlier one begins with other velocities than the first run."""
+        """Return whether the run after an earlier one begins with other velocities than the first run; False if unknown."""
         first = self.series.first_step
         claim = _claim_of(self.later, self.facts.later) if self.facts.later is not None else None
         return claim is not None and self.later is not None and bool(first) and differ(claim.qvel, first["qvel"])
 
     @property
     def pushed_apart(self) -> bool:
-        """Return whether two runs from a fresh state start with different velocities, because the push is random."""
+        """Return whether two runs from a fresh state start with different velocities: the fault `random-push`."""
         return bool(self.facts.velocities) and differ(*self.facts.velocities)
 
     @property
@@ -337,7 +337,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """The start of the run in words, such as a push in another direction; "" if it starts with the sheet's push."""
+        """The start of the run in words, if it is not the sheet's push; "" if it is, and the check `applies_push` passes."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"

@@ -162,7 +162,7 @@ def _from(found: Explained) -> str:
 
 
 def row_fault(found: Explained) -> str:
-    """Return the id of the first fault of `ROW_FAULTS` that the rows show, such as reading before the step; "" for none."""
+    """Return the id of the first fault in `ROW_FAULTS` that the rows show, such as "read-before-step"; "" if they are right."""
     return next((fault for fault, holds in ROW_FAULTS if holds(found)), "")
 
 

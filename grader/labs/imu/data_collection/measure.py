@@ -87,7 +87,7 @@ class Claim:
 
 
 def differ(a: Array, b: Array | float) -> bool:
-    """Return whether two simulator states differ by more than rounding."""
+    """Return whether two simulator states differ by more than rounding, so that code has set one of them."""
     return bool(np.abs(a - b).max(initial=0.0) > SAME_STATE)
 
 
@@ -127,7 +127,7 @@ class Run:
 
     @property
     def steps(self) -> int:
-        """Number of time steps in the duration of the run."""
+        """Number of time steps in the duration of the run, and so of the rows that are expected."""
         changed = self.timestep != self.model_timestep and self.timestep > 0
         return round(self.duration_s / self.timestep) if changed else self.model_steps
 
@@ -217,10 +217,10 @@ def _run(series: Collection, scenario: Scenario, before: Collection | None = Non
 
 
 def with_claim(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with worlds that a second worker, without the submission, simulates from the start that was reported.
+    """Return the run with worlds (simulated runs) that a worker without student code makes from the start that was reported.
 
-    Each world has the readings of a pair of sensors: the right ones, those of each other IMU, the model's last sensor (which ``id =
-    -1`` reads), and those with the ids of the students' model if this robot has other ids. If no start was reported, or it cannot
+    Each world has the readings of a pair of sensors: the right ones, those of each other IMU, the model's last sensor (which an id
+    of -1 reads), and those with the ids of the students' model if this robot has other ids. If no start was reported, or it cannot
     be simulated, the run is unchanged.
     """
     start = run.series.first_step
@@ -242,7 +242,7 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) -> Iterator[Run]:
-    """Yield the run with the worlds of one likely wrong start after another, for code in which the worker saw no step.
+    """Yield the run with the worlds (simulated runs) of one likely wrong start after another, if the worker saw no step.
 
     `mujoco.rollout`, for example, makes its steps where the worker cannot count them.
     """
@@ -313,7 +313,7 @@ def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[A
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Record another run with the sheet's push, to see a random push: return the velocities (nv,) at both starts; () if unknown."""
+    """Return the velocities (nv,) at the starts of two runs with the sheet's push, to see a random push; () if one is unknown."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()

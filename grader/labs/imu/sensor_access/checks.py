@@ -45,7 +45,7 @@ def check_matches_truth(found: Explained) -> Deviation[Values] | None:
     if (wrong := found.altered()) is None:
         return None
     visit, sensor = wrong
-    reading, size = _off(visit, sensor, found.meant(visit, sensor), whole=found.facts.whole)
+    reading, size = _furthest_reading(visit, sensor, found.meant(visit, sensor), whole=found.facts.whole)
     steps = np.diff(np.unique(visit.got[sensor][np.isfinite(visit.got[sensor])]))
     numbers: Values = {**reading, "form": FORM, "came": found.facts.odd, "grain": float(steps.min(initial=np.inf))}
     affected = found.share_altered * (0.5 if found.near(visit) else 1.0)
@@ -57,7 +57,7 @@ def check_follows_address(found: Explained) -> Deviation[Reading] | None:
     """Reads the sensors that the ids name, at any address and in any model"""
     if (wrong := found.misplaced()) is not None:
         visit, sensor = wrong
-        reading, size = _off(visit, sensor, visit.scene.true(sensor), whole=found.facts.whole)
+        reading, size = _furthest_reading(visit, sensor, visit.scene.true(sensor), whole=found.facts.whole)
         return Deviation(reading, size=size, affected=found.share_misplaced)
     if (error := next((visit.error for visit in found.facts.others if visit.error), None)) is None:
         return None
@@ -85,8 +85,8 @@ def check_leaves_simulation_alone(found: Explained) -> Deviation[Came] | None:
     return Deviation({"came": told}) if told else None
 
 
-def _off(visit: Visit, sensor: int, true: Array, *, whole: bool) -> tuple[Reading, Size]:
-    """Describe the row in which a sensor's readings are furthest from `true`, which should be read; `whole`: as three numbers."""
+def _furthest_reading(visit: Visit, sensor: int, true: Array, *, whole: bool) -> tuple[Reading, Size]:
+    """Describe the reading that is furthest from `true`, for a message; `whole` is whether each vector has three numbers."""
     got, name, unit = visit.got[sensor], SENSOR_NAMES[sensor], SENSOR_UNITS[sensor]
     gap = deviation(got, true)
     wanted, came = distinct_texts(true[gap.row], got[gap.row])
