@@ -1,1 +1,1 @@
-"""Shared basics: errors, untrusted text, atomic file writes, timestamps."""
+"""Basics that all packages of the grader share: errors, untrusted text, atomic file writes, CSV tables, timestamps."""

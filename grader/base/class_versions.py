@@ -1,6 +1,6 @@
-"""Versions of the libraries that a class uses: the instructor's, which `kit` writes into what students install.
+"""Library versions that all students of a course should share: the instructor's, which `imugrade kit` hands out as a pip file.
 
-The same code may raise with one release of a library and not with another, so all machines of a class should have the same.
+The same code may raise with one release of a library and not with another. So a student's versions are compared with that file.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ _PINNED = re.compile(r"^([\w-]{1,40})==([\w.+]{1,20})", re.MULTILINE | re.ASCII)
 
 
 def constraints(packages: Sequence[str]) -> str:
-    """Return a constraints file with the versions of this machine, each for the releases of Python that it supports."""
+    """Return a pip constraints file that pins the installed version of each package, for students to install the same.
+
+    Each line is limited to the Python releases that this version supports; with any other Python, pip chooses a version itself.
+    """
     lines = []
     for package in packages:
         bounds = _BOUND.findall(metadata(package)["Requires-Python"] or "")
@@ -29,13 +32,19 @@ def constraints(packages: Sequence[str]) -> str:
 
 
 def differences(pinned: str) -> list[tuple[str, str, str]]:
-    """Return the packages whose version here is another one than in a constraints file: name, version here or "", version there."""
+    """Return (name, version here, version in the file) of each package that a constraints file pins to a version other than ours.
+
+    The version here is "" if the package is not installed.
+    """
     found = ((package, _installed(package), there) for package, there in _PINNED.findall(pinned))
     return [each for each in found if each[1] != each[2]]
 
 
 def of_ours(pinned: str) -> str:
-    """Return the lines of a student's file on packages that the grader needs: others could ask what else is installed here."""
+    """Return the ``name==version`` lines of a student's versions file for packages that the grader requires; drop all other lines.
+
+    A note tells the student where these versions differ. Lines of other packages would make it tell what else is installed here.
+    """
     needed = {Requirement(each).name for each in requires("imugrade") or () if "extra ==" not in each}
     return "".join(
         f"{package}=={there}\n" for package, there in dict(_PINNED.findall(pinned)).items() if package in needed
@@ -43,14 +52,17 @@ def of_ours(pinned: str) -> str:
 
 
 def here(packages: Sequence[str]) -> str:
-    """Return the versions on this machine, a line for each installed package: ``numpy==2.3.5``."""
+    """Return the installed version of each package, one line each (``numpy==2.3.5``); packages that are not installed are left out.
+
+    `imugrade check` writes the text into the submission, so that grading elsewhere can tell the student which versions differ.
+    """
     return "".join(f"{package}=={_installed(package)}\n" for package in packages if _installed(package))
 
 
 def line(folder: Path) -> str:
-    """Return what to tell a student whose versions differ from those in a folder's constraints file.
+    """Return the warning that `imugrade check` prints if library versions differ from the class's file ``constraints.txt``.
 
-    Return "" if they do not differ, or without such a file, as where an instructor installed the package.
+    Return "" if none differs, or if `folder` has no such file: an instructor's installation has none.
     """
     file = folder / FILE
     found = differences(file.read_text(encoding="utf-8")) if file.is_file() else []

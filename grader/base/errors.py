@@ -1,7 +1,7 @@
-"""The ways in which a run can go wrong, and whose fault each of them is.
+"""Exceptions of a run, by whose fault they are: the user's, the grader's, or the student code's.
 
-A request that cannot be met is the caller's (exit code 2), a broken grader is ours (exit code 3). What a student's code
-does is never an error of the run: `NoAnswer` and its kinds end in a lost check.
+`RequestError` is the user's fault (exit code 2), `GraderError` is the grader's (exit code 3). `NoAnswer` and its subclasses are the
+student code's: a check is lost, and the run goes on.
 """
 
 from __future__ import annotations
@@ -15,14 +15,12 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 class RequestError(Exception):
-    """The request was wrong, such as a bad path or a bad rubric. The message says what is wrong; exit code 2.
+    """The user asked for something impossible, such as a bad path or a bad rubric. The message says what is wrong; exit code 2.
 
     Attributes
     ----------
-    option
-        The option of the command that is wrong or missing, without its dashes; "" if no single one is.
-    why
-        The problem in words that fit beside a form's field, too: the message, unless it speaks of options.
+    option : name of the wrong or missing command option, without dashes; "" if the problem concerns no single option
+    why : the problem in words for a web form, which has no options; the message itself, if that fits there
     """
 
     def __init__(self, message: str, *, option: str = "", why: str = "") -> None:
@@ -32,13 +30,14 @@ class RequestError(Exception):
 
 
 class GraderError(Exception):
-    """The grader itself failed: never a student's fault, never a zero; exit code 3."""
+    """The grader itself failed: the check is not judged, so no student gets a zero for it, or the command ends with exit code 3."""
 
 
 def fault_text(problem: BaseException, *, message: bool = True) -> str:
     """Return an exception as one line to report: ``ZeroDivisionError at grader/engine/marks.py:31 in marked: division by zero``.
 
-    The place is the innermost line of this package or of an instructor's own check, without the folders of a user.
+    The place is the innermost line in this package or in an instructor's own check, without the user's folders; no place if there
+    is no such line. `message` False leaves out the exception's message, which may hold hidden data.
     """
     place = ""
     for frame in traceback.extract_tb(problem.__traceback__):
@@ -52,7 +51,7 @@ def fault_text(problem: BaseException, *, message: bool = True) -> str:
 
 
 def message_of(problem: BaseException) -> str:
-    """Return the message of an exception, or a note that it has none: that of an instructor's own check may raise in `__str__`."""
+    """Return the text of an exception; if its `__str__` raises, as an instructor's own check may, return a note that says so."""
     try:
         return str(problem)
     except (Exception, SystemExit) as unsayable:
@@ -60,11 +59,11 @@ def message_of(problem: BaseException) -> str:
 
 
 class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of ours
-    """The student's process gave no usable answer to a question."""
+    """Base exception: the process that runs student code gave no usable answer to a question. The check that asked then fails."""
 
 
 class TimedOut(NoAnswer):
-    """The student's process did not answer within its CPU time or wall time."""
+    """The process that runs student code did not answer within its limit of CPU time or wall time."""
 
     def __init__(self, message: str, *, cpu_s: float, wall_s: float) -> None:
         super().__init__(message)
@@ -73,8 +72,8 @@ class TimedOut(NoAnswer):
 
 
 class Crashed(NoAnswer):
-    """The student's process ended, by a signal or an exit, without an answer."""
+    """The process that runs student code ended, by a signal or an exit, without an answer."""
 
 
 class Malformed(NoAnswer):
-    """Exception: the worker's reply violates the protocol."""
+    """The process that runs student code sent a reply that breaks the protocol, as tampering code may do."""

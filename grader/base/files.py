@@ -1,4 +1,4 @@
-"""Files of the instructor: read within a limit, and written whole, so that no reader ever sees half of one."""
+"""Read an instructor's file up to a size limit; write a file in one step, so that no reader ever sees half of it."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from grader.base.text import printable
 
 
 def read_file(path: Path, most: int, advice: str) -> bytes:
-    """Return the bytes of a file that a command names.
+    """Return the bytes of a file that the user named, such as a roster or a CSV file of points.
 
     Raises
     ------
     RequestError
-        If it cannot be read or has more than `most` bytes; the message ends with the `advice`.
+        If the file cannot be read or has more than `most` bytes. The message ends with `advice`, which says what to do.
     """
     source = printable(str(path), 500)
     try:
@@ -30,14 +30,14 @@ def read_file(path: Path, most: int, advice: str) -> bytes:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write text (as UTF-8) or bytes beside `path`, then rename that file, so that no reader sees a half-written one.
+    """Write text (as UTF-8) or bytes to a temporary file, then rename it to `path`, so that no reader sees a half-written file.
 
-    A device or pipe, such as ``/dev/stdout``, is written to directly.
+    Missing folders are made. A device or pipe, such as ``/dev/stdout``, is written to directly.
 
     Raises
     ------
     RequestError
-        If the folder cannot be made or written; names the path and the system's reason.
+        If the folder cannot be made, or the file cannot be written; the message names the path and the system's reason.
     """
     data = content.encode("utf-8", "replace") if isinstance(content, str) else content
     try:
@@ -51,7 +51,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 def seen_from(folder: Path, path: Path) -> str:
-    """Return a path relative to a folder; the absolute path if no relative one exists, as between two drives of Windows."""
+    """Return `path` relative to `folder`, for messages and generated programs; the absolute path between two drives of Windows."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:
@@ -59,14 +59,14 @@ def seen_from(folder: Path, path: Path) -> str:
 
 
 def _is_stream(path: Path) -> bool:
-    """Return whether the path is a device, a pipe or an open file of this process, so that no file can replace it."""
+    """Return whether a path is a device, a pipe or an open file of this process: `write_whole` must not replace it by a file."""
     if path.parent in (Path("/dev"), Path("/dev/fd"), Path("/proc/self/fd")):
         return True
     return path.exists() and not path.is_file() and not path.is_dir()
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write the content to a temporary file beside `path`, then rename it to `path`."""
+    """Write the content to a temporary file beside `path`, then rename that file to `path`; remove it if one of the two fails."""
     handle, scratch = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.")
     try:
         with os.fdopen(handle, "wb") as stream:
@@ -79,7 +79,7 @@ def _replace(path: Path, content: bytes) -> None:
 
 
 def _umask() -> int:
-    """Return the process's umask, which can be read only by setting it."""
+    """Return this process's umask, the mode bits that new files lack. It can be read only by setting another, which is set back."""
     mask = os.umask(0o077)
     os.umask(mask)
     return mask

@@ -1,4 +1,4 @@
-"""Find the package's data files in the same way in a wheel, an sdist's folder and a checkout."""
+"""Find data files of the grader's packages, in the same way in a wheel, an unpacked source archive and a checkout."""
 
 from __future__ import annotations
 
@@ -7,13 +7,8 @@ from pathlib import Path
 
 
 def beside(package: str, name: str) -> Path:
-    """Return the path of a file or folder in the folder of a package.
+    """Return the path of a data file or folder `name` (with slashes) in a Python package's folder; it may not exist.
 
-    Parameters
-    ----------
-    package
-        The package's name, best `__package__`: if the package moves, the call still finds its files.
-    name
-        A path from there, with slashes.
+    Pass `__package__` as the package: if that moves, the call still finds its files.
     """
     return Path(str(files(package).joinpath(*name.split("/"))))

@@ -1,4 +1,4 @@
-"""Points in time as text: ISO 8601 with an offset from UTC. Without one nobody knows when it was, so it counts as unknown."""
+"""Points in time as text: ISO 8601 with an offset from UTC. Without an offset the time zone is unknown, and so is the time."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ _FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *([Z
 
 
 def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
-    """Parse a point in time, to UTC and the second, from text or from what a YAML reader made of it.
+    """Parse a date and time, from text or from the `datetime` that a YAML reader made of it; return it in UTC and whole seconds.
 
-    Return None if the value is no point in time, or has no offset from UTC while no `zone` says which clock is meant.
+    Return None if the value is no date and time, or lacks an offset from UTC. `zone` replaces the offset that a text lacks.
     """
     if isinstance(value, datetime):
         return value.astimezone(timezone.utc).replace(microsecond=0) if value.tzinfo else None
@@ -30,11 +30,11 @@ def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
 
 
 def now() -> str:
-    """Return the present time as ISO 8601 text in UTC, as `stamp` does."""
+    """Return the present time as ISO 8601 text in UTC and whole seconds, as records and reports keep times."""
     return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 
 def stamp(value: object) -> str:
-    """Return a time as ISO 8601 text in UTC, which sorts by time; "" if the value is no time."""
+    """Return a time as ISO 8601 text in UTC, so that texts sort by time; "" if `read_stamp` finds no time in the value."""
     when = read_stamp(value)
     return when.isoformat(timespec="seconds") if when else ""

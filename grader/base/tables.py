@@ -1,4 +1,4 @@
-"""CSV tables: read in whatever way a spreadsheet saves one, and written so that no spreadsheet takes a cell for a formula."""
+"""CSV tables: read in any form that spreadsheets save, and written so that no spreadsheet runs a cell as a formula."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from grader.base.text import csv_cell, decimal
 
 @dataclass(frozen=True)
 class Table:
-    """The rows of a CSV table, each with the number of its last line, and the delimiter between its cells."""
+    """A CSV table that was read: rows with the number of their last line, for messages; the delimiter, to write the table back."""
 
     rows: list[tuple[int, list[str]]]
     delimiter: str
 
 
 def read(data: bytes, source: str) -> Table:
-    """Read a table with commas, semicolons or tabs, in UTF-8, UTF-16 with a byte order mark, or Windows-1252.
+    """Read a CSV table with commas, semicolons or tabs, in UTF-8, UTF-16 with a byte order mark, or Windows-1252.
 
     Raises
     ------
     RequestError
-        If it is none of these; the message begins with `source`.
+        If the data is no such table; the message begins with `source`, the name of the file.
     """
     try:
         text = _text(data)
@@ -42,12 +42,14 @@ def read(data: bytes, source: str) -> Table:
 def titled(
     data: bytes, source: str, needed: Collection[str], columns: Collection[str]
 ) -> list[tuple[int, dict[str, str]]]:
-    """Read a table whose first line names its columns, in any order; return each non-blank row by title, with its line number.
+    """Return (line number, {title: cell}) for each row of a CSV table whose first line holds the column titles, in any order.
+
+    Titles are stripped and in lower case. Blank rows are left out.
 
     Raises
     ------
     RequestError
-        If it is no table, or lacks a column that is `needed`; the message lists all `columns`.
+        If the data is no table, or lacks one of the `needed` columns; the message lists all the `columns` that are read.
     """
     (_, titles), *rows = read(data, source).rows or [(1, [])]
     titles = [title.strip().casefold() for title in titles]
@@ -57,7 +59,7 @@ def titled(
 
 
 def written(rows: Iterable[Iterable[str]]) -> str:
-    """Return the text of a CSV table with these rows, in which no spreadsheet takes a cell for a formula."""
+    """Return rows as the text of a CSV file; a cell that a spreadsheet would run as a formula is escaped, numbers are unchanged."""
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
     table.writerows([text if decimal(text) is not None else csv_cell(text) for text in row] for row in rows)

@@ -1,7 +1,7 @@
-"""Text from strangers, made safe to show: file names, printed lines, messages of a student's code.
+"""Make text from strangers safe to show: file names, printed lines, messages of a student's code.
 
-`printable` is for every place where a person reads, `csv_cell` for the one where a spreadsheet does. Escaping for HTML,
-XML and CI commands is the business of the formats.
+`printable` is for text that people read, `csv_cell` for a cell of a spreadsheet. Where HTML, XML and CI commands are written, they
+are escaped.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _FORMULA = tuple("=+-@\t\r\n＝＋－＠")  # Excel and LibreOffice read the ful
 
 
 def _noncharacter(code: int) -> bool:
-    """Return whether Unicode reserves the code point for ever; XML refuses two of them."""
+    """Return whether Unicode reserves the code point for ever; `printable` escapes these, because XML refuses two of them."""
     return code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF
 
 
@@ -33,21 +33,18 @@ def _shown(char: str) -> str:
 
 
 def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
-    r"""Return text that a terminal, a page and a log can show as it is, from untrusted text.
+    r"""Return untrusted text with its control characters escaped, so that a terminal, a page and a log can show it as it is.
 
     Parameters
     ----------
-    text
-        Anything, lone surrogates included.
-    limit
-        Most characters of the answer; a longer text ends in an ellipsis.
-    newlines
-        Keep line ends (``\r\n`` and ``\r`` become ``\n``) and tabs. Otherwise they are escaped like other controls.
+    text : any text, lone surrogates included
+    limit : largest number of characters to return; a longer text ends in an ellipsis
+    newlines : keep line ends (``\r\n`` and ``\r`` become ``\n``) and tabs, which otherwise are escaped like other controls
 
     Returns
     -------
     str
-        Controls, ANSI escapes, bidi controls, lone surrogates and noncharacters are written as ``\x1b``, ``\u202e``.
+        Controls, ANSI escapes, bidirectional controls, lone surrogates and noncharacters appear as ``\x1b`` or ``\u202e``.
     """
     head = text[: 2 * limit + 2]  # a \r\n is one line end, and no flood is worked through
     if newlines:
@@ -61,15 +58,15 @@ def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
 
 
 def enumerated(names: Iterable[str], last: str = "and") -> str:
-    """Return names as ``a, b and c``; "" without names."""
+    """Return names as part of a sentence, ``a, b and c``, where `last` stands before the last name; "" without names."""
     *others, end = names or [""]
     return f"{', '.join(others)} {last} {end}" if others else end
 
 
 def decimal(text: str) -> float | None:
-    """Return the number in a text that a person wrote, with a point or a comma; None if there is none.
+    """Return the number that a person wrote, with a decimal point or comma; None if the text is no such number.
 
-    `float` alone would take ``1_0``, ``nan`` and digits of other scripts, which a spreadsheet or another reader takes otherwise.
+    `float` alone would also take ``1_0``, ``nan`` and digits of other scripts, which a spreadsheet reads in another way.
     """
     plain = text.strip().replace(",", ".")
     return float(plain) if _DECIMAL.fullmatch(plain) else None
@@ -79,11 +76,14 @@ _DECIMAL = re.compile(r"[+-]?(\d{1,15}(\.\d{0,20})?|\.\d{1,20})(e[+-]?\d\d?)?", 
 
 
 def some(names: Sequence[str], most: int, between: str = ", ") -> str:
-    """Return the first names as printable text, and the number of the others: ``a, b and 3 more``."""
+    """Return the first `most` names as printable text for a message, and how many more there are: ``a, b and 3 more``."""
     shown = between.join(printable(name, 120) for name in names[:most])
     return f"{shown} and {len(names) - most:,} more" if len(names) > most else shown
 
 
 def csv_cell(text: str) -> str:
-    """Return text for a CSV cell that no spreadsheet takes for a formula. Do not pass a number: its sign would be escaped."""
+    """Return text for a CSV cell, with an apostrophe in front if a spreadsheet might run it as a formula.
+
+    Do not pass a number: ``-1`` would get the apostrophe, too, as a formula may begin with a sign.
+    """
     return f"'{text}" if text.startswith(_FORMULA) else text

@@ -1,1 +1,1 @@
-"""Lab-independent grading of one submission: sessions, checks, findings, feedback, rubric, results and traces."""
+"""Grade one submission, whatever the lab: sandbox sessions, checks, feedback, rubric, results and ground truth."""

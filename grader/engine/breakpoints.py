@@ -1,4 +1,4 @@
-"""Breakpoints left in a submission. The sandbox skips them, and a note says so."""
+"""Find breakpoints left in a submission, such as ``pdb.set_trace()``. The sandbox skips them, and a note tells the student."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ _CALL = re.compile(
 
 
 def breakpoints(source: bytes) -> Iterator[tuple[str, int]]:
-    """Yield each breakpoint call in a program's text with its line number, for a note: ``pdb.set_trace``, 12. No code is run."""
+    """Yield name and line number of each breakpoint call in a program, ``("pdb.set_trace", 12)``, for that note. No code is run.
+
+    Calls in comments and strings, and those beyond the first 400 kB, are left out.
+    """
     text = source[:_MOST_BYTES].decode("utf-8", "replace")
     for found in _CALL.finditer(text):
         if found[1]:

@@ -1,9 +1,9 @@
-"""Diagnosis and deductions of one criterion: which faults explain what deviates, and what each of them costs.
+"""Diagnosis and deductions of one criterion: which known faults explain the deviations, and how many points each fault costs.
 
-The rule: a row of the fault table lists every check of its criterion that the fault breaks, each with its share, and all of them
-are deducted. A deviation that a found fault lists costs nothing more. A deviation that none lists is deducted at its own check.
-A fault of the call, such as another parameter, is deducted at the checks that its row lists; it explains no wrong value there.
-Shares on one check add up to at most one. Nothing is deducted in another criterion.
+The rule: an entry of the fault table lists every check of its criterion that the fault breaks, each with its share of points. All
+these shares are deducted. A deviation that a found fault lists costs nothing more. A deviation that no fault lists is deducted at
+its own check. A fault of the call, such as another parameter, is deducted at the checks that its entry lists; it explains no wrong
+value there. Shares on one check add up to at most one. Nothing is deducted in another criterion.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class Measurement(Protocol):
-    """Protocol of the facts that a criterion measures of a submission; its checks judge these facts alone."""
+    """Protocol of the record of what a submission's code did, which a criterion measures. The criterion's checks judge it alone."""
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
-        """The exceptions that kept properties from being measured, by the name of the check; the check ends with its exception."""
+        """Exceptions that kept properties from being measured, by the check's short name; the check ends with its exception."""
 
 
 Facts = TypeVar("Facts", bound=Measurement)
@@ -39,13 +39,17 @@ Seen = Mapping[str, Deviation[Any]]
 
 @dataclass(frozen=True)
 class Judge(Generic[Facts]):
-    """Judge of one criterion: measures a submission, and decides for which faults its checks lose points.
+    """Judge of one criterion: measures a submission once, finds the faults, and divides their deductions among the checks.
+
+    A lab makes one `Judge` for each criterion or extension.
 
     Attributes
     ----------
-    measure : runs the student's code and returns the facts; it judges nothing
+    id : id of the criterion or extension
+    measure : runs the student's code and returns the record of what it did; it judges nothing
     reasons : the known faults, each with the property in which it shows
-    others : functions of the facts that measure properties without a check of their own, such as other parameters, by name
+    others : functions that measure, in that record, properties without a check of their own, such as other parameters, by name
+    checks : the checks by id, each with the function that measures its property; `check` fills it
     """
 
     lab: Lab
@@ -56,7 +60,10 @@ class Judge(Generic[Facts]):
     checks: dict[str, tuple[Check, Measure[Facts]]] = field(default_factory=dict)
 
     def check(self, check_id: str, *, lab_step: int | None = None) -> Callable[[Measure[Facts]], Callable[..., None]]:
-        """Return a decorator that makes a function of the facts a check for pytest; students read its docstring as the title."""
+        """Return a decorator that makes a function a check of this criterion, and replaces it by a test that pytest can run.
+
+        The function gets the measured record and returns a deviation or None. Students read its docstring as the check's title.
+        """
 
         def register(function: Measure[Facts]) -> Callable[..., None]:
             known = Check(check_id, title_of(function.__doc__ or ""), lab_step)
@@ -76,16 +83,18 @@ class Judge(Generic[Facts]):
         return register
 
     def _judged(self, student: SubmissionSession, truth: Any) -> Mapping[str, Charge | Exception]:
-        """Measure the submission and return the charge, or the exception, of each check that is not passed."""
+        """Measure a submission; return the deductions of each check that is not passed, or the exception that ended the check."""
         return self.judge(self.measure(student, truth), rows(self.lab))
 
     def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
-        """Return the charge of each check that is not passed, or the exception that kept it from being judged.
+        """Return by id the deductions of each check that is not passed, or the exception that kept the check from being judged.
+
+        `facts` is the measured record, `table` the lab's fault table.
 
         Raises
         ------
         GraderError
-            If a check or a reason has no row in the fault table.
+            If a check or a known fault of this criterion has no entry in the table.
         """
         if lacking := {*self.checks, *(reason.cause for reason in self.reasons)} - table.keys():
             raise GraderError(f"the fault table has no row for {', '.join(sorted(lacking))}")
@@ -101,9 +110,10 @@ class Judge(Generic[Facts]):
         return {**self._charges(off, self._faults(off, facts), table), **stopped}
 
     def _faults(self, off: Seen, facts: Facts) -> dict[str, Seen]:
-        """Return the faults that explain the deviations, each with those in which it shows.
+        """Return by id the faults that explain the deviations `off`, each with the deviations in which it shows.
 
-        A property has the cheapest of its faults that exclude each other, and all of those that hold beside others.
+        Of a property's faults that exclude each other only the cheapest that fits counts, and none if two of that cost fit. A fault
+        that may hold beside others (`Reason.beside`) counts whenever it fits.
         """
         found: dict[str, dict[str, Deviation[Any]]] = {}
         for name in dict.fromkeys(self._full(reason.of) for reason in self.reasons):
@@ -115,7 +125,10 @@ class Judge(Generic[Facts]):
         return dict(found)
 
     def _charges(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, FaultRow]) -> Mapping[str, Charge]:
-        """Return what each check is charged: every share of every fault, and each deviation that no fault lists."""
+        """Return the deductions of each check: every share of every fault, and each deviation in `off` that no fault lists.
+
+        `faults` gets an entry under the check's id for each deviation that no fault lists.
+        """
         shares = {fault: self._shares(table[fault], seen) for fault, seen in faults.items()}
         explaining = [
             fault for fault, seen in faults.items() if table[fault].group != "any" or seen.keys() & self.checks
@@ -140,9 +153,10 @@ class Judge(Generic[Facts]):
         return charges
 
     def _shares(self, row: FaultRow, seen: Seen) -> Mapping[str, float]:
-        """Return the share of points that a fault costs at each check of this criterion; 0 at one that only shows it.
+        """Return by check id the share of points that a fault costs in this criterion; 0 at a check that only shows the fault.
 
-        A row that lists no share costs what the checks say through which the fault was found.
+        `row` is the fault's entry in the table, `seen` the deviations in which the fault shows. If the entry lists no share, each
+        of these deviations says what it costs. A share is multiplied by the affected fraction of the property.
         """
         of = self.id if row.group in (self.id, "checks") else row.group
         full = {name if "." in name else f"{of}.{name}": share for name, share in row.deducts.items()}
@@ -153,5 +167,5 @@ class Judge(Generic[Facts]):
         return {name: share * (seen[name].affected if name in seen else affected) for name, share in listed.items()}
 
     def _full(self, name: str) -> str:
-        """Return the full id of a check from its name in the criterion; the names in `others` stay as they are."""
+        """Return a check's full id (``filtering.passes_constant``) from its short name; names in `others` stay as they are."""
         return name if name in self.others else f"{self.id}.{name}"

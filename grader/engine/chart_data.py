@@ -1,6 +1,6 @@
-"""Chart data of a report (curves of what the student's code returned), and the submission's code fingerprint.
+"""Chart data of a report (curves of what student code returned), and the code fingerprint that finds similar submissions.
 
-Charts do not affect the grade and are not part of `result.json`. They are attached to a `Result` and recorded beside it.
+Both belong to a `Result` and are recorded beside it. They do not affect the grade and are not part of `result.json`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Role = Literal[
 
 @dataclass(frozen=True)
 class Curve:
-    """Points of one curve. `name` may be the student's label; `colour` (``#rrggbb``) is "" for a curve that no student drew."""
+    """One curve of a chart. `name` may come from student code; `colour` (``#rrggbb``) is "" for a curve that no student drew."""
 
     name: str
     role: Role
@@ -34,7 +34,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves on one pair of axes. With `log` both axes are logarithmic; `spread` is the smallest y range that is shown."""
+    """Curves on one pair of axes. `log` makes both axes logarithmic; the y axis shows at least the range `spread`."""
 
     title: str
     x_label: str
@@ -46,9 +46,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels below one heading, with a caption; shown with the criterion `part`.
+    """A chart of a report: panels with a title and a caption, shown with the criterion whose id is `part`.
 
-    `png` is a picture (base64) that is shown instead of panels; "" if there are panels.
+    `png` is a picture (base64) that is shown in place of panels, such as one that was handed in; "" if there are panels.
     """
 
     part: str
@@ -60,20 +60,20 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Packed charts of one submission for its report, and hashes of its code for finding similar code (see `fingerprint`)."""
+    """What a result carries beside the grade: packed charts for the report, and hashes of the code to find similar submissions."""
 
     charts: bytes = b""
     fingerprint: tuple[int, ...] = ()
 
 
 def packed(charts: tuple[Chart, ...]) -> bytes:
-    """Return the charts as compressed JSON to record or send, b"" for none; points have single precision, finer than a pixel."""
+    """Return charts as compressed JSON to record or send; b"" for no charts. Points have single precision, finer than a pixel."""
     text = json.dumps(charts, default=_plain, separators=(",", ":"), allow_nan=False)
     return zlib.compress(text.encode(), 1) if charts else b""
 
 
 def unpacked(record: bytes) -> tuple[Chart, ...]:
-    """Return the charts from the bytes that `packed` made; none from b""."""
+    """Return the charts from the bytes that `packed` made; () from b""."""
     return tuple(_chart(chart) for chart in json.loads(zlib.decompress(record))) if record else ()
 
 

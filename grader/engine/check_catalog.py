@@ -1,4 +1,4 @@
-"""Catalogue of a lab's checks (ids, titles, lab steps), parsed from their source without importing it."""
+"""Catalogue of a lab's checks (ids, titles, lab steps), parsed from their source, because importing them takes long."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.engine.lab import Lab
 
 @dataclass(frozen=True)
 class Check:
-    """Identity of a check: its id, its title (the sentence that a student reads) and its step in the lab sheet."""
+    """Identity of a check: id (``filtering.passes_constant``), title for students, step of the lab sheet (None: no single step)."""
 
     id: str
     title: str
@@ -25,17 +25,17 @@ class Check:
 
 
 def title_of(docstring: str) -> str:
-    """Return the title of a check: the first paragraph of its docstring, on one line, without the final full stop."""
+    """Return the title of a check for students: the first paragraph of its function's docstring, on one line, without full stop."""
     return " ".join(docstring.strip().split("\n\n")[0].split()).rstrip(".")
 
 
 def checks_of(lab: Lab) -> Mapping[str, Check]:
-    """Return the checks of a lab by id, read from the source of the check files, which are not imported."""
+    """Return the checks of a lab by id, parsed from the source of the check files; an instructor's own checks are not included."""
     return {check.id: check for path in check_files(lab) for check in _checks_in(path.read_text(encoding="utf-8"))}
 
 
 def check_files(lab: Lab) -> list[Path]:
-    """Return the files with the checks of a lab: one in the folder of each criterion."""
+    """Return the files that define a lab's checks, sorted: each ``checks.py`` one folder below the lab's folder."""
     return sorted(lab.folder.glob("*/checks.py"))
 
 

@@ -1,7 +1,7 @@
-"""Run the checks with pytest: the decorator that makes a function a check, and the session that judges a submission.
+"""Run checks with pytest: the decorator that makes a function a check, and the pytest session that judges a submission.
 
-A check is a function that returns if all its points are earned and raises a finding otherwise (`findings`). Any other exception
-is a failure of the grader: the check is then not judged, and never counted as zero.
+A check returns if all its points are earned, and raises a finding otherwise (an exception of `findings`). Any other exception is a
+failure of the grader: the check is then not judged, and never counted as zero.
 """
 
 from __future__ import annotations
@@ -40,10 +40,14 @@ from grader.engine.traces import Traces
 
 @dataclass(frozen=True)
 class Judgement:
-    """Outcome of one check; `feedback` is what students read, or None if the grader failed to judge.
+    """How one check ended on one submission; `grader.Marker` makes a `CheckResult` of it.
 
-    `ours` is True if the sandbox or the request failed, which no answer can cause. `fault` is the exception with its place in our
-    code, and with its message unless that could hold hidden data; "" where the check was judged.
+    Attributes
+    ----------
+    feedback : what students read; None if the grader failed to judge
+    trouble : message about that failure for the report; "" if judged, or if the message could hold hidden data
+    ours : whether the sandbox or the request failed, which no student code can cause
+    fault : the grader's exception with its place in our code, without a message that could hold hidden data; "" if judged
     """
 
     check: Check
@@ -55,12 +59,15 @@ class Judgement:
 
     @property
     def keeps(self) -> float:
-        """The share of its points that the check earns; -1 if it was not judged."""
+        """Share of the check's points that is earned, 0 to 1; -1 if not judged, so that it ranks below every outcome."""
         return -1.0 if self.feedback is None else self.feedback.keeps
 
 
 def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Return a decorator that makes a function the check `check_id`; students read the function's docstring as the title."""
+    """Return a decorator that makes a pytest function the check `check_id`, which step `lab_step` of the lab sheet teaches.
+
+    Students read the function's docstring as the title.
+    """
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
         assert function.__doc__, f"{check_id} has no sentence"
@@ -71,7 +78,7 @@ def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Callable[.
 
 
 class CheckRun:
-    """One run of the checks on one submission: selects its checks and records how each of them ended."""
+    """One run of the checks on one submission: selects its checks, prepares each of them, and records how each ended."""
 
     def __init__(
         self, lab: Lab, student: SubmissionSession, truth: Traces, only: str | None, look: PublicSession | None = None
@@ -87,12 +94,15 @@ class CheckRun:
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:
-        """Return whether to run the check: not if its extension was not attempted, or if only another part is to be examined."""
+        """Return whether to run a check: not if its extension was not attempted, or if `only` names another criterion."""
         asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
         return asked_about and self._only in (None, this.criterion)
 
     def begin(self, this: Check) -> None:
-        """Prepare a check: account its time to its part, and replace earlier parts that lost points by correct code (stand-ins)."""
+        """Prepare a check: account its CPU time to its criterion, and replace faulty functions of earlier criteria by correct code.
+
+        So a fault costs points in its own criterion only. A rerun (`rerun_beside`) sets its replacements itself.
+        """
         self.student.account_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
         if self._alone:
             return
@@ -100,7 +110,7 @@ class CheckRun:
         self.student.replace_broken([name for part in lost for name in part.names])
 
     def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
-        """Record how a check ended; an interrupted check is discarded."""
+        """Record how a check ended: `ended` is the exception that it raised, None if it passed. An interrupted check is skipped."""
         if isinstance(ended, KeyboardInterrupt):
             return
         verdict, cause = None, ended
@@ -120,7 +130,7 @@ class CheckRun:
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, fault)
 
     def _verdict(self, this: Check, ended: BaseException | None) -> Feedback | None:
-        """Return the feedback on how a check ended; None if the end is a failure of the grader."""
+        """Return the feedback on how a check ended: on the exception `ended`, or a pass for None. None if the grader failed."""
         if ended is None:
             return Feedback("passed", 1.0, "")
         if not isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
@@ -133,13 +143,16 @@ class CheckRun:
         return verdict
 
     def _without_secrets(self, finding: BaseException) -> BaseException:
-        """Replace a missing-name finding of a process with hidden data by that of a process with public data."""
+        """Return a `Missing` of a session with hidden data as one that students may read; any other finding unchanged."""
         if not (self._secret and isinstance(finding, Missing)):
             return finding
         return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)
 
     def _feedback(self, finding: BaseException, earlier: str | None) -> Feedback:
-        """Return the feedback on a finding; with a secret, without anything that student code could have chosen."""
+        """Return the feedback on a finding; on hidden scenarios without anything that student code could have chosen.
+
+        `earlier` is the title of a check that reported the same cause before; None if this is the first.
+        """
         if (
             self._secret
             and earlier is None
@@ -149,11 +162,13 @@ class CheckRun:
         return feedback_on(finding, earlier, self._faults)
 
     def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
-        """Yield sets of names to replace by the sheet's own code, one for each further run of a part that lost points.
+        """Yield sets of names that the lab sheet's own code replaces, one set for each rerun of a criterion that lost points.
 
-        If stand-ins were in use, the set is empty: the part may work only with the student's own functions. If the part raised, the
-        set has the names of the first part, which all others call: a function that passed its own checks may return what this part
-        cannot use. Unlike a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no wrong call.
+        A function may have failed only because of the functions that it was judged with. After a run with stand-ins the set is
+        empty: the criterion may work only with the student's own functions. If a check met an exception, the set has the names of
+        the first criterion, which all others call: a function that passed its own checks may return what this criterion cannot use.
+        Unlike a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no wrong call. There is no
+        rerun of an extension, or of a criterion whose functions no other needs.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:
@@ -164,7 +179,7 @@ class CheckRun:
         yield from (frozenset(each.names) for each in self._parts_before(criterion)[:1] if raised)
 
     def _parts_before(self, criterion: str) -> list[Part]:
-        """Return the parts with functions that others need and that are graded before a criterion."""
+        """Return the criteria that are graded before the given one and whose functions others need."""
         turn = _grading_order(self._lab, criterion)
         return [part for part in self._lab.parts if part.needed and _grading_order(self._lab, part.id) < turn]
 
@@ -173,9 +188,9 @@ class CheckRun:
 
     @contextmanager
     def rerun_beside(self, sheets_own: Collection[str], criterion: str) -> Iterator[None]:
-        """Let the caller run the checks of a part again in this context, with the sheet's own code for these names.
+        """Let the caller rerun a criterion's checks in this context, with the lab sheet's own code for the names in `sheets_own`.
 
-        The new outcomes count if at least one check ends better and none worse.
+        The new outcomes replace the old ones if at least one check ends better and none worse; otherwise they are discarded.
         """
         beside = self._of(criterion)
         stories, titles = self._reported, {each.check.title for each in beside.values()}
@@ -211,7 +226,7 @@ def _run(items: list[pytest.Item]) -> None:
 
 
 class Session:
-    """Internal pytest plugin: collects the checks once and runs them for each submission.
+    """Internal pytest plugin: collects a lab's checks once per process, and runs them for each submission.
 
     Like pytest-xdist, it runs items by calling `pytest_runtest_protocol`; fixtures are made anew each time.
     """
@@ -225,11 +240,11 @@ class Session:
 
     @property
     def checks(self) -> dict[str, Check]:
-        """The collected checks by id."""
+        """The collected checks by id, the instructor's own included."""
         return {_check(item).id: _check(item) for item in self._items}
 
     def run(self, check_run: CheckRun) -> None:
-        """Run the checks of a submission, part by part in the lab's order."""
+        """Run the checks that `check_run` wants, criterion by criterion in the lab's order, and those reruns that may earn more."""
         self._examination = check_run
         wanted = [item for item in self._items if check_run.wants(_check(item))]
         for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
@@ -246,12 +261,12 @@ class Session:
 
     @pytest.fixture
     def student(self) -> SubmissionSession:
-        """Return the session about the submission that is checked; pytest passes it to checks as the argument `student`."""
+        """Return the sandbox session about the submission that is checked; pytest passes it to checks as the argument `student`."""
         return self._now.student
 
     @pytest.fixture
     def truth(self) -> Traces:
-        """Return the ground truth; pytest passes it to checks as the argument `truth`."""
+        """Return the ground truth to check against; pytest passes it to checks as the argument `truth`."""
         return self._now.truth
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
@@ -286,20 +301,22 @@ class Session:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:
-        """Report only whether the check failed; pytest's own report quotes source per frame, 0.5 s per failed check."""
+        """Report only whether a check failed. Nobody reads pytest's own report, which takes 0.5 s per failed check."""
         outcome: Literal["passed", "failed"] = "passed" if call.excinfo is None else "failed"
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)  # type: ignore[arg-type] # never "collect"
 
 
 def _last_line(text: str) -> str:
-    """Return the last line of pytest's failure report, which names the exception."""
+    """Return the last line of pytest's report on a file that it failed to collect; it names the exception for our message."""
     lines = [line.removeprefix("E").strip() for line in text.splitlines() if line.strip()]
     return printable(lines[-1] if lines else "it cannot be read", 300)
 
 
 @functools.cache
 def session(lab: Lab, own: OwnChecks = ()) -> Session:
-    """Return this process's only pytest session over a lab's checks, without the machine's pytest configuration and plugins.
+    """Return this process's only pytest session over a lab's checks; they are collected at the first call, and then kept.
+
+    The machine's pytest configuration and plugins are not used.
 
     Parameters
     ----------
@@ -327,7 +344,7 @@ def session(lab: Lab, own: OwnChecks = ()) -> Session:
 
 
 def _write(own: OwnChecks, private: Path) -> Path:
-    """Write the instructor's checks as a package with a unique name, and return its folder."""
+    """Write the instructor's own checks into a new package with a unique name in the folder `private`; return its path."""
     folder = private / f"own_checks_{secrets.token_hex(8)}"
     folder.mkdir()
     for name, content in {"__init__.py": b"", **dict(own)}.items():
@@ -336,7 +353,10 @@ def _write(own: OwnChecks, private: Path) -> Path:
 
 
 def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
-    """Collect the lab's checks with pytest, without any plugin that prints, caches or captures."""
+    """Collect the lab's checks and those at the paths `more` with pytest into the plugin `collected`; return pytest's exit code.
+
+    Plugins that print, cache or capture are off.
+    """
     switched_off = ("terminal", "cacheprovider", "doctest", "junitxml", "pastebin", "faulthandler", "stepwise", "logging",
                     "warnings", "capture", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
                     "unraisableexception", "threadexception", "nose", "legacypath")  # fmt: skip
@@ -359,5 +379,5 @@ def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
 
 
 def known_checks(lab: Lab, own: OwnChecks = ()) -> dict[str, Check]:
-    """Return the collected checks of a lab by id, including the instructor's own."""
+    """Return the collected checks of a lab by id, including the instructor's own, to compare a rubric with them."""
     return session(lab, own).checks

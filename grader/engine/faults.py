@@ -1,6 +1,6 @@
-"""Fault table of a lab (``faults.yaml``): the deduction, title, hint and explanation of each fault.
+"""Fault table of a lab (``faults.yaml``): the deductions and texts of each fault that the grader can recognize.
 
-`imugrade explain` uses it too, so this module imports nothing slow.
+`imugrade explain` reads it too and has to start fast, so this module imports nothing slow.
 """
 
 from __future__ import annotations
@@ -20,15 +20,17 @@ from grader.engine.lab import Lab
 
 @dataclass(frozen=True)
 class FaultRow:
-    """One row of the fault table.
+    """One entry of the fault table: a fault's deductions and texts, or a check's texts for when no fault is known.
 
     Attributes
     ----------
-    title, hint : what the code does, and what to do next
-    explanation, wrong, right : for `imugrade explain`; a row without an explanation has no public name
-    deducts : the share of its points that each check loses which this fault breaks, by check name; 0 for one that only shows it
-    formerly : ids of faults that this row replaces; a rubric that names one is refused with this row's id
-    expected, got : templates for the numbers of the deviation; a row without them uses those of the check
+    group : the criterion of the fault; ``extensions``, ``any`` (faults of any criterion) or ``checks`` (entries of checks)
+    title, hint : what the student's code does, and what to do next
+    explanation, wrong, right : for `imugrade explain`; a fault without an explanation has no public name
+    step : step of the lab sheet that shows the right code; None if none does
+    deducts : share of points that each broken check loses, by the check's short name; 0 for a check that only shows the fault
+    formerly : ids of faults that this entry replaces; a rubric that names one is refused with this entry's id
+    expected, got : templates for the numbers of a `Deviation`; without them those of the check are used
     raised : the exceptions that show this fault, see `shown_by`; empty if none does
     """
 
@@ -47,9 +49,10 @@ class FaultRow:
     formerly: tuple[str, ...] = ()
 
     def shown_by(self, error: StudentError) -> bool:
-        """Return whether an exception shows this fault: `raised` has ``types``, ``names`` and a pattern for the source ``line``.
+        """Return whether an exception of the student's code shows this fault, by the rules in `raised`; False without rules.
 
-        The text of the exception plays no part: it differs between versions of Python and of the libraries.
+        The rules are ``types`` of exceptions, ``names`` that are missing, and a pattern for the source ``line``. The exception's
+        message plays no part: it differs between versions of Python and of the libraries.
         """
         if error.type not in self.raised.get("types", ()) or error.name not in self.raised.get("names", (error.name,)):
             return False
@@ -65,12 +68,12 @@ NEEDED = (
 
 @functools.cache
 def rows(lab: Lab) -> Mapping[str, FaultRow]:
-    """Return the rows of a lab's table by id: one for each fault, and one for each check, used if no fault is known.
+    """Return the entries of a lab's fault table by id: one for each fault, and one for each check, used if no fault is known.
 
     Raises
     ------
     GraderError
-        If a row of `NEEDED` is missing.
+        If an entry is missing for a fault that the engine itself finds (`NEEDED`).
     """
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (lab.folder / "faults.yaml").read_text(encoding="utf-8")
@@ -83,5 +86,5 @@ def rows(lab: Lab) -> Mapping[str, FaultRow]:
 
 @functools.cache
 def catalogue(lab: Lab) -> Mapping[str, FaultRow]:
-    """Return by id the rows that have an explanation, and so a public name for rubrics and `imugrade explain`."""
+    """Return by id the faults that have an explanation, and so a public name for rubrics, reports and `imugrade explain`."""
     return {id_: row for id_, row in rows(lab).items() if row.explanation}

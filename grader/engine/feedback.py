@@ -1,4 +1,4 @@
-"""Feedback texts: turn a finding into the message, the hint and the faults that a student reads."""
+"""Feedback: turn a finding (the exception that ended a check) into the message, hint and fault ids that a student reads."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from grader.engine.results import Deducted, Outcome, message_of
 
 @dataclass(frozen=True)
 class Feedback:
-    """Feedback of one check. `keeps` is the share of its points that is earned; the other fields are as in `CheckResult`."""
+    """What a student reads about one check. `keeps` is the share of points that is earned; other fields are as in `CheckResult`."""
 
     outcome: Outcome
     keeps: float
@@ -43,18 +43,18 @@ class Feedback:
 
     @property
     def message(self) -> str:
-        """The text that a student reads: the sentence, or the expected and the actual value."""
+        """The whole message: the sentence `said`, then the expected and the actual value, as far as there are any."""
         return message_of(self.said, self.expected, self.got)
 
 
 def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return what a student reads on the finding that ended a check, for public scenarios.
+    """Return what a student reads about the exception that ended a check, if public scenarios are graded.
 
     Parameters
     ----------
     finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
-    earlier : title of an earlier check whose feedback reports the same cause (see `cause_key`), or None
-    table : the rows of the lab's fault table
+    earlier : title of an earlier check whose feedback reports the same cause (see `cause_key`); None if this is the first
+    table : the entries of the lab's fault table
     """
     if isinstance(finding, Charged):
         return _charged(finding.charge, table)
@@ -81,9 +81,9 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that is equal for findings with the same cause, which is reported once; None for a finding always reported.
+    """Return a key that findings of one cause share, so that only the first check reports the cause; None: every check reports it.
 
-    Timeouts within one part share a key, although each call has less time than the one before.
+    `part` is the id of the criterion. Its timeouts share a key, although each call has less time than the one before.
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"
@@ -101,17 +101,17 @@ STEP_BY_STEP = "Compare this part of your code line by line with the step in the
 
 
 def not_reached(title: str) -> Feedback:
-    """Return the feedback of a check that could not be judged because of the problem that another check reports."""
+    """Return the feedback of a check that cannot be judged until the problem under the check with this `title` is fixed."""
     return Feedback("skipped", 0.0, f"Not graded until “{title}” is fixed.")
 
 
 def no_more(charge: Charge) -> Feedback:
-    """Return the feedback of a check that shows a fault whose points were deducted at another check."""
+    """Return the feedback of a check that passes although it shows a fault, because another check lost the points for the fault."""
     return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{charge.see}”.")
 
 
 def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a charge, in the words of its first fault."""
+    """Return the feedback on a check's deductions: the message of the first fault, and the hints and public ids of all."""
     if not charge.costs:
         return no_more(charge)
     deducted = tuple(_deducted(charge.check, cost, rows) for cost in charge.costs)
@@ -131,10 +131,10 @@ def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
 
 
 def _deducted(check: str, cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
-    """Return what a fault costs at a check, as the fault's row says it, else as the check's does.
+    """Return one fault's deduction at a check with its text: the template of the fault's entry, else that of the check's entry.
 
-    If neither does, the check that tells about the fault has a plain sentence, and the others have none. A text that cannot be made
-    of these numbers is left out; it decides nothing.
+    A template that the measured numbers cannot fill is left out. Without a text the fault's title is the sentence, but only at the
+    check that reports the fault (`cost.see` is "").
     """
     told = Deducted(cost.row, cost.share, rows[cost.row].hint)
     known = ((rows[cost.row], cost.shown), (rows[check], cost.own))
@@ -148,17 +148,17 @@ def _deducted(check: str, cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
 
 
 def hint_of(charge: Charge, rows: Mapping[str, FaultRow]) -> str:
-    """Return the hints of the faults in a charge as one text, each hint once."""
+    """Return the hints of all faults in a check's deductions as one text, each hint once."""
     return " ".join(dict.fromkeys(rows[cost.row].hint for cost in charge.costs))
 
 
 def public(charge: Charge, rows: Mapping[str, FaultRow]) -> tuple[str, ...]:
-    """Return the ids of the faults in a charge that have a public name, for the result's list of faults."""
+    """Return the ids of the faults in a check's deductions that have a public name, for the list of faults in the result."""
     return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 
 def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a check that failed by itself, such as an instructor's own check."""
+    """Return the feedback on a `CheckFailed`, which checks raise that have no `charging.Judge`, such as an instructor's own."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     hint = finding.hint or " ".join(table[m].hint for m in finding.faults) or STEP_BY_STEP
     return Feedback(
@@ -173,7 +173,7 @@ def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
 
 
 def _raised(finding: Raised, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on an exception of the student's code."""
+    """Return the feedback on an exception of the student's code: its message, place and source line, and a hint."""
     error = finding.error
     place = f" at {error.where}" if error.where else ""
     said = f"{_exception_name(error)}: {printable(error.message, 300)}"
@@ -191,20 +191,20 @@ def _raised(finding: Raised, table: Mapping[str, FaultRow]) -> Feedback:
 
 
 def _exception_name(error: StudentError) -> str:
-    """Return the name of a built-in exception type; a student's own type could have any name and is "an exception"."""
+    """Return the name of a built-in exception type, else "an exception": the name of a student's own type may be any text."""
     known = getattr(builtins, error.type, None)
     return error.type if isinstance(known, type) and issubclass(known, BaseException) else "an exception"
 
 
 def fault_of(error: StudentError, table: Mapping[str, FaultRow]) -> str:
-    """Return the id of the fault that an exception shows: ``missing-package``, else the first row that fits, else ``raises``."""
+    """Return the id of the fault that a student's exception shows: ``missing-package``, the first that fits, else ``raises``."""
     if error.type == "ModuleNotFoundError":
         return "missing-package"
     return next((id_ for id_, each in table.items() if each.shown_by(error)), "raises")
 
 
 def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a call that timed out, crashed or gave no valid answer."""
+    """Return the feedback on a question to student code that timed out, crashed or gave no valid answer."""
     if isinstance(finding, TimedOut):
         return no_answer("timeout", f"none: {printable(str(finding), 200)}", ("never-returns",), table)
     if isinstance(finding, Crashed):
@@ -217,7 +217,7 @@ def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
 
 
 def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback for a question that got no answer, such as a timeout; `named` has the ids of its faults, if any."""
+    """Return the feedback on a question without an answer. `got` says what came instead, `named` holds ids of faults, if known."""
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
     return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, faults=named)

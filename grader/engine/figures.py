@@ -1,6 +1,6 @@
-"""Records of drawn figures with their axes and curves, made from a worker's reply that passed the rule for drawings.
+"""Records of the figures that student code drew, with axes and curves, made from a reply of the sandbox that was validated.
 
-Texts, limits and curves are what the worker claims. The pixels are the evidence: a curve's `visible_parts` is what they show of it.
+Student code may forge texts, limits and curves. The pixels are the evidence: `Curve.visible_parts` says what they show of a curve.
 """
 
 from __future__ import annotations
@@ -37,11 +37,12 @@ PARTS = 100
 
 @dataclass(frozen=True, eq=False)
 class VisibleParts:
-    """Which parts of a curve a reader of the picture can see, for checks that deduct hidden curves.
+    """Which of 100 parts of a curve, along its x range, a reader of the picture can see; checks deduct for curves that are hidden.
 
     Attributes
     ----------
-    inside, seen : (100,) ndarray of bool, which parts along its abscissa lie within the limits, and which of these can be seen
+    inside : (100,) ndarray of bool, which parts lie within the axis limits
+    seen : (100,) ndarray of bool, which of these the pixels show
     """
 
     inside: Mask
@@ -61,7 +62,7 @@ _NOT_EXAMINED = VisibleParts(np.ones(PARTS, bool), np.zeros(PARTS, bool))
 
 @dataclass(frozen=True)
 class Entry:
-    """A legend entry: its text, and the colour (``#rrggbb``), style, marker and stroke of its sample."""
+    """A legend entry: its text, and the colour (``#rrggbb``), line style, marker and stroke of the sample beside it."""
 
     text: Short
     colour: Short
@@ -72,7 +73,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Placed:
-    """A text in a panel: its position in the units of the panel's axes, and its colour (``#rrggbb``)."""
+    """A text inside a panel: its position in the units of the panel's axes, and its colour (``#rrggbb``)."""
 
     text: Short
     place: Pair
@@ -81,19 +82,19 @@ class Placed:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line, or points that were scattered.
+    """A curve that student code drew in a panel: a line, or points that were scattered.
 
     Attributes
     ----------
     label, colour : the label that the code gives it, and ``#rrggbb``
     kind : ``line`` or ``points``; ``nothing`` if it has neither stroke nor marker
-    n : number of its points
+    n : number of points that the code drew
     x, y : (k,) ndarray, all points or every n-th one, in the units of the axes; not finite where nothing is drawn
     style, marker, stroke : matplotlib's names for them; `stroke` holds dashes, width and opacity
     alpha : opacity, 0 to 1
     inks : the colours that it leaves in the picture, ``#rrggbbaa``; empty if there are too many to tell
     width : width of the stroke or of the marker, in points (1/72 inch)
-    visible_parts : its visible parts; none until the pixels were examined
+    visible_parts : which parts the pixels show; none until they are examined
     """
 
     label: Short
@@ -116,20 +117,20 @@ class Curve:
 
     @cached_property
     def points(self) -> tuple[Array, Array]:
-        """The finite points; the output of a filter may be NaN while it warms up."""
+        """The points whose x and y are finite; the output of a filter may be NaN while it warms up."""
         known = np.isfinite(self.x) & np.isfinite(self.y)
         return self.x[known], self.y[known]
 
 
 @dataclass(frozen=True, eq=False)
 class Axes:
-    """A panel of a figure.
+    """A panel of a figure: one pair of axes with its texts and curves.
 
     Attributes
     ----------
     visible : whether it is switched on
-    position : its left, lower, right and upper border as fractions of the figure's width and height
-    title, xlabel, ylabel : the visible text; empty if it cannot be read
+    position : left, lower, right and upper border of the panel as fractions of the figure's width and height
+    title, xlabel, ylabel : the visible text; "" if it cannot be read in the picture
     legend, texts : the entries of its legend (empty without one), and the texts among the curves
     x_limits, y_limits : the values at its left and right, lower and upper border
     scales : the scales of x and y: ``linear``, ``log`` or another
@@ -154,11 +155,12 @@ class Axes:
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """A figure at the time when it was saved, shown or left open; an unreadable one has no axes.
+    """A figure that student code drew, as it was when it was saved, shown or left open; an unreadable one has no axes.
 
     Attributes
     ----------
-    event : ``saved`` if a file holds it at the end, ``overwritten`` or ``forgotten`` if one did; else ``shown`` or ``open``
+    event : ``saved`` if a file shows it at the end; ``overwritten`` if its file was replaced or deleted; ``forgotten`` if it was
+        saved to memory alone; ``shown`` or ``open`` if it was never saved
     path, format : path and format of the file, as in the call that saved it
     size_px : width and height in pixels in which it was saved, or would be
     title, xlabel, ylabel, texts, legend : the texts and legend entries that apply to all its panels
@@ -182,7 +184,7 @@ class Figure:
 
     @property
     def file_name(self) -> str:
-        """Name of its file, without the folder; "" without a file."""
+        """Name of the file that the figure was saved to, without the folder; "" without a file."""
         return PurePath(self.path or "").name
 
     @property
@@ -196,12 +198,12 @@ class Figure:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture that was handed in.
+    """A picture that was handed in, decoded by the sandbox.
 
     Attributes
     ----------
-    size_px : its width and height
-    ink : share of its pixels that have none of its most frequent colours
+    size_px : width and height in pixels
+    ink : share of the pixels that have none of the most frequent colours
     preview : (h, w) ndarray of uint8, the picture in fewer pixels, as row numbers of `palette`
     palette : (256, 3) ndarray of uint8, red, green and blue
     """
@@ -216,23 +218,23 @@ class Picture:
 
 
 def figures_of(frame: Frame) -> list[Figure]:
-    """Return the figures that a reply of the worker describes; the reply has been validated (`replies.drawings`)."""
+    """Return the figures that a reply of the sandbox describes; `replies.drawings` must have validated the reply."""
     return decode_figures(frame, lambda _, name: frame.arrays[name])
 
 
 def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Figure]:
-    """Build the figures that a reply describes; `array_of(type, name)` returns each array that they name.
+    """Return the figures that a reply of the sandbox describes; `array_of(type, name)` returns each array that they name.
 
     Raises
     ------
     msgspec.ValidationError, ValueError, TypeError, KeyError
-        If they are not described as figures are.
+        If the reply describes no valid figures.
     """
     return [msgspec.convert(_facts(each), Figure, dec_hook=array_of) for each in frame.fields["figures"]]
 
 
 def _facts(told: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is told of a figure by the names of its record; a file that cannot be read has no more than its head."""
+    """Return the fields of a `Figure` record from a reply's description; those of an unreadable figure end with its size."""
     head = {name: told[name] for name in ("event", "path", "format", "size_px")}
     if "unreadable" in told:
         return head
@@ -246,12 +248,12 @@ def _facts(told: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _unexamined(curve: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is told of a curve, without a claim about its visible parts."""
+    """Return a curve's description without visible parts: the grader takes them from the pixels, whatever a reply claims."""
     return {name: value for name, value in curve.items() if name != "visible_parts"}
 
 
 def picture_of(frame: Frame) -> Picture | None:
-    """Return the handed-in picture that a reply describes; None if the picture could not be read."""
+    """Return the handed-in picture that a reply of the sandbox describes; None if the picture could not be read."""
     if not frame.fields["readable"]:
         return None
     return Picture(

@@ -1,4 +1,4 @@
-"""Findings of a check: records and exceptions with the measured numbers. `feedback` turns them into text."""
+"""Findings: exceptions that end a check, and the measured numbers in them. `feedback` turns a finding into text for students."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NEEDS_REVIEW = "an instructor may give more points"
 
 @dataclass(frozen=True)
 class Where:
-    """A place in a student's file. `line` is None if it is unknown, and in a notebook, where each cell counts its own lines."""
+    """Place in a student's file, for messages. `line` is None if unknown, and in a notebook, where each cell counts its own."""
 
     file: str
     line: int | None = None
@@ -22,7 +22,13 @@ class Where:
 
 @dataclass(frozen=True)
 class StudentError:
-    """An exception raised by the student's code, with its place in their file."""
+    """An exception that a student's code raised in the sandbox: its type and message, and where in the student's file.
+
+    Attributes
+    ----------
+    file, line, text : the innermost line of the student's code that was running, and its source; None if there was none
+    name : the name, attribute or module that was missing; None for other exceptions
+    """
 
     type: str
     message: str
@@ -41,7 +47,7 @@ class StudentError:
 
     @property
     def where(self) -> str:
-        """The place as printable text: ``imu_reader.py, line 12``; "" if no line of the student's was running."""
+        """The place as printable text for a message: ``imu_reader.py, line 12``; "" if no line of the student's was running."""
         if not self.file:
             return ""
         file = printable(self.file.replace(":cell ", ", cell "), 120)
@@ -49,20 +55,20 @@ class StudentError:
 
     @property
     def at(self) -> Where | None:
-        """The place as a `Where`; None if no line of the student's was running."""
+        """The place as a `Where`; None if no line of the student's code was running."""
         named = self.file or ""
         file = named.partition(":cell ")[0]
         return Where(printable(file, 120), self.line if file == named else None) if file else None
 
     @property
     def lines(self) -> list[str]:
-        """The source line as printable text, then a line with a caret for a syntax error; empty if the line is unknown."""
+        """The source line as printable text, and a second line with a caret for a syntax error; [] if the line is unknown."""
         return [printable(line, 160) for line in (self.text or "").split("\n")[:2] if line.strip()]
 
 
 @dataclass(frozen=True)
 class Size:
-    """Kind and order of magnitude of an error, for feedback on hidden scenarios.
+    """Kind and order of magnitude of an error, which feedback on hidden scenarios shows in place of the measured numbers.
 
     Attributes
     ----------
@@ -83,7 +89,7 @@ class Size:
 
 
 class GraderText(str):
-    """Text that is a constant of the grader's code. Joined with other text it is a plain `str`, which may hold a student's text."""
+    """Text that is a constant of the grader's code, so it holds no hidden data; joined with other text it is a plain `str`."""
 
     __slots__ = ()
 
@@ -93,17 +99,17 @@ Numbers = TypeVar("Numbers", bound=Mapping[str, object])
 
 
 class NoNumbers(TypedDict):
-    """Empty numbers, for a deviation whose feedback quotes no values."""
+    """Empty `numbers` of a `Deviation`, for faults whose feedback quotes no values."""
 
 
 class Came(TypedDict):
-    """Numbers of a deviation that one text describes: `came`, the answer in place of the one that was asked for."""
+    """The `numbers` of a `Deviation` that one text describes: `came` says what the student's code returned instead."""
 
     came: str
 
 
 class Form(TypedDict):
-    """Numbers of an answer in a wrong form, such as a wrong shape: the form that was asked for, and what came."""
+    """The `numbers` of a `Deviation` for an answer in a wrong form, such as a wrong shape: the `form` asked for, what `came`."""
 
     form: str
     came: str
@@ -111,15 +117,15 @@ class Form(TypedDict):
 
 @dataclass(frozen=True)
 class Deviation(Generic[Numbers]):
-    """Deviation of a measured property from what its check asks.
+    """How a measured property deviates from what its check asks. A check returns it, and `charging.Judge` deducts points for it.
 
     Attributes
     ----------
-    numbers : values for the templates of any row of the fault table that may describe the deviation
-    share : share of the check's points that is lost if no row lists another
-    affected : affected fraction of the property, such as one of two sensors; each share is multiplied by it
-    size : size of the error, shown in place of the numbers for a hidden scenario
-    error : the exception that caused it
+    numbers : values by name for the message templates of the fault table
+    share : share of the check's points that is lost, unless the fault table lists another for the fault
+    affected : affected fraction of the property, such as one of two sensors; the share is multiplied by it
+    size : size of the error, which a message on hidden scenarios shows in place of the numbers; None shows no size
+    error : the exception of the student's code that caused it; None if the code raised none
     """
 
     numbers: Numbers
@@ -131,13 +137,13 @@ class Deviation(Generic[Numbers]):
 
 @dataclass(frozen=True)
 class Cost:
-    """Deduction of one fault at one check, as a share of the check's points.
+    """Deduction for one fault at one check, as a share of the check's points. A `Charge` holds all of a check.
 
     Attributes
     ----------
-    row : id of the fault's row, or of the check's row if no fault is known
+    row : id of the fault in the fault table; if no fault is known, id of the check, which has an entry there, too
     share : the share of the check's points
-    shown : the deviation through which the fault was found; its numbers fill the templates of the fault's row
+    shown : the deviation through which the fault was found; its numbers fill the templates of the fault's entry
     own : the deviation of the check itself; None if it does not show the fault
     see : title of the check that reports the fault; "" if it is this one
     """
@@ -151,10 +157,11 @@ class Cost:
 
 @dataclass(frozen=True)
 class Charge:
-    """Charge of one check: what each fault costs there.
+    """All deductions of one check, one `Cost` for each fault. `charging.Judge` makes it, `feedback` puts it into words.
 
     Attributes
     ----------
+    check : id of the check
     costs : what is deducted, together at most all points of the check
     see : title of the check that deducts for the fault, if this check fails by it and deducts nothing; else ""
     """
@@ -165,12 +172,12 @@ class Charge:
 
     @property
     def keeps(self) -> float:
-        """The share of the points that is earned."""
+        """Share of the check's points that is still earned, 0 to 1."""
         return max(0.0, 1.0 - sum(cost.share for cost in self.costs))
 
 
 class Charged(AssertionError):  # noqa: N818 - an outcome
-    """Exception that carries a charge through pytest."""
+    """Exception that ends a check with deductions: it carries the check's `Charge` through pytest to the grader."""
 
     def __init__(self, charge: Charge) -> None:
         super().__init__(f"{charge.check} keeps {charge.keeps:g}")
@@ -178,7 +185,7 @@ class Charged(AssertionError):  # noqa: N818 - an outcome
 
 
 class CheckFailed(AssertionError):  # noqa: N818 - an outcome
-    """Exception: a check fails and loses all or some of its points.
+    """Exception that a check raises if it fails, so that all or some of its points are lost.
 
     Parameters
     ----------
@@ -208,15 +215,15 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
 
 
 class Unusable(CheckFailed):
-    """No check of the part can judge the answer: one check reports it, and the others are skipped."""
+    """Exception: no check of the criterion can judge the answer. The first check to raise it reports it; the others are skipped."""
 
 
 class Skipped(Exception):  # noqa: N818 - an outcome
-    """The check cannot be judged because something that it needs is missing; the message completes "Needs …"."""
+    """Exception: a check earns nothing because something that it needs is missing; the message completes the sentence "Needs …"."""
 
 
 class Raised(Exception):  # noqa: N818 - an outcome
-    """The student's code raised on valid input."""
+    """Exception: student code raised `error` on valid input. `doing` says during what, such as ``reading the sensors``."""
 
     def __init__(self, error: StudentError, doing: str) -> None:
         super().__init__(f"{error.type}: {error.message}")
@@ -230,7 +237,10 @@ def raised(error: StudentError | None, doing: str) -> None:
 
 
 class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not a grader error
-    """A required name is not defined: its file is missing, does not import, or does not define it."""
+    """Exception: a required name is not defined, because its file is missing, does not import, or does not define it.
+
+    `fault` is the id of the fault, `where` the place of the cause in a student's file; None without one.
+    """
 
     def __init__(self, name: str, fault: str, message: str, where: Where | None = None) -> None:
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""Code fingerprint of a submission: hashes that do not change with names, layout and comments.
+"""Code fingerprint: hashes that find similar code in a class, whatever its names, layout and comments.
 
 References
 ----------
@@ -31,12 +31,7 @@ _TOKEN = re.compile(
 
 
 def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
-    """Return hashes of the code of a submission, sorted, by which similar code is found.
-
-    Parameters
-    ----------
-    files : relative path -> content
-    """
+    """Return the hashes of a submission's code (path -> content), sorted; similar submissions share many."""
     found: set[int] = set()
     for source in _sources(files):
         found |= _winnowed(source)
@@ -45,13 +40,13 @@ def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
 
 @functools.cache
 def of_the_sheet(lab: Lab) -> frozenset[int]:
-    """Return the fingerprint of the code in the lab sheet and the starter kit; it does not count as similar."""
+    """Return the hashes of the code in the lab sheet and the starter files, which all students share: it is not similarity."""
     given = [lab.folder / "sheet.txt", *sorted((lab.folder / "starter").glob("*.py.txt"))]
     return frozenset(fingerprint({f"{path.name}.py": path.read_bytes() for path in given}))
 
 
 def _sources(files: Mapping[str, bytes]) -> Iterator[str]:
-    """Yield the source text of the code files, up to a limit on bytes."""
+    """Yield the source text of programs and notebooks. A file that would exceed 400 kB in all is left out, to bound the time."""
     left = _MOST_BYTES
     for path in sorted(files):
         content = files[path]
@@ -62,7 +57,7 @@ def _sources(files: Mapping[str, bytes]) -> Iterator[str]:
 
 
 def cells(text: str) -> str:
-    """Return the source of a notebook's code cells; "" if the text is not a notebook."""
+    """Return the source of a notebook's code cells, one after the other; "" if the text is no notebook."""
     try:
         sources = [cell["source"] for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
         return "\n".join("".join(source) for source in sources)
@@ -71,7 +66,7 @@ def cells(text: str) -> str:
 
 
 def _winnowed(source: str) -> set[int]:
-    """Return the smallest hash of each window of WINDOW neighbouring grams of GRAM tokens."""
+    """Return the smallest hash of each window of WINDOW grams (a gram is GRAM tokens in a row); none for fewer tokens."""
     hashes = _hashes([_normal(token) for token in _TOKEN.findall(source) if not token.startswith("#")])
     if not len(hashes):
         return set()
@@ -91,7 +86,7 @@ def lines_with(source: str, wanted: Set[int]) -> set[int]:
 
 
 def _hashes(tokens: list[str]) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
-    """Return the hash of each gram."""
+    """Return the hash of each gram (run of GRAM neighbouring tokens), in order; none if there are fewer tokens."""
     if len(tokens) < GRAM:
         return np.empty(0, dtype=np.uint64)
     codes = np.array([zlib.crc32(token.encode("utf-8", "replace")) for token in tokens], dtype=np.uint64)
@@ -102,7 +97,7 @@ def _hashes(tokens: list[str]) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
 
 
 def _normal(token: str) -> str:
-    """Return a token with all names made equal and all strings made equal; other tokens stay as they are."""
+    """Return a token with all names and all strings made equal, so that renaming hides nothing; other tokens are unchanged."""
     if '"' in token or "'" in token:
         return "'"
     return "n" if token.isidentifier() and not keyword.iskeyword(token) else token

@@ -1,4 +1,4 @@
-"""Grade one submission: run the checks in pytest on the answers from the sandbox, and make a `Result`."""
+"""Grade one submission: run the checks on what its code answers in the sandbox, and make a `Result`."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from grader.sandbox.sandbox import Sandbox
 
 
 class Stopped(KeyboardInterrupt):
-    """Exception for an interrupt (Ctrl-C) during grading, with the result so far; checks not reached have no points."""
+    """Exception for an interrupt (Ctrl-C) during grading. Its `result` is the result so far; checks not reached have no points."""
 
     def __init__(self, result: Result) -> None:
         super().__init__()
@@ -41,7 +41,7 @@ class Stopped(KeyboardInterrupt):
 
 
 class Marker:
-    """Grader of a process: holds a warm sandbox (zygote), the rubric and the ground truth, and grades many submissions.
+    """Grades submissions one after the other, with a rubric, the ground truth and a sandbox that stays open, to save time.
 
     Parameters
     ----------
@@ -96,13 +96,13 @@ class Marker:
         waiting: Callable[[str], None] | None = None,
         listen: Listener | None = None,
     ) -> Result:
-        """Grade one submission; never raises for what a student did.
+        """Grade one submission. It never raises for anything that student code does.
 
         Parameters
         ----------
         cpu_s : upper limit of the CPU seconds of the student's code, if less than the rubric's
-        only : the only criterion or extension to examine; None examines all
-        waiting : called with a description of a question that takes long
+        only : id of the only criterion or extension to examine; None examines all
+        waiting : called with a message if an answer of student code takes long
         listen : receives what the student's code prints; public scenarios only, because code could print hidden data
 
         Raises
@@ -135,9 +135,9 @@ class Marker:
         return replace(result, evidence=self._evidence(student), cpu_s=used)
 
     def _has_nothing_to_grade(self, submission: Submission, result: Result) -> bool:
-        """Return whether no file has a name of this lab and no point was earned: files of another lab, or empty ones.
+        """Return whether no file defines a name that the lab asks for, and no point was earned: another lab's files, or empty ones.
 
-        Such a submission is blank until a person decides, like one without any program.
+        Such a submission has no points until a person decides, like one without any program.
         """
         earned = any(check.keeps != 0.0 for part in result.parts for check in part.checks)
         parts = (*self._lab.parts, *self._lab.bonuses)
@@ -145,11 +145,14 @@ class Marker:
 
     @property
     def _secret(self) -> bool:
-        """True if the traces are hidden ones."""
+        """True if hidden scenarios are graded: no text that student code can choose may then reach a student."""
         return self._traces.name != "public"
 
     def _public_student(self, submission: Submission) -> SubmissionSession:
-        """Open a session over a submission's files with public data only; each part has the time of one call."""
+        """Open a session about a submission that holds public data only, for messages on why its files do not load.
+
+        Each criterion has the CPU time of one call.
+        """
         return self._lab.student(
             self._sandbox,
             self._lab,
@@ -167,7 +170,7 @@ class Marker:
         waiting: Callable[[str], None] | None = None,
         cpu_s: float | None = None,
     ) -> SubmissionSession:
-        """Open the session about a submission, with these limits of CPU time."""
+        """Open the sandbox session about a submission's files, with the rubric's limits of CPU time, or `cpu_s` if that is less."""
         limits = self._rubric.limits
         most = limits.submission_cpu_s if cpu_s is None else cpu_s
         self._sandbox.warm(libraries_of(self._lab, files))
@@ -191,9 +194,10 @@ class Marker:
             check_run.student.close()
 
     def _understood(self, judgements: Mapping[str, Judgement], student: SubmissionSession) -> Mapping[str, Judgement]:
-        """Fail the checks that raised an unexpected exception on this submission but can judge the sheet's own code.
+        """Fail the checks that raised an unexpected exception on this submission, although they can judge the lab sheet's own code.
 
-        A check that also raises on the sheet's code stays unjudged. The sheet's code has no extensions: their checks are failed.
+        The cause is then an odd answer, and a note asks for a review. A check that raises on the sheet's code, too, stays unjudged.
+        The sheet's code has no extensions: their checks are failed.
         """
         odd = {id_: each for id_, each in judgements.items() if each.feedback is None and not each.ours}
         bonuses = {bonus.id for bonus in self._lab.bonuses}
@@ -207,14 +211,14 @@ class Marker:
 
     @cached_property
     def _control(self) -> Mapping[str, Judgement]:
-        """Outcomes of the checks for the sheet's own code."""
+        """How the checks end on the lab sheet's own code; it shows whether an unexpected exception is the grader's fault."""
         sheet = {self._lab.files[0]: (self._lab.folder / "sheet.txt").read_bytes()}
         check_run = CheckRun(self._lab, self._student(sheet, {}), self._traces, None)
         self._run(check_run)
         return check_run.judgements
 
     def _evidence(self, student: SubmissionSession) -> Evidence:
-        """Return the charts and the fingerprint, or none if they cannot be made: they do not affect the grade."""
+        """Return the charts and the code fingerprint; empty ones if they cannot be made, as they do not affect the grade."""
         try:
             return Evidence(packed(self._lab.charts(student, self._traces)), fingerprint(student.files))
         except Exception:  # a student's numbers may break a chart in any way
@@ -224,7 +228,7 @@ class Marker:
         self, submission: Submission, status: Status, judgements: Mapping[str, Judgement], notes: list[str], started: float,
         only: str | None,
     ) -> Result:  # fmt: skip
-        """Make the result from the judgements, notes and provenance."""
+        """Make the result with its points; its status is ``incomplete`` if a check could not be judged."""
         criteria = tuple(self._criterion(c, judgements, status) for c in self._rubric.criteria if only in (None, c.id))
         extensions = tuple(
             self._extension(e, submission, judgements, status) for e in self._rubric.extensions if only in (None, e.id)
@@ -250,7 +254,7 @@ class Marker:
     def _extension(
         self, extension: Extension, submission: Submission, judgements: Mapping[str, Judgement], status: Status
     ) -> ExtensionResult:
-        """Make an extension's result; one that was not attempted has no rows, because its checks did not run."""
+        """Make the result of an extension. One that was not attempted lists no checks, because they did not run."""
         bonus = self._lab.part(extension.id)
         attempted = status not in _NOTHING and bonus is not None and bonus.attempted_in(submission.files)
         weights = extension.checks if attempted else ()
@@ -258,7 +262,10 @@ class Marker:
         return ExtensionResult(extension.id, attempted, extension.points, rows)
 
     def _row(self, weight: CheckWeight, judgement: Judgement | None, status: Status) -> CheckResult:
-        """Make a check's row without its points, which `marks` computes."""
+        """Make the result of one check, without its points, which `marks` computes.
+
+        `judgement` is None for a check that did not run, for example because nothing was handed in.
+        """
         check = self._checks[weight.id]
         found = partial(
             CheckResult, id=weight.id, title=check.title, lab_step=check.lab_step, points=None, max_points=0.0
@@ -286,7 +293,7 @@ class Marker:
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:
-        """Return the versions and digests that the result depends on."""
+        """Return what the result depends on: versions, digests of the inputs, isolation level and seed."""
         return {
             "grader": __version__,
             "rubric_sha256": self._rubric.sha256,
@@ -301,7 +308,7 @@ class Marker:
 
 
 def _as_far_as_it_came(result: Result) -> Result:
-    """Reword the rows of unjudged checks: they were stopped by an interrupt, not by a failure of the grader."""
+    """Return an interrupted run's result, whose unjudged checks say that they were stopped, not that the grader failed."""
 
     def reached(check: CheckResult) -> CheckResult:
         return check.with_message("the check was stopped before them") if check.outcome == "not_judged" else check
@@ -313,7 +320,7 @@ def _as_far_as_it_came(result: Result) -> Result:
 
 @cache
 def _version(package: str) -> str:
-    """Return the installed version of a package; the package is not imported."""
+    """Return the installed version of a package; it is not imported, and not looked up twice."""
     return version(package)
 
 

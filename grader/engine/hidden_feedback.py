@@ -1,8 +1,9 @@
-"""Feedback on hidden scenarios: kind and size of an error, but nothing that code could choose after it has seen hidden data.
+"""Feedback on hidden scenarios: kind and size of an error, but nothing that student code could choose after seeing hidden data.
 
-With a secret, a worker holds hidden data from `submit` on. So feedback consists of constants of the grader's code (those of this
-module, of the fault table and those marked as `GraderText`) and a size in three steps. It holds no text, name, number, shape, line,
-file or exit code of the student's. Messages about loading come from a process with the public robot, see `public_session`.
+If an instructor's secret is used, the process that runs student code holds hidden data as soon as it has the files. So feedback
+consists of constants of the grader's code (in this module, in the fault table, and `GraderText`) and a size in three steps. It
+holds no text, name, number, shape, line, file or exit code of the student's. Messages about loading a file come from a second
+process with public data, see `public_session`.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 def feedback_on(
     finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, table: Mapping[str, FaultRow]
 ) -> Feedback:
-    """Return what a student reads on the finding that ended a check on hidden scenarios: its kind and size, and no data."""
+    """Return what a student reads about the exception that ended a check on hidden scenarios: its kind and size, and no data."""
     if isinstance(finding, Charged):
         return _charged(finding.charge, table)
     if isinstance(finding, CheckFailed):
@@ -53,7 +54,7 @@ def feedback_on(
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that is equal for findings with the same cause, like `feedback.cause_key`; it holds no text of the student's."""
+    """Return a key that findings of one cause share, as `feedback.cause_key` does, but without text of the student's."""
     if isinstance(finding, Raised):
         return f"Raised: {part}: {_kind(finding)}"
     if isinstance(finding, NoAnswer):
@@ -62,7 +63,7 @@ def cause_key(finding: BaseException, part: str) -> str | None:
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:
-    """Return the finding about a missing name without hidden data: that of a public session, else one with a constant message."""
+    """Return a `Missing` without hidden data: `public`, found by a session with public data, else one with a constant message."""
     if public is not None:
         return public
     return Missing(finding.name, finding.fault, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")
@@ -73,7 +74,7 @@ def _kind(finding: Raised) -> str:
 
 
 def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a failed check: the titles of its faults, or the size of the error."""
+    """Return the feedback on a `CheckFailed`: the titles of its faults, or the size of the error if it names no fault."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     kinds = [table[id_].title for id_ in finding.faults]
     got = "; ".join(kinds) or str(finding.off or _DOES_NOT)
@@ -89,7 +90,7 @@ def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
 
 
 def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback from the rows' titles and hints. Sizes stand for numbers, only of faults without a public name."""
+    """Return the feedback on a check's deductions: titles and hints of the faults, and sizes of errors in place of numbers."""
     if not charge.costs:
         return no_more(charge)
     sizes = [size for cost in charge.costs if (size := _size(cost, rows))]
@@ -114,7 +115,7 @@ def _deducted(cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
 
 
 def _size(cost: Cost, rows: Mapping[str, FaultRow]) -> str:
-    """Return the size of an error that no fault with a public name explains, else "": code could choose it to tell hidden data."""
+    """Return the size of an error; "" if none, or for a fault with a public name: code could choose the size to reveal data."""
     return str(cost.shown.size) if cost.shown.size and not rows[cost.row].explanation else ""
 
 

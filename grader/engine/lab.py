@@ -1,6 +1,6 @@
-"""Definition of a lab for the lab-independent engine: its parts, required names and files, and the lab's own functions.
+"""Definition of a lab for the lab-independent engine: its criteria, required names and files, and the lab's own functions.
 
-Any code that lists parts, names, files or pictures derives the list from one `Lab`. A rubric holds its lab.
+Code that lists criteria, names, files or pictures takes them from one `Lab`. A `Rubric` holds its lab.
 """
 
 from __future__ import annotations
@@ -28,21 +28,16 @@ _CONFIGURATION = re.compile(r"\bCONFIGURATION_([A-Z]+)\b")
 
 @dataclass(frozen=True)
 class Part:
-    """A graded part of a lab: a criterion, or a bonus.
+    """A part of a lab that is graded: a criterion or an extension (bonus).
 
     Attributes
     ----------
-    id, title
-        Its id and title in the rubric and on all pages.
-    names
-        The names that a submission must define for it; a finding without a line of its own points to the first.
-    home
-        The file in which the lab expects the names.
-    needed
-        Whether other parts build on its names. Such a part is examined before the others, and if it lost points, sound
-        stand-ins replace its names for the parts that follow.
-    pictures
-        The pictures that are handed in for it.
+    id, title : id and title in the rubric and on all pages
+    names : the functions or classes that a submission must define for it; a finding without a line points to the first
+    home : the file in which the lab expects the names
+    needed : whether other parts use its names. Such a part is graded before the others, and if it lost points, correct code
+        (stand-ins) replaces its names for the parts that follow
+    pictures : the pictures that are handed in for it
     """
 
     id: str
@@ -53,11 +48,11 @@ class Part:
     pictures: tuple[str, ...] = ()
 
     def attempted_in(self, files: Mapping[str, bytes]) -> bool:
-        """Return whether the submission holds the part's file or defines one of its names; only text is searched, no code runs."""
+        """Return whether a submission holds the part's file or defines one of its names. Only text is searched, no code is run."""
         return self.home in files or self.named_in(files)
 
     def named_in(self, files: Mapping[str, bytes]) -> bool:
-        """Return whether a program or notebook defines one of the part's names; only text is searched, no code runs."""
+        """Return whether a program or notebook defines one of the part's names. Only text is searched, no code is run."""
         names = "|".join(self.names)
         pattern = rf"(?:\b|\\n)(?:class|def)[ \t]+(?:{names})\b|%%writefile[ \t]+{self.home}"
         defines = re.compile(pattern.encode())
@@ -66,9 +61,9 @@ class Part:
 
 @dataclass(frozen=True)
 class LabFile:
-    """A file that a rubric names in place of one of the lab's, with the public traces recorded from it.
+    """A file of the instructor's that a rubric names in place of a lab's, such as a model, with public traces recorded from it.
 
-    `keys` is the path of rubric keys to the line that names it.
+    `file` is its name, `text` its content, `keys` the path of rubric keys to the line that names it.
     """
 
     traces: Traces
@@ -79,14 +74,14 @@ class LabFile:
 
 @dataclass(frozen=True)
 class Handout:
-    """Extra files for students beside the starter files, by path, and the names in them that replace the sheet's names."""
+    """Extra files for students beside the starter files, by path, and the names in them that replace names of the lab sheet."""
 
     files: Mapping[str, bytes] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
 
 
 def _no_file(settings: Mapping[str, Any]) -> None:
-    """Supply no files: the default of `Lab.brought`."""
+    """Return no file of the instructor's: the default of `Lab.brought`."""
 
 
 def _no_blind_spot(traces: Traces) -> str:
@@ -104,57 +99,36 @@ def _accept_all(settings: Mapping[str, Any], traces: Traces) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Lab:
-    """Definition of one lab.
+    """Definition of one lab: what it asks for, and the functions with which the engine and the commands grade it.
 
     Attributes
     ----------
-    module
-        The module that holds this value as `LAB`; another process imports it from there.
-    id, label, title
-        ``imu``, ``Lab 04-01``, ``Reading IMU data in MuJoCo``.
-    parts, bonuses
-        The criteria in the sheet's order, and the extensions for advanced students.
-    model
-        The path of the file that the sheet loads; empty if it loads none.
-    points_to
-        Checks whose findings point to another name than the first of their part, with that name.
-    calls
-        The source line that calls each name, if `imugrade repro` can write the call.
-    waits_for
-        Description of a question that takes long, by the question's operation.
-    settings
-        The rubric keys of this lab, each with the function that reads it from the file's reader, the key's node (None if the key
-        is left out) and the folder that relative paths start from.
-    plot
-        Draws the traces, or a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files.
-    recordings
-        Asks a submission for its recordings, by scenario; tells why one is missing.
-    repeating
-        The module with the `Recorder`, `Watched` and `program` of `imugrade repro`.
-    packages
-        Packages that students may use, and whose versions a class shares.
-    suffixes
-        The files that a submission is run with, by suffix: code and data.
-    libraries
-        Modules of these packages that only some submissions import and that take long to import: a class imports each once.
-    recorder
-        The program that records ground truth, as ``python -m`` names it; not needed for public ground truth.
-    depends_on
-        Packages whose versions may change a number of the recorder or of a submission.
-    same_for_all
-        Scenarios in which no secret changes a number.
-    student, charts, checked
-        Make the session that the checks ask; make the charts of a report; check a reply against its question.
-    truth
-        Returns the traces to grade with, from a secret (None: the public traces) and the settings of a rubric.
-    match
-        Raises RubricError for traces that do not belong to the settings.
-    brought
-        Returns the file that the settings name in place of one of the lab's, which a kit must include; None if there is none.
-    blind_spot
-        Returns what grading with these traces cannot test, in a sentence; "" for nothing.
-    handout
-        Makes the extra files for students from that file; None stands for the lab's own.
+    module : the module that holds this value as `LAB`; another process imports it from there
+    id, label, title : ``imu``, ``Lab 04-01``, ``Reading IMU data in MuJoCo``
+    parts, bonuses : the criteria in the lab sheet's order, and the extensions for advanced students
+    model : the path of the model file that the sheet's code loads; "" if it loads none
+    points_to : checks whose findings point to another name than the first of their part, with that name
+    calls : the source line that calls each required name, for `imugrade repro`; without one it cannot write the call
+    waits_for : description of each question that takes long, by its operation
+    settings : the rubric keys of this lab, each with the function that reads it from the file's reader, the key's node (None if the
+        key is left out) and the folder that relative paths start from
+    plot : draws the traces, or a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files
+    recordings : asks a submission for its recordings, by scenario; tells why one is missing
+    repeating : the module with the `Recorder`, `Watched` and `program` of `imugrade repro`
+    packages : packages that students may use, and whose versions a class shares
+    suffixes : suffixes of the files, code and data, that a submission is run with
+    libraries : modules of these packages that only some submissions import and that take long to import: a class imports each once
+    recorder : the program that records ground truth, as ``python -m`` names it; not needed for public ground truth
+    depends_on : packages whose versions may change a number of the recorder or of a submission
+    same_for_all : scenarios in which no secret changes a number
+    student : makes the session that the checks ask
+    charts : makes the charts of a report
+    checked : checks a reply of the sandbox against its question
+    truth : returns the traces to grade with, from a secret (None: the public traces) and the settings of a rubric
+    match : raises RubricError for traces that do not belong to the settings
+    brought : returns the file that the settings name in place of one of the lab's, which a kit must include; None if there is none
+    blind_spot : returns what grading with these traces cannot test, in a sentence; "" for nothing
+    handout : makes the extra files for students from that file; None stands for the lab's own
     """
 
     module: str
@@ -205,22 +179,22 @@ class Lab:
 
     @cached_property
     def folder(self) -> Path:
-        """The folder with its checks, fault table, stand-ins and starter files."""
+        """The folder with the lab's checks, fault table, stand-ins and starter files."""
         return Path(str(importlib.import_module(self.module).__file__)).parent
 
     @property
     def slug(self) -> str:
-        """The label as a name of a folder: ``lab-04-01``."""
+        """The label as a folder's name, ``lab-04-01``, in which a submission's files lie in the sandbox."""
         return self.label.lower().replace(" ", "-")
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
-        """The names that a submission must define, each with the file in which it is expected."""
+        """The names that a submission must define, those of extensions included, each with the file in which it is expected."""
         return {name: part.home for part in (*self.parts, *self.bonuses) for name in part.names}
 
     @cached_property
     def files(self) -> tuple[str, ...]:
-        """The files that the lab asks for, in the sheet's order."""
+        """The programs that the lab asks for, in the sheet's order; those of extensions are not included."""
         return tuple(dict.fromkeys(part.home for part in self.parts))
 
     @cached_property
@@ -229,7 +203,7 @@ class Lab:
 
     @cached_property
     def examined(self) -> tuple[str, ...]:
-        """The ids of the parts in the order of grading; bonuses come after them."""
+        """The ids of the criteria in the order of grading; extensions come after them."""
         return tuple(part.id for part in sorted(self.parts, key=lambda part: not part.needed))
 
     @cached_property
@@ -237,26 +211,29 @@ class Lab:
         return {part.id: part.title for part in (*self.parts, *self.bonuses)}
 
     def part(self, id_: str) -> Part | None:
-        """Return the part or bonus with this id; None if there is none."""
+        """Return the criterion or extension with this id; None if there is none."""
         return next((part for part in (*self.parts, *self.bonuses) if part.id == id_), None)
 
     def name_of(self, check_id: str) -> str:
-        """Return the required name that a check is about; "" if its part has none."""
+        """Return the required name that a check is about, to point to its line; "" if its criterion has none."""
         part = self.part(check_id.partition(".")[0])
         return self.points_to.get(check_id) or (part.names[0] if part and part.names else "")
 
     def call_of(self, check_id: str) -> str:
-        """Return the source line that calls the name that a check is about; "" if there is none."""
+        """Return the source line that calls the name that a check is about, for `imugrade repro`; "" if the lab has none for it."""
         part, name = self.part(check_id.partition(".")[0]), self.name_of(check_id)
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
-        """Return the source of a name's stand-in (correct code); ``CONFIGURATION_IMU`` there becomes the ``imu`` configuration."""
+        """Return the source of a name's stand-in: correct code that replaces a broken definition of the student's.
+
+        ``CONFIGURATION_IMU`` in it becomes the ``imu`` part of the lab's configuration.
+        """
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return _CONFIGURATION.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
     def sheets_own(self, name: str) -> str:
-        """Return the sheet's imports and its definition of a name, which, unlike a stand-in, takes only the sheet's arguments."""
+        """Return the lab sheet's imports and definition of a name. Unlike a stand-in, it takes only the sheet's arguments."""
         tree = ast.parse((self.folder / "sheet.txt").read_text(encoding="utf-8"))
         imports = [node for node in tree.body if isinstance(node, ast.Import)]
         own = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name]
@@ -264,6 +241,6 @@ class Lab:
 
 
 def lab_of(module: str) -> Lab:
-    """Import a module and return its value `LAB`, so that another process gets the same lab."""
+    """Import a module and return its `LAB`, so that another process gets the same lab."""
     lab: Lab = importlib.import_module(module).LAB
     return lab

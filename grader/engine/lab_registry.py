@@ -1,4 +1,4 @@
-"""The labs that are installed here, and the one that a command is about.
+"""Find the installed labs by id, and choose the one that a command is about.
 
 A lab is a package of its own that registers the module of its `LAB` as an entry point of the group ``imugrade.labs``.
 """
@@ -22,12 +22,14 @@ _SHIPPED: Mapping[str, str] = {DEFAULT: "grader.labs.imu.lab"}
 
 
 def chosen_lab(on_record: str = "") -> Lab:
-    """Return the lab that `IMUGRADE_LAB` names, else the one `on_record` for a graded class, else the shipped one.
+    """Return the lab of a command: the one that `IMUGRADE_LAB` names, else that of the graded class, else the shipped one.
+
+    `on_record` is the id of the lab in a class's record; "" without a class.
 
     Raises
     ------
     RequestError
-        If no such lab is installed, or if the class on record is of another lab.
+        If no such lab is installed, or if `IMUGRADE_LAB` names another lab than the record.
     """
     asked = os.environ.get(VARIABLE, "")
     if asked and on_record and asked != on_record:

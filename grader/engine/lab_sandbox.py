@@ -1,4 +1,4 @@
-"""Open the sandbox of a lab: it holds the worker code, the lab's own worker code and the libraries imported in advance."""
+"""Open the sandbox of a lab: its processes hold the worker code, the lab's own worker code and imported libraries."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ WORKER_CODE = Path(__file__).parent.parent / "worker"
 
 
 def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
-    """Return the lab's libraries to import in advance: a submission's code holds the first and the last part of their name."""
+    """Return those of the lab's slow libraries that a submission may import, to be imported before its code runs.
+
+    A library is named if its first and its last part, as in ``scipy.signal``, occur in the submission's programs.
+    """
     code = b"\n".join(content for path, content in files.items() if path.endswith((".py", ".ipynb")))
     return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))
 
@@ -21,7 +24,7 @@ def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
 def open_sandbox(
     lab: Lab, isolation_level: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True
 ) -> Sandbox:
-    """Open a sandbox for many submissions; it warms up in the background.
+    """Open a sandbox for many submissions; it gets ready in the background, while the caller goes on.
 
     Parameters
     ----------
@@ -37,5 +40,5 @@ def open_sandbox(
 
 
 def open_sandbox_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Sandbox:
-    """Open a sandbox for one submission; it is ready sooner, because only what this submission may need is prepared."""
+    """Open a sandbox for one submission. It is ready sooner than `open_sandbox`, as only what its `files` may need is prepared."""
     return open_sandbox(lab, isolation_level, libraries=libraries_of(lab, files), thorough=False)

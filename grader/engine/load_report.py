@@ -1,8 +1,7 @@
-"""Report of loading a file: the names that it defines, and the module-level statements that failed and were skipped.
+"""Report of loading a student's file: the names that it defines, and the module-level statements that failed and were skipped.
 
-If a statement ends its process, or the process must be killed during it, the statement is known from the place that the process
-wrote down, and the next process skips it. The place is used only for the submission itself, and only if the process has not
-seen data.
+A statement may end the process that loads the file, or run too long. The process notes its place before each statement, so that the
+next one can skip it. The place is used for this submission alone, and only if the process has seen no data to reveal by it.
 """
 
 from __future__ import annotations
@@ -30,18 +29,18 @@ _MOST = 24  # most statements to record per submission as ending their process
 
 @dataclass(frozen=True)
 class SteppedOver:
-    """A module-level statement that failed; the statements after it were run.
+    """A module-level statement of a student's file that failed; the statements after it were run all the same.
 
     Attributes
     ----------
     path : the file, or the notebook and its cell
-    number, line : its number in the file, and the line on which it begins
+    number, line : number of the statement in the file, and the line on which it begins
     how : ``raised``: it raised; ``hints``: a definition that was run without its type hints, which raised; ``less``: a definition
         that was run without another part that raised; ``overran``: it exceeded its time; ``ended``: it ended the process or could
         not be interrupted, and was not run again; ``unread``: it is not valid Python
     defines : the required names that it would have defined
     within : the required names whose code was running when it was interrupted
-    error : the exception that it raised, or the reason
+    error : the exception that it raised, or the reason in the form of one
     """
 
     path: str
@@ -61,7 +60,7 @@ class SteppedOver:
 
     @property
     def where(self) -> str:
-        """The place as printable text: ``imu_reader.py, line 12``."""
+        """The place as printable text for a message: ``imu_reader.py, line 12``."""
         return f"{printable(self.path.replace(':cell ', ', cell '), 120)}, line {self.line}"
 
     @property
@@ -77,16 +76,16 @@ class SteppedOver:
 
 @dataclass(frozen=True)
 class Loaded:
-    """Report of the worker on loading one file of a submission.
+    """Report of the sandbox on loading one file of a submission.
 
     Attributes
     ----------
-    names : the required names that it defines
-    unreadable : the syntax error if it is not valid Python, else None
-    stepped_over : its statements that failed
+    names : the required names that the file defines
+    unreadable : the syntax error if the file is not valid Python, else None
+    stepped_over : the statements that failed
     supplied : names that the file uses but did not import, and that the grader supplied
     misspelled : pairs of a required name, or a method of a required class, and the student's spelling of it
-    frame : the whole reply, for a lab that reads more from it
+    frame : the whole reply of the sandbox, for a lab that reads more from it
     """
 
     names: frozenset[str]
@@ -98,12 +97,12 @@ class Loaded:
 
     @property
     def is_clean(self) -> bool:
-        """True if the file was imported unchanged: no statement skipped, no name supplied or misspelled."""
+        """True if the file was loaded as it is: valid Python, no statement failed, no name supplied or misspelled."""
         return self.unreadable is None and not (self.stepped_over or self.supplied or self.misspelled)
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
-    """Return the report from a reply to `load`, without the statements of other files."""
+    """Return the report on the file `path` from the sandbox's reply to `load`, which may also tell of files that it imports."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
     misspelled = tuple((name, other) for name, other in frame.fields["misspelled"])
     names, unreadable = frozenset(frame.fields["names"]), StudentError.of(frame.fields["unreadable"])
@@ -111,7 +110,7 @@ def loaded_from(frame: Frame, path: str) -> Loaded:
 
 
 def overran(frame: Frame) -> list[SteppedOver]:
-    """Return the statements, in whichever file, that a reply reports as interrupted because they exceeded their time."""
+    """Return the statements, in any file, that a reply of the sandbox reports as interrupted because they exceeded their time."""
     return [each for each in _stepped_over(frame) if each.how == "overran"]
 
 
@@ -120,14 +119,14 @@ def _stepped_over(frame: Frame) -> list[SteppedOver]:
 
 
 def not_handed_in(error: StudentError) -> str:
-    """Return the end of a message: to hand in the file that the code reads and that is missing; "" for any other exception."""
+    """Return an addition to an error message, if student code reads a file that does not exist: to hand it in. "" otherwise."""
     known = _NO_FILE.get(error.type)
     name = known.search(error.message) if known else None
     return f" (hand in {printable(name[name.lastindex or 0], 80)}, too)" if name else ""
 
 
 def fault_of_statement(each: SteppedOver) -> str:
-    """Return the id of the fault shown by a failed statement that should have defined a required name."""
+    """Return the id of the fault that explains why a failed statement did not define a required name."""
     if each.error.type == "ModuleNotFoundError":
         return "missing-package"
     if each.how == "overran" or each.error.message == _OVERRAN:
@@ -140,9 +139,10 @@ def fault_of_statement(each: SteppedOver) -> str:
 
 @dataclass(frozen=True)
 class _DeadlyStatement:
-    """A statement that ended its process or exceeded its time.
+    """A module-level statement that ended the process that ran it, or exceeded its time.
 
-    `beside` is the set of stand-ins in use at that time; `within` the required names whose code was running, if known.
+    `beside` holds the names that correct code (stand-ins) replaced in that process; `within` the required names whose code was
+    running in the statement, None if unknown.
     """
 
     path: str
@@ -152,12 +152,15 @@ class _DeadlyStatement:
     within: frozenset[str] | None = None
 
     def applies(self, beside: Collection[str]) -> bool:
-        """Return whether to skip the statement with these stand-ins: they are the same, or none replaces code that was running."""
+        """Return whether to skip the statement while stand-ins replace the names `beside`.
+
+        So it is if they are the same as then, or if none of them replaces code that was running in the statement.
+        """
         return self.beside == frozenset(beside) or (self.within is not None and self.within.isdisjoint(beside))
 
 
 class DeadlyStatements:
-    """Statements of one submission that crash the worker or exceed their time, recorded so that the next worker skips them."""
+    """Statements of one submission that ended a process or exceeded their time, recorded so that the next process skips them."""
 
     def __init__(self) -> None:
         self._known: list[_DeadlyStatement] = []
@@ -165,21 +168,21 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number of records; if it has grown, a new worker would skip more statements, and it helps to ask again."""
+        """Number of records. If it has grown, a new process would skip more statements, so it may help to ask a question again."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """Return file, number and reason of each statement that a new worker is to skip while these stand-ins are in use."""
+        """Return file, number and reason of each statement that a new process is to skip while stand-ins replace these names."""
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
-        """Record the statement during which the process ended, so that it is skipped after one timeout or two crashes.
+        """Record the statement in which a process ended; it is skipped after one timeout or two crashes, as one may be chance.
 
         Parameters
         ----------
-        written : the place that the process wrote down last
+        written : the place that the process wrote down last; a text that is no place is ignored
         nothing : why the process did not answer
-        standins : the names replaced by stand-ins in that run
+        standins : the names that stand-ins replaced in that process
         """
         place = _place(written)
         if place is None or len(self._known) >= _MOST:
@@ -191,14 +194,14 @@ class DeadlyStatements:
         self._suspects.add(suspect)
 
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
-        """Record the statements that a reply reports as overrun, so that they are skipped from now on."""
+        """Record the statements that a reply reports as interrupted after their time, so that new processes skip them."""
         beside = frozenset(standins)
         new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]
         self._known = list(dict.fromkeys([*self._known, *new]))[:_MOST]  # a process may report any number of them
 
 
 def _place(written: str) -> tuple[str, int] | None:
-    """Return file and number of the statement that a process wrote down last; None for any other text."""
+    """Return file and number of the statement whose place a process wrote down last; None if the text is no such place."""
     try:
         ((path, number),) = json.loads(written)
     except (ValueError, TypeError, RecursionError):

@@ -1,4 +1,4 @@
-"""Compute the points from the outcomes of the checks; marking by another rubric needs no sandbox."""
+"""Compute points from the outcomes of the checks. No code is run, so a class can be marked again by another rubric at once."""
 
 from __future__ import annotations
 
@@ -9,14 +9,10 @@ from grader.engine.rubric import CheckWeight, Rubric
 
 
 def marked(found: Result, rubric: Rubric) -> Result:
-    """Compute the points of a result by a rubric, without running code; the result has the examined parts in the rubric's order.
+    """Return a recorded result with the points that a rubric gives for its outcomes, in the rubric's order.
 
-    Parameters
-    ----------
-    found
-        The result with its outcomes, and `keeps` in each check that was judged. Points that it already has are ignored.
-    rubric
-        A rubric for which `fits` holds.
+    The rubric must fit the result (see `fits`). Criteria that the result lacks are left out, as a run may examine one alone. Each
+    check that was judged has `keeps`; points that it already has are ignored.
     """
     rows = {check.id: check for part in found.parts for check in part.checks}
     before = _score_before(found, rubric) if found.repairs else 0.0
@@ -45,7 +41,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
 
 
 def fits(found: Result, rubric: Rubric) -> bool:
-    """Return whether a recorded result can be marked by this rubric: same questions, all criteria, same checks in each part."""
+    """Return whether a rubric can mark a recorded result: same questions, all criteria in the result, same checks in each."""
     if found.asked_sha256 != rubric.asked_sha256:
         return False
     asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}
@@ -60,7 +56,7 @@ def _row(found: CheckResult, weight: CheckWeight, deductions: dict[str, float]) 
 
 
 def _score_before(found: Result, rubric: Rubric) -> float:
-    """Return the score of the submission before its repairs; a check that was not judged counts as 0."""
+    """Return the score that a submission had before its repairs; a check that was not judged counts as 0."""
     score = 0.0
     for criterion in rubric.criteria:
         open_ = dict(rubric.faults)
@@ -70,7 +66,7 @@ def _score_before(found: Result, rubric: Rubric) -> float:
 
 
 def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
-    """Return a check's points: its share, or its maximum less the rubric's deductions if all its faults have one.
+    """Return a check's points of at most `most`: its share, or `most` less the rubric's `deductions` if all its faults have one.
 
     None if it was not judged. A deduction counts once in a criterion: what this check takes of it is taken off `deductions`.
     """

@@ -1,4 +1,4 @@
-"""Start further processes of the grader, and make them end with the run that started them."""
+"""Start further processes of the grader so that they end with this one, ignore Ctrl-C, and import no student's module."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from typing import Any
 
 @contextmanager
 def starting_processes() -> Iterator[Callable[[], None]]:
-    """Start processes of the grader in this context, and yield what each of them calls first.
+    """Start processes of the grader in this context; yields a function that each new process calls first.
 
     The context changes the working folder, so that a new Python imports no student's module. The yielded function returns the new
-    process to the folder that the caller works in. That folder is read before the change: relative paths mean the same in both.
+    process to the folder that the caller works in, so that relative paths mean the same in both.
     """
     in_main = threading.current_thread() is threading.main_thread()
     begin = partial(_begin_process, os.getcwd(), in_main)
@@ -37,10 +37,11 @@ def context() -> Any:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Hold a Ctrl-C back until the processes are started, which takes seconds on a busy machine; it then acts as usual.
+    """Hold a Ctrl-C back while processes are started, which takes seconds on a busy machine; it takes effect afterwards.
 
     The terminal sends it to all processes, and only this one should react. So the new ones inherit that it is blocked, until
-    `_begin_process` makes them ignore it. A thread of this process may still receive it, so it is remembered, too.
+    `_begin_process` makes them ignore it. A thread of this process may still receive it, so it is remembered, too. In another
+    thread than the main one, which Python lets set no signal handler, nothing is done.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -73,9 +74,10 @@ def _in_library_folder() -> Iterator[None]:
 
 @contextmanager
 def _daemon_allowed() -> Iterator[None]:
-    """Let a daemon process, such as a Dask worker, start children.
+    """Let a daemon process, such as a Dask worker, start children in this context.
 
-    Python forbids it because children could outlive the daemon; the grader's processes do not."""
+    Python forbids it because children could outlive the daemon; the grader's processes do not.
+    """
     own = multiprocessing.current_process()._config  # type: ignore[attr-defined] # no public way exists: python/cpython#82408
     daemon = own.pop("daemon", None)
     try:
@@ -86,7 +88,7 @@ def _daemon_allowed() -> Iterator[None]:
 
 
 def _begin_process(folder: str, in_main: bool) -> None:
-    """Enter the working folder, ignore Ctrl-C, and arrange that this process ends with its parent."""
+    """Set up a new process of the grader: enter the working folder, ignore Ctrl-C, and end when the parent ends."""
     os.chdir(folder)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform != "win32":
@@ -98,7 +100,7 @@ def leave_with_parent(in_main: bool) -> None:
     """End this process when its parent ends. Otherwise it would wait forever for work: it holds both ends of its own queue.
 
     A watching thread cannot act during a long operation in C, so on Linux the kernel is asked to end the process as well. The
-    kernel acts when the thread that started this process ends, so it is asked only if that was the main thread.
+    kernel acts when the thread that started this process ends, so it is asked only if that was the main thread (`in_main`).
     """
     parent = multiprocessing.parent_process()
 

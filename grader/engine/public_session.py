@@ -1,8 +1,8 @@
 """Messages about loading a submission without hidden data: it is loaded again in a process with public data only.
 
-With a secret, the hidden robot is in a worker's folder before any of the student's code runs. So text that this code can choose
-(messages, type names, file names, lines, counts) may hold hidden numbers from the first import on, and is never shown. A student
-still has to learn why a file does not import. For that the submission is loaded once more, with the public robot.
+When hidden scenarios are graded, hidden data is in a process's folder before any student code runs there. So text that this code
+can choose (messages, type names, file names, lines, counts) may hold hidden numbers, and is never shown. A student still has to
+learn why a file does not load. For that the submission is loaded once more, with the lab's public files.
 """
 
 from __future__ import annotations
@@ -15,11 +15,9 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class PublicSession:
-    """Session over the same files with public data only, whose texts may be shown to students; it starts at its first use.
+    """Sandbox session about a submission with public data only, whose messages students may read.
 
-    Parameters
-    ----------
-    start : starts the session; may raise RequestError or GraderError if there is no public data
+    The function `start` starts it at its first use. A RequestError or GraderError from it counts as no public data.
     """
 
     def __init__(self, start: Callable[[], SubmissionSession]) -> None:
@@ -28,7 +26,7 @@ class PublicSession:
         self._failed = False
 
     def missing(self, name: str) -> Missing | None:
-        """Return why `name` is missing with public data too; None if it is defined, or if no answer came."""
+        """Return why the required `name` is missing with public data, too; None if it is defined then, or if no answer came."""
         student = self._session()
         if student is None:
             return None
@@ -41,7 +39,7 @@ class PublicSession:
         return None
 
     def notes(self, names: Iterable[str]) -> list[str]:
-        """Return the notes about loading the files that define these names; none without public data."""
+        """Return the notes about loading the files that define these required names; [] without public data."""
         for name in names:
             self.missing(name)
         return self._started[0].notes if self._started else []

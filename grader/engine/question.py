@@ -1,4 +1,4 @@
-"""Record of a question to the submitted code. Its key is a digest of its content, so that equal questions are asked once."""
+"""Question to the code of a submission. Its key is a digest of its content, so that equal questions are asked once."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class Question(Generic[T]):
-    """A question to the submitted code, and the conversion of its answer.
+    """A question that the sandbox answers by running student code, and how the answer is converted.
 
     Attributes
     ----------
-    op : operation; selects the handler in the worker and the rule for the reply
-    about : the required name that it is about, in whichever file the submission defines it
-    becomes : makes a record from a reply that passed the rule
+    op : operation; selects the handler in the sandbox and the rule that the reply must obey
+    about : the required name whose code is to run, in whichever file the submission defines it
+    becomes : makes a record from a reply that obeys the rule
     fields, arrays : input of the handler
     """
 
@@ -36,7 +36,7 @@ class Question(Generic[T]):
 
     @property
     def key(self) -> str:
-        """Digest of the question, equal for equal questions, so that each is asked once."""
+        """Digest of the question, equal for equal questions, by which a session finds an earlier answer."""
         return key_of(self.op, {"": self.about, **self.fields}, self.arrays)
 
 
@@ -61,5 +61,5 @@ def _is_long(value: object) -> bool:
 
 @lru_cache(maxsize=64)
 def _digested(text: str) -> dict[str, str]:
-    """Return the digest that replaces a long text; cached, because nearly all questions repeat the model."""
+    """Return the digest that replaces a long text in a key; cached, because nearly all questions repeat the lab's model."""
     return {"sha256": hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()}

@@ -1,4 +1,4 @@
-"""Read submissions in a separate process that can be killed: they may be hostile, and the caller must go on."""
+"""Read submissions in a separate process that can be killed: a hostile file may block or exhaust it, and the grader goes on."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _ENDED_WITHIN_S = 5.0
 
 
 class Readable(Protocol):
-    """Protocol of a submission that was not read yet; it is pickled and sent to the process that reads it."""
+    """Protocol of a submission that was not read yet, such as one of a class; it is pickled and sent to the reading process."""
 
     @property
     def id(self) -> str: ...
@@ -43,7 +43,7 @@ Entry = TypeVar("Entry", bound=Readable)
 
 @dataclass(frozen=True)
 class SingleSubmission:
-    """A submission at a path, outside a class, for a `ReadingProcess` to read."""
+    """A submission at a path, in no class, for a `ReadingProcess` to read. `required` are the files that the lab asks for."""
 
     path: Path
     required: tuple[str, ...]
@@ -61,7 +61,7 @@ class SingleSubmission:
 
 
 def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
-    """Read a submission in a process that can be killed, so that no file can block or exhaust this one.
+    """Read one submission in a process that can be killed, so that no file can block or exhaust this one.
 
     Outside Linux it is read in this process: a new one would import all modules again, and without a sandbox people grade only
     their own code there.
@@ -73,11 +73,12 @@ def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
 
 
 class ReadingProcess:
-    """Process that reads one submission after the other; it is replaced if it had to be killed.
+    """A process that reads one submission after the other; it is replaced if it had to be killed.
 
     Parameters
     ----------
-    within_s, memory_bytes : limits of time for one submission and of the process's memory
+    within_s : seconds for one submission, after which the process is killed
+    memory_bytes : limit of the process's memory
     """
 
     def __init__(self, within_s: float = WITHIN_S, memory_bytes: int = MEMORY_BYTES) -> None:
@@ -117,7 +118,10 @@ class ReadingProcess:
             yield read, submission
 
     def _submission(self, entry: Readable) -> Submission:
-        """Return the submission that the process was asked for, with a second attempt if no answer came."""
+        """Return the submission that was asked for; an unreadable one after two attempts without an answer.
+
+        A RequestError that reading raised is raised here.
+        """
         answer = self._answer()
         for _ in range(_ATTEMPTS - 1):
             if answer is None:
@@ -137,7 +141,7 @@ class ReadingProcess:
             line.send(entry)
 
     def _answer(self) -> Submission | RequestError | str | None:
-        """Return the process's answer; None if it exceeded its time or was killed."""
+        """Return what the process sends; None if it was too slow or was killed, and then the process is ended."""
         with suppress(EOFError, OSError):
             if self._line is not None and self._line.poll(self._within_s):
                 answer: Submission | RequestError | str = self._line.recv()
@@ -169,7 +173,7 @@ class ReadingProcess:
 
 
 def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, begin: Callable[[], None]) -> None:
-    """Read submissions in the child process until the parent closes the connection."""
+    """Read the submissions that the parent sends, in the child process, until the parent closes the connection."""
     for end in copied:  # a copy of the parent's end: while it is open, the pipe does not close
         end.close()
     begin()
@@ -180,7 +184,7 @@ def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, be
 
 
 def _read(entry: Readable) -> Submission | RequestError | str:
-    """Return the submission, or the reason why there is none."""
+    """Return the submission; a RequestError for the parent to raise; or the reason, as text, why it cannot be read."""
     try:
         return entry.read()
     except RequestError as error:

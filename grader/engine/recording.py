@@ -1,4 +1,4 @@
-"""Record ground truth (trace bundles) on this machine with the lab's recorder, and cache it.
+"""Record ground truth (trace bundles) on this machine with a lab's recorder, the reference solution's program, and cache it.
 
 A simulator's last digits differ between versions and processors, so a bundle is valid for one machine only and is always compared
 with a tolerance.
@@ -35,11 +35,11 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """Replacement for the subject that the lab's recorder simulates, such as an instructor's robot."""
+    """Protocol of what the lab's recorder simulates in place of the lab's own, such as an instructor's robot."""
 
     @property
     def identity(self) -> Sequence[str]:
-        """Values that a recording of this subject depends on; part of the cache key."""
+        """Values that a recording of this subject depends on, such as its file's digest; they are part of the cache key."""
         ...
 
     def options(self, folder: Path) -> list[str]:
@@ -48,14 +48,14 @@ class Subject(Protocol):
 
 
 def folder_of(lab: Lab) -> Path | None:
-    """Return the folder of the reference solution beside this package, None without it; an import could find a student's."""
+    """Return the folder of a lab's recorder beside this package, None without it; an import could find a student's module."""
     package, _, module = lab.recorder.partition(".")
     folder = _SOURCES / package
     return folder if (folder / f"{module}.py").is_file() else None
 
 
 def default_cache_dir() -> Path:
-    """Return the grader's cache folder: `$IMUGRADE_CACHE`, or `imugrade` in the platform's folder for caches."""
+    """Return the folder of the grader's cache: `$IMUGRADE_CACHE`, or `imugrade` in the platform's folder for caches."""
     if given := os.environ.get(CACHE_VARIABLE):
         return Path(given)
     if sys.platform == "win32":
@@ -67,19 +67,20 @@ def default_cache_dir() -> Path:
 
 @cache
 def stretched(secret: str) -> str:
-    """Return the seed that scrypt makes of a secret.
+    """Return the seed of hidden traces: scrypt makes it of the instructor's secret in a second, so that guesses are slow to test.
 
-    Only this process keeps it, so each command pays once and hands the traces to its markers. A file by which a later command knew
-    the secret sooner would let whoever reads that file test guesses as fast.
+    Only this process keeps the seed, so each command pays once and hands the traces to its markers. A file by which a later command
+    knew the secret sooner would let whoever reads that file test guesses as fast.
     """
     salt, text = b"imugrade hidden scenarios", secret.encode("utf-8", "surrogatepass")
     return hashlib.scrypt(text, salt=salt, **SCRYPT_COST, maxmem=256 << 20, dklen=32).hex()
 
 
 def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject | None = None) -> Traces:
-    """Return traces from the cache, or record and cache them. A damaged entry is recorded again; an unwritable cache is no error.
+    """Return the bundle `name` of traces from the cache; if it is not there, or damaged, record and cache it.
 
-    Hidden traces are those of the stretched secret: neither their numbers nor the name of the entry tests a guess faster.
+    A cache that cannot be written is no error. Unless the name is "public", `seed` is the instructor's secret. It is stretched
+    first, so that neither the numbers nor the name of the cache entry lets anybody test a guess faster.
 
     Raises
     ------
@@ -101,7 +102,7 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
 
 
 def try_recording(lab: Lab) -> Traces | None:
-    """Record hidden traces from a random secret, to test whether this machine can; return None without the recorder.
+    """Record hidden traces from a random secret, as `imugrade doctor` does to test this machine; None without the lab's recorder.
 
     Raises
     ------
@@ -115,12 +116,18 @@ def try_recording(lab: Lab) -> Traces | None:
 
 
 def run(module: Sequence[str], what: str, text: str = "") -> subprocess.CompletedProcess[str]:
-    """Run `module` (its name and arguments) beside this package in a new process, with `text` as stdin; errors call it `what`.
+    """Run a Python module in a new process, as ``python -m`` does in the folder that holds this package.
+
+    Parameters
+    ----------
+    module : name of the module, then its arguments
+    what : the task in an error message
+    text : what the process reads from stdin
 
     Raises
     ------
     GraderError
-        If it cannot be started or exceeds its time; the caller checks the exit code.
+        If the process cannot be started or exceeds its time; the caller checks the exit code.
     """
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONSAFEPATH"} | {"MPLBACKEND": "Agg"}
     try:
@@ -142,7 +149,7 @@ def run(module: Sequence[str], what: str, text: str = "") -> subprocess.Complete
 
 
 def last_line(done: subprocess.CompletedProcess[str]) -> str:
-    """Return the last line of a failed program's stderr, or its exit code if there is none."""
+    """Return the last line of a failed program's stderr, for an error message; its exit code if stderr is empty."""
     return (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
 
 
@@ -152,7 +159,10 @@ def _fresh(lab: Lab, name: str, seed: str, folder: Path, subject: Subject | None
 
 
 def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) -> None:
-    """Run the recorder. The seed is passed through a pipe, because other users can read a command line."""
+    """Run the lab's recorder, which writes a bundle into the folder `out`.
+
+    The seed goes through a pipe, because other users can read a command line.
+    """
     command = [lab.recorder, "--out", str(out), "--name", name, "--seed", "-"]
     if subject is not None:
         beside_it = out.parent / "subject"
@@ -165,7 +175,7 @@ def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) 
 
 
 def _keep(fresh: Path, entry: Path) -> None:
-    """Move a bundle into the cache in one step, so that no process reads half of it; a failure is ignored."""
+    """Move a new bundle into the cache in one step, so that no process reads half of it; a failure is ignored."""
     try:
         entry.parent.mkdir(parents=True, exist_ok=True)
         staging = Path(tempfile.mkdtemp(prefix=".staging-", dir=entry.parent))  # mode 0700: hidden traces are secret

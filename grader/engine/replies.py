@@ -1,8 +1,8 @@
-"""Types and rules for a worker's reply to a question. Any other reply is `Malformed`: the check fails, and the grader goes on.
+"""Types and rules for replies of the sandbox. A reply that breaks them is `Malformed`: the check fails, and the grader goes on.
 
-`sandbox.wire` has already checked the frame around a reply. Here its fields are held against the declared record of the question,
-with limits in its types, and then the arrays that they name against the shape that the question requires. So no check gets a
-value that the worker code could not have sent, even if student code wrote the reply.
+`sandbox.wire` has already checked the frame around a reply. Here its fields are compared with the declared record of the question,
+with limits in its types, and then the arrays that they name with the shape that the question requires. So no check gets a value
+that the worker code could not have sent, even if student code wrote the reply.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ Paths = Annotated[list[Long], Meta(max_length=5000)]
 
 
 class Wrong(Exception):  # noqa: N818 - it never leaves this module
-    """Exception for a reply of the worker that breaks a rule; the message says where."""
+    """Exception for a reply that breaks a rule, which becomes `Malformed`; the message says where."""
 
 
 Asked = Mapping[str, np.ndarray]
@@ -42,7 +42,7 @@ Asked = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Answer:
-    """A reply of the worker that is being validated, with the fields and arrays of its question.
+    """A reply of the sandbox while it is validated, with the fields and arrays (`asked`) of its question.
 
     A reply may name each array only once, as the worker code does; so records made from it are no larger than what was sent.
     """
@@ -53,7 +53,13 @@ class Answer:
     named: set[str] = field(default_factory=set)
 
     def array(self, name: Any, *shape: int | None) -> np.ndarray:
-        """Return the float64 array of that name; raise `Wrong` without one of that shape (None: any length; no shape: any)."""
+        """Return the float64 array `name` of the reply. In `shape`, None stands for any length; without a shape, any is right.
+
+        Raises
+        ------
+        Wrong
+            If there is no such array of this shape, if it was named before, or if it is too large.
+        """
         if not isinstance(name, str) or name not in self.frame.arrays:
             raise Wrong("an array that is not there")
         if name in self.named:
@@ -67,7 +73,7 @@ class Answer:
         return array
 
     def node(self, value: Any, depth: int = 0) -> None:
-        """Check a node, the description of a returned value by `worker.values`; None stands for no value."""
+        """Check a node: a description, by `worker.values`, of a value that student code returned; None is the node of no value."""
         if value is None and not depth:
             return
         node = converted(value, _Node)
@@ -87,7 +93,7 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check a list of at most `most` nodes, or of as many as `exactly` says."""
+        """Check a list of nodes: at most `most` of them, and as many as `exactly` says if it is not None."""
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:
@@ -95,7 +101,7 @@ class Answer:
 
 
 class Rule(NamedTuple):
-    """Rule for a reply: the record of its fields, and a function that checks its arrays."""
+    """Rule for the reply to one kind of question: the record that its fields must fit, and a function that checks its arrays."""
 
     reply: type[Struct]
     arrays: Callable[[Answer, Any], None]
@@ -104,9 +110,7 @@ class Rule(NamedTuple):
 def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rules: Mapping[str, Rule]) -> Frame:
     """Return the frame if it is a valid reply to the question `op` with these fields and arrays.
 
-    Parameters
-    ----------
-    rules : rules for the lab's own questions
+    `rules` are those for the lab's own questions; every lab has `RULES`.
 
     Raises
     ------
@@ -134,7 +138,7 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 
 
 def no_arrays(answer: Answer, reply: Any) -> None:
-    """Rule of a question whose reply has no arrays: nothing more is validated."""
+    """Accept a reply: the function of a `Rule` for replies without arrays."""
 
 
 # --- replies that every lab's sandbox gives ------------------------------------------------------------------------------
@@ -148,7 +152,7 @@ class _Node(Struct):
 
 
 class ErrorReply(Struct):
-    """An exception that the student's code raised."""
+    """Reply fields for an exception that student code raised."""
 
     type: Short
     message: Long
@@ -159,7 +163,7 @@ class ErrorReply(Struct):
 
 
 class SteppedOver(ErrorReply):
-    """A statement that was skipped because it raised."""
+    """Reply fields for a statement that failed and was skipped."""
 
     path: Long
     number: Whole
@@ -170,13 +174,13 @@ class SteppedOver(ErrorReply):
 
 
 class Called(Struct):
-    """Reply to a question in which the student's code may raise: it may then be incomplete."""
+    """Reply to a question in which student code runs. If it raised the `error`, other fields may be missing; None if it did not."""
 
     error: ErrorReply | None = None
 
 
 class Drawings(Called, kw_only=True):
-    """A reply with figures; `drawings` checks each of them, and its arrays."""
+    """Reply with figures that student code drew; `drawings` checks each of them, and its arrays."""
 
     figures: Annotated[list[dict[str, Any]], Meta(max_length=16)]
 
@@ -201,7 +205,7 @@ class Load(RunScript, kw_only=True):
 
 
 class Image(Struct):
-    """A handed-in picture, or the reason why it cannot be read."""
+    """Reply about a handed-in picture, or with the `reason` why it cannot be read."""
 
     readable: bool
     reason: Short = ""
@@ -220,7 +224,7 @@ def _image(answer: Answer, reply: Image) -> None:
 
 
 def _pixels(answer: Answer) -> None:
-    """Check a small picture of 256 colours."""
+    """Check that a reply holds a small picture with a palette of 256 colours."""
     preview, palette = (answer.frame.arrays.get(name) for name in ("preview", "palette"))
     if preview is None or palette is None or not preview.dtype == palette.dtype == np.uint8:
         raise Wrong("a picture without pixels")
@@ -232,7 +236,7 @@ def _pixels(answer: Answer) -> None:
 
 
 class Points(Struct):
-    """Names of the two arrays of one length that hold the coordinates of points."""
+    """Reply fields for points: the names of the two arrays with their coordinates, of one length."""
 
     x: str
     y: str
@@ -254,7 +258,7 @@ def drawings(answer: Answer, reply: Drawings) -> None:
 
 
 def _array(answer: Answer, type_: Any, name: Any) -> np.ndarray:
-    """Return an array that a figure names: pixels, or numbers along a curve."""
+    """Return an array that a figure of the reply names: pixels if `type_` is `Pixels`, else the coordinates of a curve."""
     if type_ != Pixels:
         return answer.array(name, None)
     pixels = answer.frame.arrays.get(str(name))
@@ -264,7 +268,7 @@ def _array(answer: Answer, type_: Any, name: Any) -> np.ndarray:
 
 
 def _check_pixels(figure: Figure) -> None:
-    """Check that the pixels of a figure have the size that the figure states; an unreadable one has none."""
+    """Check that a figure's pixels are not too many and have the size that the figure states; an unreadable figure has none."""
     height, width = figure.pixels.shape[:2]
     if max(width, height) > _LONGEST_SIDE:
         raise Wrong(f"a picture of {width} × {height} pixels")

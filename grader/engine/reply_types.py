@@ -1,4 +1,4 @@
-"""Types of the values in a worker's reply, each with its limit."""
+"""Types of the values in a reply of the sandbox, each with its limit, so that student code cannot send too much."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""Result records of a graded submission, and their conversion to and from `result.json`.
+"""Records of a graded submission's result, and their conversion to and from `result.json`.
 
-Points are rounded once per check, to two decimals. A criterion's points are the sum of those of its checks, the score is the sum
-of those of the criteria (`CONTRACT`, section 4). A check that could not be judged has no points (`None`) and makes the result
-`incomplete`.
+Points are rounded once per check, to two decimals. A criterion's points are the sum of those of its checks, the score is the sum of
+those of the criteria. A check that could not be judged has no points (None) and makes the result ``incomplete``.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ Status = Literal["graded", "incomplete", "empty", "unreadable"]
 
 @dataclass(frozen=True)
 class Deducted:
-    """Deduction of one fault at a check: the share of the points, and the text about it. `fault` is the id of its row."""
+    """Deduction of one fault at a check: the fault's id, the share of the check's points, and the text about it for the report."""
 
     fault: str
     share: float
@@ -39,13 +38,18 @@ class Deducted:
 
 @dataclass(frozen=True)
 class CheckResult:
-    """Result of one check. `points` is None if the grader could not judge.
+    """Result of one check.
 
-    The message is either one sentence, `said`, or `expected` and `got`, which may have more lines. `where` is the place in the
-    student's files. `keeps` is the share of the points that is earned, None like `points`; `marks` computes the points from it.
-    `not_understood` is True if the grader could not interpret the answer: a person has to review it. `deducted` lists the faults
-    that lost the points of a check that was judged by its criterion's faults, so that a report has one entry for each. `fault` is
-    the exception in the grader that kept the check from being judged, with its place in our code; else "".
+    Attributes
+    ----------
+    points : None if the grader could not judge
+    said, expected, got : the message: one sentence, or the expected and the actual value, which may have more lines
+    where : the place in the student's files that the message is about; None if there is none
+    misconceptions : ids of the faults that the check shows
+    keeps : share of the points that is earned, from which `marks` computes the points; None like them
+    not_understood : True if the grader could not interpret the student's answer: a person has to review it
+    deducted : each fault that lost points of a check that its criterion's faults decide, for the report
+    fault : the grader's exception that kept the check from being judged, with its place in our code; else ""
     """
 
     id: str
@@ -68,22 +72,22 @@ class CheckResult:
 
     @property
     def message(self) -> str:
-        """The text that a student reads: the sentence, or the expected and the actual value."""
+        """The whole message for students: the sentence, or the expected and the actual value."""
         return message_of(self.said, self.expected, self.got)
 
     def with_message(self, sentence: str) -> CheckResult:
-        """Return the check's result with this sentence as its message and without a place in a file; the hint stays."""
+        """Return a copy with this sentence as its message, without a place in a file; the hint stays."""
         return replace(self, said=sentence, expected="", got="", where=None)
 
 
 def message_of(said: str, expected: str, got: str) -> str:
-    """Return one text: the sentence, then ``Expected  …``, then ``Got       …``, with further lines aligned below the first."""
+    """Return the message as one text: the sentence, then ``Expected  …``, then ``Got       …``; what is "" is left out."""
     labelled = [f"{label:10}{text}" for label, text in (("Expected", expected), ("Got", got)) if text]
     return "\n".join([*([said] if said else []), *(text.replace("\n", "\n" + 10 * " ") for text in labelled)])
 
 
 def _total(points: tuple[float | None, ...]) -> float:
-    """Sum the points that are not None; rounded to hundredths, as all points are, to remove binary rounding errors."""
+    """Return the sum of the points that are not None, rounded to hundredths like all points, against binary rounding errors."""
     return round(sum((p for p in points if p is not None), 0.0), 2)
 
 
@@ -113,7 +117,7 @@ class ExtensionResult:
 
 @dataclass(frozen=True)
 class LabName:
-    """Name of a lab: its label and its title, ``Lab 04-01`` and ``Reading IMU data in MuJoCo``."""
+    """Name of a lab for pages: its label and its title, ``Lab 04-01`` and ``Reading IMU data in MuJoCo``."""
 
     label: str = ""
     title: str = ""
@@ -125,9 +129,9 @@ AUTOMATIC = "imugrade"
 
 @dataclass(frozen=True)
 class Repair:
-    """A patch to a submitted file: a unified diff, and the points that are deducted for it.
+    """A patch to a submitted file, so that it can be graded: a unified diff, and the points deducted for it.
 
-    `score_before` is the score of the submission as it was handed in.
+    `at` is the time as text, `score_before` the score of the submission as it was handed in.
     """
 
     file: str
@@ -140,7 +144,7 @@ class Repair:
 
 
 class Unrepaired(NamedTuple):
-    """Outcome of a check before the repairs; `marks` computes `score_before` from it."""
+    """How a check ended before the repairs: its share of points and faults, from which `marks` computes `Repair.score_before`."""
 
     keeps: float | None
     misconceptions: tuple[str, ...] = ()
@@ -148,13 +152,17 @@ class Unrepaired(NamedTuple):
 
 @dataclass(frozen=True)
 class Result:
-    """Result of one submission.
+    """Result of grading one submission.
 
-    `extra_credit_cap` is None if extensions earn nothing, as on the sheet. Otherwise they earn `extra_credit` in addition to the
-    score, which stays the sum of the criteria. `evidence` is shown beside the result and is not part of its record.
-    `asked_sha256` is the digest of the questions asked; a recorded result can be marked again by a rubric with the same digest.
-    With `repairs`, the checks are those of the repaired copy, and `unrepaired` holds their outcomes before the repairs.
-    `cpu_s` is the CPU time of this grading, by the grader and the student's code; it is not recorded.
+    Attributes
+    ----------
+    provenance : versions and digests that the result depends on
+    extra_credit_cap : None if extensions earn nothing, as on the lab sheet; else the most that they add to the score
+    repairs : the patches; with them the checks are those of the repaired copy
+    unrepaired : how each check ended before the repairs, by id
+    evidence : charts and code fingerprint, shown beside the result and not part of its record
+    asked_sha256 : digest of the questions asked; a rubric with the same digest can mark a recorded result again
+    cpu_s : CPU time of this grading, by the grader and the student's code; it is not recorded
     """
 
     submission: str
@@ -174,7 +182,7 @@ class Result:
 
     @property
     def parts(self) -> tuple[CriterionResult | ExtensionResult, ...]:
-        """The criteria, then the extensions."""
+        """The results of the criteria, then those of the extensions."""
         return (*self.criteria, *self.extensions)
 
     @property
@@ -191,7 +199,7 @@ class Result:
 
     @cached_property
     def score(self) -> float:
-        """Points of the criteria; after repairs less the repairs' deductions, and at least the score before them."""
+        """Points of the criteria. After repairs, what is deducted for them is taken off, but not below the score before them."""
         points = _total(tuple(criterion.points for criterion in self.criteria))
         if not self.repairs:
             return points
@@ -200,7 +208,7 @@ class Result:
 
     @cached_property
     def repair_deduction(self) -> float:
-        """Points by which the repairs lower the score below the criteria's points; 0 without repairs."""
+        """Points by which the repairs lower the score below the sum of the criteria's points; 0 without repairs."""
         return round(_total(tuple(criterion.points for criterion in self.criteria)) - self.score, 2)
 
     @property
@@ -240,13 +248,13 @@ def to_dict(result: Result) -> dict[str, Any]:
 
 
 def shown_provenance(result: Result) -> dict[str, Any]:
-    """Return the provenance to show: without the digest of hidden traces, with which anybody could test guesses of the secret."""
+    """Return the provenance for students: without the digest of hidden traces, by which anybody could test a guessed secret."""
     left_out = ("no_submission", *(("traces_sha256", "hidden") if result.provenance.get("hidden") else ()))
     return {key: value for key, value in result.provenance.items() if key not in left_out}
 
 
 def _row(check: CheckResult) -> dict[str, Any]:
-    """Return a check as a row of `result.json`."""
+    """Return the result of a check as `result.json` has it."""
     return {
         "id": check.id,
         "title": check.title,
@@ -267,7 +275,7 @@ def _row(check: CheckResult) -> dict[str, Any]:
 
 
 def to_record(result: Result) -> dict[str, Any]:
-    """Return the data to record: that of `result.json`, and what is needed to mark the result again."""
+    """Return the data to record in a class's database: that of `result.json`, and what is needed to mark the result again."""
     checks = [check for part in result.parts for check in part.checks]
     deducted = {check.id: [asdict(each) for each in check.deducted] for check in checks if check.deducted}
     keeps = {check.id: check.keeps for check in checks}
@@ -278,14 +286,14 @@ def to_record(result: Result) -> dict[str, Any]:
 
 
 def _extra_credit(result: Result) -> dict[str, Any]:
-    """Return the field for extra credit, or no field if the rubric gives none, as the contract shows it."""
+    """Return the field of `result.json` for extra credit; {} if the rubric gives none."""
     if result.extra_credit_cap is None:
         return {}
     return {"extra_credit": {"points": result.extra_credit, "cap": result.extra_credit_cap}}
 
 
 def to_json(result: Result) -> str:
-    """Return the text of `result.json`: valid UTF-8, fields in the documented order, a newline at the end."""
+    """Return the text of `result.json` for students: UTF-8, fields in the documented order, nothing that reveals hidden data."""
     told = {**to_dict(result), "provenance": shown_provenance(result)}
     if result.provenance.get("hidden"):  # code could choose at which line of ours an answer is not understood
         for row in (row for part in (*told["criteria"], *told["extensions"]) for row in part["checks"]):

@@ -55,20 +55,13 @@ _MOST_OWN_BYTES = 1_000_000
 
 
 def shipped(lab: Lab) -> Path:
-    """Return the path of the shipped rubric: in the lab's folder of a build, else at the top of the source tree."""
+    """Return the path of the shipped rubric: in the lab's folder of an installed package, else at the top of the source tree."""
     built = lab.folder / "rubric.yaml"
     return built if built.is_file() else beside("grader", "").parent / "rubric.yaml"
 
 
 def load(lab: Lab, path: Path | None = None) -> Rubric:
-    """Read and validate a rubric.
-
-    Parameters
-    ----------
-    lab
-        The lab; the rubric must list its parts.
-    path
-        The file; None takes the shipped one.
+    """Read and validate the rubric of a lab from a file; None takes the shipped one.
 
     Raises
     ------
@@ -90,20 +83,13 @@ def load(lab: Lab, path: Path | None = None) -> Rubric:
 def parse(
     lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | None = None, own: OwnChecks | None = None
 ) -> Rubric:
-    """Validate the bytes of a rubric.
+    """Return the rubric of a lab that the bytes of a file hold, after validating it.
 
     Parameters
     ----------
-    lab
-        The lab; the rubric must list its parts.
-    data
-        The file's bytes, UTF-8.
-    source
-        The file's name in messages.
-    folder
-        The folder that relative paths in it start from; None is the working folder.
-    own
-        The instructor's own checks; None reads them from `folder`.
+    source : name of the file in messages
+    folder : the folder that relative paths in the file start from; None is the working folder
+    own : the instructor's own checks; None reads them from `folder`, if there is one
 
     Raises
     ------
@@ -143,7 +129,9 @@ def parse(
 
 
 def own_checks(lab: Lab, folder: Path) -> OwnChecks:
-    """Read the instructor's own checks from the folder beside a rubric; in a kit they are in the lab's folder.
+    """Return name and content of each file with the instructor's own checks: in the folder `checks` beside a rubric.
+
+    In a kit they are in the lab's folder. () if there are none.
 
     Raises
     ------
@@ -161,7 +149,7 @@ def own_checks(lab: Lab, folder: Path) -> OwnChecks:
 
 
 def know_part(rubric: Rubric, only: str | None) -> None:
-    """Refuse an `only` that is no criterion or extension of the rubric; None is accepted.
+    """Refuse the value of `--only` if it is no criterion or extension of the rubric; None (all of them) is accepted.
 
     Raises
     ------
@@ -176,14 +164,7 @@ def know_part(rubric: Rubric, only: str | None) -> None:
 
 
 def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
-    """Verify that the rubric lists the existing checks, no more and no fewer.
-
-    Parameters
-    ----------
-    rubric
-        A loaded rubric.
-    known
-        The existing checks: id and title.
+    """Verify that the rubric lists the existing checks (`known`: id and title), no more and no fewer.
 
     Raises
     ------
@@ -196,7 +177,7 @@ def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
 
 
 def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tuple[int, str]]:
-    """Return a problem, with its line, for each check that only the rubric lists or that the rubric lacks."""
+    """Return line and problem for each check that these criteria list but that does not exist, or that exists and they lack."""
     listed = {check.id: check for part in parts for check in part.checks}
     problems = [
         (check.line, f"there is no check {id_}{guess_at(id_, known)}; correct the name or remove the line")
@@ -212,7 +193,7 @@ def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tup
 
 
 def _digest(*meaning: object) -> str:
-    """Return the SHA-256 of these values as JSON; line numbers are left out."""
+    """Return the SHA-256 of these values as JSON, without line numbers, so that a rubric's layout does not change it."""
     plain = [_without_lines(part) for part in meaning]
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 

@@ -1,7 +1,6 @@
-"""Read YAML nodes as values and collect the problems, for a file that an instructor edits by hand.
+"""Read YAML nodes as values and collect the problems with their lines, for a file that an instructor edits by hand.
 
-Nodes have line numbers, keep duplicate keys apart and build no objects. Problems are collected so that all of them can be
-reported at once.
+Nodes have line numbers, keep duplicate keys apart and build no objects. One run reports all problems that were collected.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ EARLIER = {"mistakes": "faults", "extensions": "due_dates"}
 
 
 class RubricError(RequestError):
-    """The rubric cannot be used. One line for each problem: ``rubric.yaml:LINE: what is wrong; what to do``."""
+    """The rubric cannot be used. The message has one line per problem: ``rubric.yaml:LINE: what is wrong; what to do``."""
 
 
 def refuse(source: str, problems: Iterable[tuple[int, str]]) -> NoReturn:
@@ -44,29 +43,32 @@ def refuse(source: str, problems: Iterable[tuple[int, str]]) -> NoReturn:
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return the known word with the most similar spelling, for a hint; "" if none is similar."""
+    """Return the known word with the most similar spelling, to suggest it in a message; "" if none is similar."""
     return next(iter(difflib.get_close_matches(word[:100], list(known), n=1)), "")
 
 
 def did_you_mean(word: str, known: Iterable[str], otherwise: str) -> str:
-    """Return the hint of an error message, "did you mean …?" with the nearest known word, or `otherwise`."""
+    """Return the end of an error message: "did you mean …?" with the most similar known word, or `otherwise` if none is similar."""
     guess = nearest(word, known)
     return f"did you mean {guess}?" if guess else otherwise
 
 
 def guess_at(word: str, known: Iterable[str]) -> str:
-    """Return the hint of an error message, " (did you mean …?)" with the nearest known word; "" if none is similar."""
+    """Return an addition to an error message: " (did you mean …?)" with the most similar known word; "" if none is similar."""
     guess = nearest(word, known)
     return f" (did you mean {guess}?)" if guess else ""
 
 
 def quote(node: yaml.Node) -> str:
-    """Return a node for a message: its text in quotation marks, or ``a list or a mapping``."""
+    """Return a YAML node for a message: its text in quotation marks, or ``a list or a mapping``."""
     return f"'{printable(node.value, 60)}'" if isinstance(node, yaml.ScalarNode) else "a list or a mapping"
 
 
 class NodeReader:
-    """Reads YAML nodes of a rubric as values; collects every problem with its line, so that one run reports all of them."""
+    """Reads YAML nodes of a rubric as values. It collects problems in place of raising, so that one run reports all of them.
+
+    In its methods, None as a node stands for a key that the file lacks: the value is then empty, and nothing is reported.
+    """
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -80,7 +82,7 @@ class NodeReader:
         self.problems.append((node.start_mark.line + 1, problem))
 
     def compose(self, data: bytes) -> yaml.Node:
-        """Parse the file and return its root node; raise RubricError at once if it is too large or no plain YAML in UTF-8."""
+        """Parse the file and return its root node; raise RubricError at once if it is empty, too large, or no YAML in UTF-8."""
         if len(data) > MAX_BYTES:
             refuse(self.source, [(1, "the file is larger than 1 MB; start again from the shipped rubric.yaml")])
         try:
@@ -101,7 +103,7 @@ class NodeReader:
         return root
 
     def _tree_of(self, text: str) -> yaml.Node | None:
-        """Parse with PyYAML's C parser, ten times as fast; on a failure with the Python one, whose errors say more."""
+        """Parse with PyYAML's C parser, which is ten times as fast; if it fails, with the Python one, whose errors say more."""
         with contextlib.suppress(yaml.YAMLError, ValueError, OverflowError):
             return self._composed(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
         return self._composed(text, yaml.SafeLoader)
@@ -112,7 +114,7 @@ class NodeReader:
         return root
 
     def _survey(self, text: str, loader: Any) -> None:
-        """Refuse files that would exhaust the composer's time or stack: aliases, deep nesting, too many nodes."""
+        """Refuse files that would exhaust the parser's time or stack: aliases, deep nesting, too many nodes."""
         depth = 0
         for count, event in enumerate(yaml.parse(text, Loader=loader)):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
@@ -127,7 +129,10 @@ class NodeReader:
     def fields(
         self, node: yaml.Node | None, what: str, required: Sequence[str], optional: Sequence[str] = ()
     ) -> dict[str, yaml.Node]:
-        """Return the value nodes of a mapping by key; report missing and unknown keys. {} for None, which is reported already."""
+        """Return a mapping's value nodes by key; report missing and unknown keys, and a node that is no mapping.
+
+        A key's name in earlier versions is accepted, because the records of classes hold old rubrics.
+        """
         if node is None:
             return {}
         if not isinstance(node, yaml.MappingNode):
@@ -149,7 +154,7 @@ class NodeReader:
         return {name: value for name, (_, value) in given.items() if name in keys}
 
     def pairs(self, node: yaml.MappingNode, what: str) -> dict[str, tuple[yaml.Node, yaml.Node]]:
-        """Return key and value nodes by the key's text; report a key that is not a scalar or appears twice."""
+        """Return the (key, value) nodes of a mapping by the key's text; report a key that is itself a list, or appears twice."""
         found: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         for key, value in node.value:
             if not isinstance(key, yaml.ScalarNode):
@@ -162,7 +167,7 @@ class NodeReader:
         return found
 
     def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
-        """Return one line of text, or "" after reporting a problem; `like` is how the report describes the `pattern`."""
+        """Return one line of text, or "" after a report; `like` is how the report describes what `pattern` accepts."""
         if node is None:
             return ""
         if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
@@ -187,14 +192,14 @@ class NodeReader:
         return None
 
     def points(self, node: yaml.Node | None, what: str) -> float | None:
-        """Return a number of points, or None if it is no number; report more than two decimals, so that sums are exact."""
+        """Return a number of points, None if it is no number; report more than two decimals, so that sums are exact."""
         value = self.number(node, what)
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
         return value
 
     def share(self, node: yaml.Node | None, what: str, of: float) -> float | None:
-        """Return a number of points, also from a percentage of `of` points, to two decimals; None after reporting a problem."""
+        """Return a number of points, given as such or as a percentage of `of` points, to two decimals; None after a report."""
         if isinstance(node, yaml.ScalarNode) and node.value.endswith("%"):
             number = node.value[:-1].strip()
             if _NUMBER.fullmatch(number) and 0 <= float(number) <= 100:
@@ -204,7 +209,7 @@ class NodeReader:
         return self.points(node, what)
 
     def stamp(self, node: yaml.Node | None, what: str, zone: tzinfo | None = None) -> datetime | None:
-        """Return a date and time, which needs an offset from UTC unless `zone` is given; None after reporting a problem."""
+        """Return a date and time in UTC; None after a report. Unless the `zone` is given, it needs an offset from UTC."""
         when = read_stamp(node.value, zone) if isinstance(node, yaml.ScalarNode) else None
         if node is not None and when is None:
             example = "2026-11-20T23:59+01:00"
@@ -216,7 +221,7 @@ class NodeReader:
     def records(
         self, node: yaml.Node | None, what: str, known: Sequence[str], required: Sequence[str], optional: Sequence[str]
     ) -> dict[str, tuple[yaml.Node, dict[str, yaml.Node]]]:
-        """Return the items of a list by id, in the order of `known`; report unknown, missing and repeated ids."""
+        """Return the items of a list by id, in the order of `known`, each with its fields; report wrong, missing, repeated ids."""
         if node is None:
             return {}
         if not isinstance(node, yaml.SequenceNode):
@@ -237,7 +242,7 @@ class NodeReader:
         return {name: found[name] for name in known if name in found}
 
     def _known_id(self, node: yaml.Node | None, what: str, known: Sequence[str]) -> str:
-        """Return the id; report a misspelt one and return the nearest, so that it is not reported as missing as well."""
+        """Return the id; report a misspelt one and return the nearest known one, so that it is not reported as missing as well."""
         name = self.text(node, "an id")
         if node is None or not name or name in known:
             return name

@@ -16,7 +16,7 @@ OwnChecks = tuple[tuple[str, bytes], ...]
 
 @dataclass(frozen=True)
 class CheckWeight:
-    """A check of a criterion or an extension. `id` is the full id (``filtering.passes_constant``), `line` its line in the file."""
+    """A check as a rubric lists it. `id` is the full id (``filtering.passes_constant``), `line` its line in the file."""
 
     id: str
     weight: float
@@ -26,7 +26,7 @@ class CheckWeight:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A criterion of the rubric: a part of the lab with its points and checks."""
+    """A criterion as a rubric lists it: title, points and checks; `line` is its line in the file."""
 
     id: str
     title: str
@@ -37,14 +37,14 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Extension(Criterion):
-    """An extension of the sheet, in a file of its own. With `points` 0 it is reported and earns nothing."""
+    """An extension of the lab sheet, in a file of its own. With `points` 0 it is reported and earns nothing."""
 
     file: str
 
 
 @dataclass(frozen=True)
 class Limits:
-    """CPU time in seconds for one call of the student's code, and for all calls of one submission."""
+    """CPU time in seconds for one call of a student's code, and for all calls of one submission."""
 
     call_cpu_s: float
     submission_cpu_s: float
@@ -52,22 +52,16 @@ class Limits:
 
 @dataclass(frozen=True)
 class LatePolicy:
-    """Late policy. It changes the final grade, never the score.
+    """Late policy: what a late submission loses. It changes the final grade, never the score.
 
     Attributes
     ----------
-    due
-        The due date, in UTC.
-    grace_minutes
-        A submission up to this late counts as on time; a later one is late from `due` on.
-    per_day
-        Points deducted for each day begun after `due`.
-    cut_off_days
-        A submission later than this many days is not accepted; None: each is accepted.
-    due_dates
-        Other due dates for some submissions or people, by id, name or e-mail address.
-    tz
-        The time zone in which days are counted, for example "Europe/Berlin"; "" counts 24 hours as a day.
+    due : the due date, in UTC
+    grace_minutes : a submission up to this late counts as on time; a later one is late from `due` on
+    per_day : points deducted for each day begun after `due`
+    cut_off_days : a submission later than this many days is not accepted; None: each is accepted
+    due_dates : other due dates for some submissions or people, by id, name or e-mail address
+    tz : the time zone in which days are counted, for example "Europe/Berlin"; "" counts 24 hours as a day
     """
 
     due: datetime
@@ -80,14 +74,12 @@ class LatePolicy:
 
 @dataclass(frozen=True)
 class RepairPolicy:
-    """Repair policy for files that do not run.
+    """Repair policy: what happens with files that do not run, if a small patch makes them run.
 
     Attributes
     ----------
-    suggested
-        Whether `grade` applies a suggested repair by itself; otherwise a person decides.
-    deduct
-        Points deducted for a repair that `grade` applies; the review desk proposes the same number.
+    suggested : whether `grade` applies a suggested repair by itself; otherwise a person decides
+    deduct : points deducted for a repair that `grade` applies; the review desk proposes the same number
     """
 
     suggested: bool = False
@@ -96,14 +88,20 @@ class RepairPolicy:
 
 @dataclass(frozen=True)
 class Rubric:
-    """A valid rubric. `criteria` and `extensions` are in the sheet's order, not the file's.
+    """A valid rubric, read from a file: what a submission is graded by.
 
-    `settings` holds the values of the lab's own keys (`Lab.settings`). `extra_credit_cap` is the most points that all extensions
-    together can earn in addition to the score; None if they earn nothing. `faults` holds the rubric's deductions by id of the
-    fault; they replace the share that a check loses. `sha256` is the digest of the content that marks depend on:
-    comments, the order of the lines and the late policy do not change it. `asked_sha256` is the digest of the content that the
-    questions depend on: recorded results can be marked again by a rubric with the same one. `own_checks` are the instructor's
-    checks beside the file. `text` is the whole file, and relative paths in it start from `folder`.
+    Attributes
+    ----------
+    criteria, extensions : in the lab sheet's order, not the file's
+    settings : values of the lab's own keys (`Lab.settings`)
+    sha256 : digest of all that points depend on; comments, the order of lines and the late policy do not change it
+    asked_sha256 : digest of all that the questions to student code depend on; a rubric with the same one can mark recorded results
+    source : name of the file in messages
+    extra_credit_cap : the most points that all extensions add to the score; None if they earn nothing
+    late : None without a late policy
+    faults : points to deduct by id of the fault, in place of the share that a check loses
+    own_checks : the instructor's checks beside the file
+    text, folder : the whole file, and the folder that relative paths in it start from
     """
 
     lab: Lab

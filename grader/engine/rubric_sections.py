@@ -1,4 +1,4 @@
-"""Read each section of a rubric into its records, and report all problems with their lines."""
+"""Read each section of a rubric into its records; a `NodeReader` collects the problems with their lines."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
 
 def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
-    """Return the criteria in the order of `ids`; report problems."""
+    """Return the criteria in the order of the lab's `ids`; report problems, also if all criteria together are worth 0 points."""
     criteria = []
     for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
         title = reader.text(keys.get("title"), f"the title of {name}")
@@ -35,7 +35,7 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the extra credit of each extension without points of its own (0: none), and the cap of all (None: no cap)."""
+    """Return the points of each extension that names none itself (0 without this section), and the cap of all (None: no cap)."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
@@ -46,7 +46,7 @@ def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float
 def read_extensions(
     reader: NodeReader, node: yaml.Node | None, ids: Sequence[str], each: float
 ) -> tuple[Extension, ...]:
-    """Return the extensions in the order of `ids`, each worth `each` points unless it names its own; report problems."""
+    """Return the extensions in the order of the lab's `ids`, each worth `each` points unless it names its own; report problems."""
     extensions = []
     for name, (item, keys) in reader.records(
         node, "extension", ids, ("id", "title", "file"), ("points", "checks")
@@ -63,13 +63,13 @@ def read_extensions(
 
 
 def _extension_checks(reader: NodeReader, node: yaml.Node | None, part: str, points: float) -> tuple[CheckWeight, ...]:
-    """Read the checks of an extension; it may have none: `checks: []`, `{}`, an empty value, or no such key."""
+    """Return the checks of an extension, which may have none: `checks: []`, `{}`, an empty value, or no such key."""
     nothing = node is None or not node.value or node.tag == "tag:yaml.org,2002:null"
     return () if nothing else _checks(reader, node, part, points)
 
 
 def _checks(reader: NodeReader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
-    """Return the checks of a criterion with their shares of its points; report problems."""
+    """Return the checks of a criterion with their shares of its `points`; report problems, and return () for no checks."""
     if node is None:
         return ()
     if not isinstance(node, yaml.MappingNode) or not node.value:
@@ -90,7 +90,10 @@ def _checks(reader: NodeReader, node: yaml.Node | None, part: str, points: float
 
 
 def divided(points: float, weights: Sequence[float]) -> list[float]:
-    """Divide points in proportion to the weights, in hundredths that sum to the points (largest remainder; ties: first)."""
+    """Return the points of each check: `points` in proportion to the weights, in hundredths that sum to `points` exactly.
+
+    What is left after rounding down goes to the largest remainders, of equal ones to the first. All 0 if all weights are 0.
+    """
     decimals = [Fraction(str(weight)) for weight in weights]
     total = sum(decimals)
     if not total:
@@ -105,7 +108,7 @@ def divided(points: float, weights: Sequence[float]) -> list[float]:
 
 
 def read_limits(reader: NodeReader, node: yaml.Node | None) -> Limits:
-    """Return the limits of CPU time; report problems."""
+    """Return the limits of CPU time; report problems, also a limit per submission below that of a call."""
     keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
     call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
     submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
@@ -126,7 +129,7 @@ LATE_KEYS: Mapping[str, str] = {
 
 
 def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePolicy | None:
-    """Return the late policy, None if the rubric has none; a percentage is one of `of` points. Report problems."""
+    """Return the late policy, None if the rubric has none or no due date; a percentage is one of `of` points. Report problems."""
     if node is None:
         return None
     keys = reader.fields(node, "late", ("due",), tuple(name for name in LATE_KEYS if name != "due"))
@@ -149,7 +152,7 @@ def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePoli
 
 
 def _zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
-    """Return the time zone of a late policy; None without one or with an unknown name."""
+    """Return the time zone of a late policy; None if it names none, or an unknown one, which is reported."""
     name = reader.text(node, "tz")
     if node is None or not name:
         return None
@@ -161,7 +164,7 @@ def _zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
 
 
 def read_faults(reader: NodeReader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
-    """Return the points that the rubric deducts for a fault, by the fault's id; report ids that the lab does not have."""
+    """Return the points that the rubric deducts for each fault, by the fault's id; report ids that the lab does not have."""
     if node is None:
         return {}
     if not isinstance(node, yaml.MappingNode):
@@ -182,7 +185,7 @@ _APPLY = {"suggested": True, "none": False}
 
 
 def read_repairs(reader: NodeReader, node: yaml.Node | None) -> RepairPolicy:
-    """Return the repair policy: whether suggested repairs are applied, and the deduction for a repair."""
+    """Return the repair policy: whether suggested repairs are applied, and the deduction; the default without this section."""
     if node is None:
         return RepairPolicy()
     keys = reader.fields(node, "repairs", ("apply", "deduct"), ())

@@ -1,4 +1,4 @@
-"""Session with the sandbox about one submission: workers, files, time budget and answer cache."""
+"""Session with the sandbox about one submission: processes, files, CPU time, and answers that are asked only once."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Listener = Callable[[str, str], None]
 
 
 class Sheet(Protocol):
-    """Protocol of the attributes of a lab that a session uses, so that a test may give a smaller one."""
+    """Protocol of those attributes of a `Lab` that a session uses, so that a test can pass a smaller object."""
 
     @property
     def parts(self) -> Collection[Any]: ...
@@ -63,7 +63,7 @@ class Sheet(Protocol):
 
 
 class _Session:
-    """A worker that holds the submission's files."""
+    """A sandbox process (worker) with a submission's files, the reports on files loaded in it, and whether it has seen data."""
 
     def __init__(self, worker: Worker) -> None:
         self.worker = worker
@@ -72,24 +72,24 @@ class _Session:
         self._heard = 0
 
     def new_output(self) -> str:
-        """Return the text that the worker printed since the last call."""
+        """Return the text that the process printed since the last call."""
         text = self.worker.printed()
         news, self._heard = text[self._heard :], len(text)
         return news
 
 
 class SandboxSession:
-    """Session about one submission: asks each question once, and starts a new worker if one died.
+    """Session with the sandbox about one submission: asks each question once, and starts a new worker (process) if one ended.
 
     Parameters
     ----------
     sandbox : provides the workers
-    lab : a `Lab`; its names are asked for
-    files : relative path -> content
-    above : files that lie above the lab's folder, with the number of folders above it
-    lab_configuration : the lab's own configuration, sent to the worker with the files
+    lab : the lab, whose required names may be asked about
+    files : the submission's files: relative path -> content
+    above : paths in `files` that lie above the lab's folder, with the number of folders above it
+    lab_configuration : the lab's own settings, which the worker and the stand-ins need
     call_cpu_s, submission_cpu_s : limits of CPU time, from the rubric
-    waiting : called with a description of a question that takes long
+    waiting : called with a message if an answer takes long; None tells nothing
     """
 
     def __init__(
@@ -133,20 +133,21 @@ class SandboxSession:
         self.end_session()
 
     def replace_broken(self, names: Sequence[str]) -> None:
-        """Replace these names by correct code (stand-ins) from now on, so that the parts that use them lose nothing."""
+        """Let correct code (stand-ins) replace these required names from now on, so that criteria that use them lose nothing."""
         if not self.broken.issuperset(names):
             self.broken |= set(names)
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission's own definitions in place of stand-ins while this context lasts, see `beside`."""
+        """Use the submission's own definitions in place of stand-ins while this context lasts; the value is that of `beside`."""
         return self.beside(())
 
     @contextmanager
     def beside(self, sheets_own: Collection[str]) -> Iterator[dict[Any, Any]]:
-        """Use the submission with the sheet's own code for exactly these names in this context, in a new process.
+        """Use the submission with the lab sheet's own code for exactly these names in this context, in a new process.
 
-        Yields its answers, which are discarded unless they are passed to `remember`."""
+        Yields a dict of the answers given in it. They are discarded at the end unless they are passed to `remember`.
+        """
         before = self.broken, self._sheets_own, self._answers
         self.broken, self._sheets_own, self._answers = set(sheets_own), sheets_own, {}
         self.end_session()
@@ -157,7 +158,7 @@ class SandboxSession:
             self.end_session()
 
     def remember(self, answers: Mapping[Any, Any]) -> None:
-        """Store these answers for later questions; they replace earlier answers to the same questions."""
+        """Keep answers from a `beside` context for later questions; they replace earlier answers to the same questions."""
         self._answers |= answers
 
     def end_session(self) -> None:
@@ -171,7 +172,7 @@ class SandboxSession:
             self.listen(self._part, self._session.new_output())
 
     def _fresh_session(self) -> _Session:
-        """Return the current worker with the submission's files; start a new one if the last one has ended."""
+        """Return the current worker, which holds the submission's files; start a new one if there is none or it has ended."""
         if self._session is None or not self._session.worker.alive:
             self.end_session()
             self._session = _Session(self._sandbox.worker())
@@ -183,7 +184,7 @@ class SandboxSession:
         return self._session
 
     def _submit(self, worker: Worker) -> None:
-        """Send the submission's files to a new worker, with the stand-ins and the statements to skip."""
+        """Send the submission's files to a new worker, with stand-ins for broken names and the statements that it must skip."""
         files, arrays = self._files_to_send()
         fields = {
             "files": files,
@@ -206,7 +207,10 @@ class SandboxSession:
         return self._lab.standin(name, self._lab_configuration)
 
     def _files_to_send(self) -> tuple[list[tuple[str, str, int]], dict[str, np.ndarray]]:
-        """Return the files for a worker, and their bytes: code and data up to a limit, without files that end their process."""
+        """Return (path, key, folders above) of each file for a worker, and the files' bytes by key.
+
+        These are code and data up to 24 MB together. A file that ended each process that loaded it is left out.
+        """
         rows: list[tuple[str, str, int]] = []
         arrays: dict[str, np.ndarray] = {}
         total = 0
@@ -224,27 +228,27 @@ class SandboxSession:
         return rows, arrays
 
     def _send_order(self, path: str) -> tuple[bool, bool, str]:
-        """Return the sort key of a file to send: the lab's required files first, then other code, then data."""
+        """Return the sort key of a file to send: required files, other code, then data, as a size limit may cut off the end."""
         return (path not in self._lab.homes.values(), not path.endswith((".py", ".ipynb")), path)
 
     @property
     def used_cpu_s(self) -> float:
-        """CPU time (s) that the submission's code has used so far."""
+        """CPU time that the submission's code has used so far, in seconds."""
         return sum(self._used_cpu_s.values())
 
     def account_to(self, part: str) -> None:
-        """Account the time of all further questions to this part, so that an endless loop uses no other part's time."""
+        """Account the time of further questions to this criterion, so that an endless loop takes no other criterion's time."""
         if part != self._part:
             self._pass_on_prints()
         self._part = part
 
     def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Frame:
-        """Ask the current worker a question, and account its time to the current part.
+        """Ask the current worker a question, and account its time to the current criterion; use `once` to ask equal questions once.
 
         Raises
         ------
         NoAnswer
-            If the worker crashed, timed out or gave no valid answer.
+            If the worker crashed, timed out or gave no valid answer, or if the criterion has no time left.
         """
         session = self._fresh_session()
         worker = session.worker
@@ -268,17 +272,17 @@ class SandboxSession:
             session.has_seen_data |= op not in ("load", "outline")
 
     def _limit_s(self) -> float:
-        """Return the CPU limit of a call; it halves after each timeout, so all of them take at most twice the first."""
+        """Return the CPU limit of a call; it halves after each timeout in a criterion, so that all take at most twice the first."""
         return float(self._call_cpu_s / 2 ** self._overrun[self._part])
 
     def _left_s(self) -> float:
-        """Return the wall-clock seconds that the current part has left."""
+        """Return the wall-clock seconds that the current criterion has left."""
         return _WALL_PER_CPU * self._share_cpu_s - self._used_wall_s[self._part]
 
     def _checked_answer(
         self, session: _Session, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray], limit_s: float
     ) -> Frame:
-        """Ask, check the answer against the lab's rules, and record statements that ended the process or exceeded their time."""
+        """Ask a worker; check the answer by the lab's rules, and record statements that ended the process or took too long."""
         try:
             with self._telling_if_slow(op, fields, limit_s):
                 frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s, most_s=self._left_s())
@@ -295,7 +299,7 @@ class SandboxSession:
 
     @contextmanager
     def _telling_if_slow(self, op: str, fields: Mapping[str, Any], limit_s: float) -> Iterator[None]:
-        """Report what the grader waits for if the context takes longer than two seconds."""
+        """Report what the grader waits for if this context takes longer than two seconds, unless nobody listens."""
         if self._waiting is None:
             yield
             return
@@ -310,12 +314,12 @@ class SandboxSession:
             timer.cancel()
 
     def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        """Ask a worker that does not hold the submission, so that its code cannot change the answer."""
+        """Ask a worker that does not hold the submission, so that student code cannot change the answer."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
     def once(self, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to a question, asking it only once. If no answer came, that is remembered and raised again."""
+        """Return the answer to the question with this `key`; call `ask` only the first time. A missing answer is raised again."""
         if key not in self._answers:
             try:
                 self._answers[key] = self.retried(ask)
@@ -327,18 +331,18 @@ class SandboxSession:
         return answer  # type: ignore[no-any-return]
 
     def once_named(self, called: str, key: Any, ask: Callable[[], T]) -> T:
-        """Do the same as `once`, and store the answer under a name, by which charts find it."""
+        """Do the same as `once`, and remember the key by the name `called`, so that charts find the answer; "" gives no name."""
         if called:
             self._called[called] = key
         return self.once(key, ask)
 
     def stored_answer(self, called: str) -> Any:
-        """Return the answer that `once_named` stored under a name, for charts; None without an answer. No question is asked."""
+        """Return the answer that `once_named` stored under a name, for charts; None if there is none. No question is asked."""
         answer = self._answers.get(self._called.get(called))
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Return what `ask` returns; call it again in a new process as long as that may help, see `_may_help_to_repeat`."""
+        """Return what `ask` returns; if it gets no answer, call it again in a new process while `_may_help_to_repeat` says so."""
         tried = False
         while True:
             known = self._endings.count
@@ -351,10 +355,10 @@ class SandboxSession:
                 self.end_session()
 
     def _may_help_to_repeat(self, nothing: Exception, known: int, *, tried: bool) -> bool:
-        """Return whether to ask again: if a statement was found that ended the process, or if it ended and this is the first time.
+        """Return whether to ask again: a statement that ended the process was found, or the process ended for the first time.
 
-        Without that statement the next process may live. A process may also end because the system is short of memory, or
-        because of another file in it; code that ends its process does so twice. Code that used up its time would do so again.
+        A new process skips such a statement. A process may also end because the system is short of memory, or because of another
+        file in it; code that ends its process does so twice. Code that used up its time would do so again.
 
         Parameters
         ----------

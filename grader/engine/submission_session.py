@@ -1,4 +1,4 @@
-"""Session about one submission that finds the file defining each required name, and collects notes for the report."""
+"""Session about one submission that finds which file defines each required name, and collects notes for the report."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ T = TypeVar("T")
 
 
 class SubmissionSession(SandboxSession):
-    """Session that finds the file defining the name of a question, and asks the question there.
+    """Sandbox session that finds the file that defines a required name, and asks questions about the name there.
 
     Attributes
     ----------
-    secret : whether the worker is given hidden data, which its code may put into any text that it can choose
+    secret : whether the sandbox holds hidden data, which student code may put into any text that it can choose
     withheld_note : whether a note was left out for that reason
     """
 
@@ -47,7 +47,7 @@ class SubmissionSession(SandboxSession):
         return self.ask(question.op, {**place, **question.fields}, question.arrays)
 
     def load(self, path: str) -> Loaded:
-        """Load a file in the current worker once, and return the report.
+        """Load a file in the current worker, unless it is loaded there, and return the report on it.
 
         It is loaded again in a new process if another file, or data of a question, may have affected the report, and where
         `_may_help_to_repeat` says so.
@@ -78,12 +78,12 @@ class SubmissionSession(SandboxSession):
         return self.load(path)
 
     def place_of(self, name: str) -> str:
-        """Return the path of the file that defines `name`, after loading it in the current worker.
+        """Return the path of the file that defines a required name, after loading it in the current worker.
 
         Raises
         ------
         Missing
-            If no file defines it; the message says why.
+            If no file defines the name; the message says why.
         NoAnswer
             If loading the file killed the worker or did not end.
         """
@@ -103,7 +103,7 @@ class SubmissionSession(SandboxSession):
         raise self._missing(name, home)
 
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
-        """Note that a name was found in another file than expected; all names found in one file share one note."""
+        """Note for the report that a name was found in another file than expected; names found in one file share one note."""
         known = self._strays.get(path, {})
         strays = {each: its for each, its in self._lab.homes.items() if each in known or each == name}
         self._strays[path] = strays
@@ -114,7 +114,10 @@ class SubmissionSession(SandboxSession):
             self.note(_found_in(path, strays))
 
     def _note_load_problems(self, path: str, loaded: Loaded) -> None:
-        """Add a note for each file. It names the first skipped statement, which usually causes the others."""
+        """Note once what was unusual when a file was loaded: misspelled or supplied names, breakpoints, skipped statements.
+
+        Of the skipped statements it names the first, which usually causes the others.
+        """
         if path in self._noted:
             return
         self._noted.add(path)
@@ -132,7 +135,7 @@ class SubmissionSession(SandboxSession):
             self._note_breakpoints(path)
 
     def _note_defined_again(self, path: str, name: str) -> None:
-        """Note which definition was graded if the submission defines a name more than once."""
+        """Note which definition was graded if the submission defines a required name more than once."""
         if (key := f"{path}: {name}") in self._noted:
             return
         self._noted.add(key)
@@ -154,7 +157,7 @@ class SubmissionSession(SandboxSession):
             )
 
     def _other_files_defining(self, name: str, home: str) -> list[str]:
-        """Return the other files that define a name, the nearest to the submission's folder first."""
+        """Return the files other than `home` that define a name, nearest to the submission's folder first; [] without an answer."""
         if self._outline is None:
             try:
                 self._outline = self.retried(lambda: self.ask("outline", {})).fields["names"]
@@ -165,7 +168,7 @@ class SubmissionSession(SandboxSession):
         return sorted(named, key=lambda p: (p.count("/"), p not in self._lab.files, p.endswith(".ipynb"), p))
 
     def _missing(self, name: str, home: str) -> Missing:
-        """Return why no file defines a name: a statement that failed, a syntax error, or no such definition."""
+        """Return why no file defines a required name: a failed statement, a syntax error, no file `home`, no definition in it."""
         there = [home] if home in self.paths else []
         places = (*there, *self._other_files_defining(name, home))
         for path in places:
@@ -181,10 +184,10 @@ class SubmissionSession(SandboxSession):
         return Missing(name, "name-missing", f"{home} does not define {name}")
 
     def note(self, text: str, hidden: GraderText | None = None) -> None:
-        """Add a note, once.
+        """Add a note to the report, unless it is there already.
 
-        With a secret, only constants of the grader's code are added: `hidden`, or a text that is `GraderText` itself. Any other
-        text may hold hidden data; `PublicSession` then provides the notes about loading.
+        When hidden scenarios are graded, only constants of the grader's code are added: `hidden`, or a `text` that is `GraderText`.
+        Any other text may hold hidden data; `PublicSession` then provides the notes about loading.
         """
         said = hidden or text
         if self.secret and not isinstance(said, GraderText):
@@ -196,13 +199,13 @@ class SubmissionSession(SandboxSession):
 
 
 def _refused(name: str, error: StudentError, path: str) -> Missing:
-    """Return the finding for a name that is missing because its file is not valid Python."""
+    """Return the `Missing` for a required name whose file is not valid Python."""
     said = f"{error.type}: {printable(error.message, 200)} at {error.where or path}"
     return Missing(name, "does-not-import", "\n".join([said, *error.lines]), error.at or Where(path))
 
 
 def _found_in(path: str, strays: Mapping[str, str]) -> str:
-    """Return the note about names that were found in another file than the lab expects."""
+    """Return the note about required names that were found in the file `path`; `strays` has the file where each is expected."""
     names, homes = enumerated(strays), enumerated(dict.fromkeys(strays.values()))
     were, them = ("were", "them") if len(strays) > 1 else ("was", "it")
     return printable(
@@ -211,5 +214,5 @@ def _found_in(path: str, strays: Mapping[str, str]) -> str:
 
 
 def is_run(path: str) -> bool:
-    """Return whether a program may be run, by its name: files of tools (`conftest`, `setup` and the like) and `test_*` may not."""
+    """Return whether a program may be run, by its name: not ``test_*``, ``conftest``, ``setup`` and the like, which tools run."""
     return PurePosixPath(path).stem not in _NEVER_IMPORTED and not PurePosixPath(path).name.startswith("test_")

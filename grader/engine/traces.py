@@ -1,4 +1,4 @@
-"""Ground truth: load and verify trace bundles, which are arrays with a manifest.
+"""Load and verify ground truth: bundles of traces, which are arrays with a manifest.
 
 A lab's recorder writes bundles and the grader reads them; neither imports the other.
 """
@@ -24,9 +24,9 @@ SCHEMA = "imugrade/traces/v1"
 
 @dataclass(frozen=True, eq=False)
 class Scenario(Mapping[str, NDArray[Any]]):
-    """Read-only arrays of one scenario: `scenario["acceleration"]` or `scenario.acceleration`.
+    """Ground truth of one scenario: read-only arrays, as `scenario["acceleration"]` or `scenario.acceleration`.
 
-    `scalars` holds its plain numbers and names, `model` the key of its model in `Traces.models`, None without a model.
+    `scalars` holds its single numbers and names; `model` is the key of its model in `Traces.models`, None without a model.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Scenario(Mapping[str, NDArray[Any]]):
 
 @dataclass(frozen=True, eq=False)
 class Traces:
-    """A trace bundle: `traces["push"].acceleration`. `arrays` holds the same arrays by `<scenario>/<array>`."""
+    """A bundle of ground truth to grade with: `traces["push"].acceleration`. `arrays` has them as ``<scenario>/<array>``."""
 
     name: str
     sha256: str
@@ -67,24 +67,19 @@ class Traces:
 
     @property
     def models(self) -> Mapping[str, str]:
-        """The sources of the scenarios' models, by key."""
+        """The sources of the models that the scenarios simulate, by key."""
         models: Mapping[str, str] = self.manifest["models"]
         return models
 
     @property
     def versions(self) -> Mapping[str, str]:
-        """Versions of the packages with which the bundle was recorded."""
+        """The versions of the packages with which the bundle was recorded."""
         versions: Mapping[str, str] = self.manifest["versions"]
         return versions
 
 
 def load(path: Path) -> Traces:
-    """Read a bundle and verify it against its manifest.
-
-    Parameters
-    ----------
-    path : Path
-        The `.npz` file; its manifest is the `.json` of the same name beside it.
+    """Read the trace bundle at `path` (``.npz``) and verify it against its manifest, the ``.json`` of the same name beside it.
 
     Raises
     ------
@@ -105,7 +100,7 @@ def load(path: Path) -> Traces:
 
 
 def _read_manifest(path: Path) -> dict[str, Any]:
-    """Read and check the manifest of a trace bundle."""
+    """Read the manifest of a trace bundle; raise RequestError if it is missing, no JSON, of another schema or incomplete."""
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -122,7 +117,7 @@ def _read_manifest(path: Path) -> dict[str, Any]:
 
 
 def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Read the arrays of a trace bundle, as read-only arrays."""
+    """Read the arrays of a trace bundle, read-only, as all submissions share them; raise RequestError if the file is damaged."""
     try:
         # Opened here, because np.load leaves the file of a damaged archive open.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
@@ -142,7 +137,7 @@ def _scenario(name: str, about: Mapping[str, Any], arrays: Mapping[str, NDArray[
 
 
 def _fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any]) -> str:
-    """Return the same digest as the recorder: of the arrays, and of the manifest without ``versions`` and ``sha256``."""
+    """Return the digest that the recorder wrote: of the arrays, and of the manifest without ``versions`` and ``sha256``."""
     digest = hashlib.sha256()
     for key in sorted(arrays):
         array = arrays[key]
