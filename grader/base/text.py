@@ -50,9 +50,8 @@ def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
     if newlines:
         head = head.replace("\r\n", "\n").replace("\r", "\n")
     shown = head[: limit + 1]
-    if not (
-        shown.translate(_KEPT) if newlines else shown
-    ).isprintable():  # most text is, and this is asked a million times a class
+    # Most text is printable, and this is asked a million times a class.
+    if not (shown.translate(_KEPT) if newlines else shown).isprintable():
         shown = "".join(char if newlines and char in "\n\t" else _shown(char) for char in shown)
     return shown if len(shown) <= limit else shown[: max(limit - 1, 0)] + "…"[:limit]
 

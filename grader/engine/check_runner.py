@@ -360,15 +360,8 @@ def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
     switched_off = ("terminal", "cacheprovider", "doctest", "junitxml", "pastebin", "faulthandler", "stepwise", "logging",
                     "warnings", "capture", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
                     "unraisableexception", "threadexception", "nose", "legacypath")  # fmt: skip
-    options = [
-        "-c",
-        str(Path(__file__).with_name("checks.ini")),
-        "--rootdir",
-        str(lab.folder),
-        "--noconftest",
-        "--assert=plain",
-        "--collect-only",
-    ]
+    options = ["-c", str(Path(__file__).with_name("checks.ini")), "--rootdir", str(lab.folder)]
+    options += ["--noconftest", "--assert=plain", "--collect-only"]
     options += [word for name in switched_off for word in ("-p", f"no:{name}")]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "path", list(sys.path))  # pytest adds folders, and one of them will be deleted

@@ -36,7 +36,6 @@ class StudentError:
     line: int | None
     text: str | None
     name: str | None = None
-    path: str | None = None
 
     @classmethod
     def of(cls, facts: Mapping[str, Any] | None) -> StudentError | None:

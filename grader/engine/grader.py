@@ -62,9 +62,8 @@ class Marker:
     ) -> None:
         self._lab, self._rubric, self._traces = rubric.lab, rubric, traces
         rubric.lab.match(rubric.settings, traces)
-        self._sandbox = sandbox or open_sandbox(
-            rubric.lab, isolation_level
-        )  # it warms up while the checks are collected
+        # A new sandbox warms up while the checks are collected.
+        self._sandbox = sandbox or open_sandbox(rubric.lab, isolation_level)
         try:
             self._checks: Mapping[str, Check] = known_checks(rubric.lab, rubric.own_checks)
             match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})
@@ -318,12 +317,7 @@ def _as_far_as_it_came(result: Result) -> Result:
     return replace(result, status="graded", criteria=criteria, extensions=extensions)
 
 
-@cache
-def _version(package: str) -> str:
-    """Return the installed version of a package; it is not imported, and not looked up twice."""
-    return version(package)
-
-
+_version = cache(version)
 _NO_NAME = "No program here defines a function or class that the lab asks for."
 _NOTHING = {
     "empty": "Nothing recognisable was handed in: no Python file and no notebook was found.",

@@ -18,14 +18,8 @@ from grader.engine.findings import Charge, Charged, CheckFailed, Cost, GraderTex
 from grader.engine.results import Deducted, Outcome
 
 _TOLD_TYPES = (
-    "IndexError",
-    "KeyError",
-    "TypeError",
-    "ValueError",
-    "AttributeError",
-    "NameError",
-    "ModuleNotFoundError",
-)
+    "IndexError", "KeyError", "TypeError", "ValueError", "AttributeError", "NameError", "ModuleNotFoundError",
+)  # fmt: skip
 _PUBLIC_LOAD = "`imugrade check` loads the file with public data and tells more."
 _HOLDS, _DOES_NOT = "the same result on the hidden scenarios", "a different result"
 _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."

@@ -7,6 +7,7 @@ If several of that cost fit and name different faults, none is reported.
 from __future__ import annotations
 
 import itertools
+import operator
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, TypeVar
@@ -66,7 +67,8 @@ def explain(hypotheses: Iterable[Candidate], seen: object) -> Candidate | None:
 
 def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...]:
     """Group the hypotheses by cost, the cheapest group first, as `first_that_fits` takes them."""
-    return tuple(tuple(equals) for _, equals in itertools.groupby(sorted(hypotheses, key=_cost), key=_cost))
+    cost = operator.attrgetter("cost")
+    return tuple(tuple(equals) for _, equals in itertools.groupby(sorted(hypotheses, key=cost), key=cost))
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
@@ -75,7 +77,3 @@ def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Cand
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.cause for each in fitting}) == 1 else None
     return None
-
-
-def _cost(hypothesis: Hypothesis) -> int:
-    return hypothesis.cost

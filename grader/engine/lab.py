@@ -80,23 +80,6 @@ class Handout:
     names: Mapping[str, str] = field(default_factory=dict)
 
 
-def _no_file(settings: Mapping[str, Any]) -> None:
-    """Return no file of the instructor's: the default of `Lab.brought`."""
-
-
-def _no_blind_spot(traces: Traces) -> str:
-    """Return no warning: the default of `Lab.blind_spot`."""
-    return ""
-
-
-def _no_handout(own: LabFile | None) -> Handout:
-    return Handout()
-
-
-def _accept_all(settings: Mapping[str, Any], traces: Traces) -> None:
-    """Accept any traces: the default of `Lab.match`."""
-
-
 @dataclass(frozen=True, eq=False)
 class Lab:
     """Definition of one lab: what it asks for, and the functions with which the engine and the commands grade it.
@@ -141,10 +124,10 @@ class Lab:
     charts: Callable[[Any, Traces], tuple[Chart, ...]]
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
     truth: Callable[[str | None, Mapping[str, Any]], Traces]
-    match: Callable[[Mapping[str, Any], Traces], None] = _accept_all
-    brought: Callable[[Mapping[str, Any]], LabFile | None] = _no_file
-    handout: Callable[[LabFile | None], Handout] = _no_handout
-    blind_spot: Callable[[Traces], str] = _no_blind_spot
+    match: Callable[[Mapping[str, Any], Traces], None] = lambda settings, traces: None
+    brought: Callable[[Mapping[str, Any]], LabFile | None] = lambda settings: None
+    handout: Callable[[LabFile | None], Handout] = lambda own: Handout()
+    blind_spot: Callable[[Traces], str] = lambda traces: ""
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
@@ -155,19 +138,8 @@ class Lab:
     repeating: str = ""
     packages: tuple[str, ...] = ("numpy", "matplotlib")
     suffixes: tuple[str, ...] = (
-        ".py",
-        ".ipynb",
-        ".csv",
-        ".txt",
-        ".json",
-        ".yaml",
-        ".yml",
-        ".toml",
-        ".ini",
-        ".cfg",
-        ".npy",
-        ".npz",
-    )
+        ".py", ".ipynb", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz",
+    )  # fmt: skip
     libraries: tuple[str, ...] = ()
     recorder: str = ""
     depends_on: tuple[str, ...] = ("numpy",)

@@ -191,9 +191,7 @@ def _read(entry: Readable) -> Submission | RequestError | str:
         return error
     except MemoryError:
         return "What was handed in takes too much memory to be read."
-    except (
-        Exception
-    ) as error:  # a failure of the grader; the class goes on, and the instructor finds it among the unreadable ones
+    except Exception as error:  # the grader failed; the instructor finds the submission among the unreadable ones
         return f"What was handed in could not be read ({type(error).__name__})."
 
 

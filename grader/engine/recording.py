@@ -96,7 +96,7 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
         shutil.rmtree(entry, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         fresh = Path(scratch) / "bundle"
-        traces = _fresh(lab, name, seed, fresh, subject)
+        traces = _record(lab, name, seed, fresh, subject)
         _keep(fresh, entry)
     return traces
 
@@ -112,7 +112,7 @@ def try_recording(lab: Lab) -> Traces | None:
     if folder_of(lab) is None:
         return None
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
-        return _fresh(lab, "hidden", secrets.token_hex(), Path(scratch, "bundle"), None)
+        return _record(lab, "hidden", secrets.token_hex(), Path(scratch, "bundle"), None)
 
 
 def run(module: Sequence[str], what: str, text: str = "") -> subprocess.CompletedProcess[str]:
@@ -153,13 +153,8 @@ def last_line(done: subprocess.CompletedProcess[str]) -> str:
     return (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
 
 
-def _fresh(lab: Lab, name: str, seed: str, folder: Path, subject: Subject | None) -> Traces:
-    _record(lab, name, seed, folder, subject)
-    return load(folder / f"{name}.npz")
-
-
-def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) -> None:
-    """Run the lab's recorder, which writes a bundle into the folder `out`.
+def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) -> Traces:
+    """Run the lab's recorder, which writes a bundle into the folder `out`; return the traces in it.
 
     The seed goes through a pipe, because other users can read a command line.
     """
@@ -172,6 +167,7 @@ def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) 
     done = run(command, what, seed)
     if done.returncode:
         raise GraderError(f"{what} failed: {last_line(done)}")
+    return load(out / f"{name}.npz")
 
 
 def _keep(fresh: Path, entry: Path) -> None:

@@ -20,34 +20,12 @@ from grader.engine import rubric_sections as sections
 from grader.engine.check_catalog import checks_of
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import MAX_BYTES, NodeReader, RubricError, did_you_mean, guess_at, refuse
-from grader.engine.rubric_records import (
-    CheckWeight,
-    Criterion,
-    Extension,
-    LatePolicy,
-    Limits,
-    OwnChecks,
-    RepairPolicy,
-    Rubric,
-)
+from grader.engine.rubric_records import CheckWeight, Criterion, Extension, LatePolicy, Limits, OwnChecks, Rubric
 
 __all__ = [
-    "CARRIED",
-    "CheckWeight",
-    "Criterion",
-    "Extension",
-    "LatePolicy",
-    "Limits",
-    "OwnChecks",
-    "RepairPolicy",
-    "Rubric",
-    "RubricError",
-    "load",
-    "match_checks",
-    "own_checks",
-    "parse",
-    "shipped",
-]
+    "CARRIED", "CheckWeight", "Criterion", "Extension", "LatePolicy", "Limits", "OwnChecks", "Rubric", "RubricError",
+    "load", "match_checks", "own_checks", "parse", "shipped",
+]  # fmt: skip
 
 _OPTIONAL = ("extra_credit", "late", "faults", "repairs")
 CARRIED = "own_checks"

@@ -68,9 +68,7 @@ class SubmissionSession(SandboxSession):
                 if self._endings.count == known:
                     self._suspects.add(path)
         else:
-            if (
-                loaded.is_clean or not session.has_seen_data
-            ):  # else its report may hold data of a question, which may be hidden
+            if loaded.is_clean or not session.has_seen_data:  # else the report may hold hidden data of a question
                 session.loaded[path] = loaded
                 self._answers.setdefault(("load", path), loaded)
                 return loaded
