@@ -71,7 +71,7 @@ class Judge(Generic[Facts]):
 
             def run(student: SubmissionSession, truth: Any) -> None:
                 # All checks of the criterion are judged together, once; this one raises its own charge.
-                found = student.once((self.id, "judged"), lambda: self._judged(student, truth)).get(check_id)
+                found = student.once((self.id, "judged"), lambda: self._measure_and_judge(student, truth)).get(check_id)
                 if found is not None:
                     raise found if isinstance(found, Exception) else Charged(found)
 
@@ -82,7 +82,7 @@ class Judge(Generic[Facts]):
 
         return register
 
-    def _judged(self, student: SubmissionSession, truth: Any) -> Mapping[str, Charge | Exception]:
+    def _measure_and_judge(self, student: SubmissionSession, truth: Any) -> Mapping[str, Charge | Exception]:
         """Measure a submission; return the deductions of each check that is not passed, or the exception that ended the check."""
         return self.judge(self.measure(student, truth), rows(self.lab))
 
@@ -98,7 +98,7 @@ class Judge(Generic[Facts]):
         """
         if lacking := {*self.checks, *(reason.cause for reason in self.reasons)} - table.keys():
             raise GraderError(f"the fault table has no row for {', '.join(sorted(lacking))}")
-        stopped = {self._full(name): finding for name, finding in facts.stopped.items()}
+        stopped = {self._full_id(name): finding for name, finding in facts.stopped.items()}
         off: dict[str, Deviation[Any]] = {}
         for name, measure in {**{name: measure for name, (_, measure) in self.checks.items()}, **self.others}.items():
             try:
@@ -107,24 +107,24 @@ class Judge(Generic[Facts]):
                 stopped[name] = fault_of_ours
             else:
                 off |= {} if found is None else {name: found}
-        return {**self._charges(off, self._faults(off, facts), table), **stopped}
+        return {**self._deductions(off, self._find_faults(off, facts), table), **stopped}
 
-    def _faults(self, off: Seen, facts: Facts) -> dict[str, Seen]:
+    def _find_faults(self, off: Seen, facts: Facts) -> dict[str, Seen]:
         """Return by id the faults that explain the deviations `off`, each with the deviations in which it shows.
 
         Of a property's faults that exclude each other only the cheapest that fits counts, and none if two of that cost fit. A fault
         that may hold beside others (`Reason.beside`) counts whenever it fits.
         """
         found: dict[str, dict[str, Deviation[Any]]] = {}
-        for name in dict.fromkeys(self._full(reason.of) for reason in self.reasons):
-            own = [reason for reason in self.reasons if name in off and self._full(reason.of) == name]
+        for name in dict.fromkeys(self._full_id(reason.of) for reason in self.reasons):
+            own = [reason for reason in self.reasons if name in off and self._full_id(reason.of) == name]
             cheapest = explain([reason for reason in own if not reason.beside], facts)
             beside = [reason for reason in own if reason.beside and reason.fits(facts)]
             for reason in [*([cheapest] if cheapest else []), *beside]:
                 found.setdefault(reason.cause, {})[name] = off[name]
         return dict(found)
 
-    def _charges(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, FaultRow]) -> Mapping[str, Charge]:
+    def _deductions(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, FaultRow]) -> Mapping[str, Charge]:
         """Return the deductions of each check: every share of every fault, and each deviation in `off` that no fault lists.
 
         `faults` gets an entry under the check's id for each deviation that no fault lists.
@@ -166,6 +166,6 @@ class Judge(Generic[Facts]):
         affected = next(iter(seen.values())).affected
         return {name: share * (seen[name].affected if name in seen else affected) for name, share in listed.items()}
 
-    def _full(self, name: str) -> str:
+    def _full_id(self, name: str) -> str:
         """Return a check's full id (``filtering.passes_constant``) from its short name; names in `others` stay as they are."""
         return name if name in self.others else f"{self.id}.{name}"

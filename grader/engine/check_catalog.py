@@ -41,10 +41,10 @@ def check_files(lab: Lab) -> list[Path]:
 
 @cache
 def _checks_in(source: str) -> tuple[Check, ...]:
-    return tuple(_found(source))
+    return tuple(_parsed_checks(source))
 
 
-def _found(source: str) -> Iterator[Check]:
+def _parsed_checks(source: str) -> Iterator[Check]:
     for function in (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)):
         for call in function.decorator_list:
             if isinstance(call, ast.Call) and ast.unparse(call.func).rpartition(".")[2] == "check":

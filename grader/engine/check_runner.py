@@ -135,14 +135,14 @@ class CheckRun:
             return Feedback("passed", 1.0, "")
         if not isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
             return None
-        finding = self._without_secrets(ended)
+        finding = self._with_public_text(ended)
         same = (hidden_feedback.cause_key if self._secret else cause_key)(finding, this.criterion)
         verdict = self._feedback(finding, self._reported.get(same) if same else None)
         if same:
             self._reported.setdefault(same, this.title)
         return verdict
 
-    def _without_secrets(self, finding: BaseException) -> BaseException:
+    def _with_public_text(self, finding: BaseException) -> BaseException:
         """Return a `Missing` of a session with hidden data as one that students may read; any other finding unchanged."""
         if not (self._secret and isinstance(finding, Missing)):
             return finding
@@ -175,7 +175,7 @@ class CheckRun:
             return
         if self.student.broken and criterion in self._lost:
             yield frozenset()
-        raised = any(each.feedback and each.feedback.outcome == "error" for each in self._of(criterion).values())
+        raised = any(each.feedback and each.feedback.outcome == "error" for each in self._judged_in(criterion).values())
         yield from (frozenset(each.names) for each in self._parts_before(criterion)[:1] if raised)
 
     def _parts_before(self, criterion: str) -> list[Part]:
@@ -183,7 +183,7 @@ class CheckRun:
         turn = _grading_order(self._lab, criterion)
         return [part for part in self._lab.parts if part.needed and _grading_order(self._lab, part.id) < turn]
 
-    def _of(self, criterion: str) -> dict[str, Judgement]:
+    def _judged_in(self, criterion: str) -> dict[str, Judgement]:
         return {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
 
     @contextmanager
@@ -192,7 +192,7 @@ class CheckRun:
 
         The new outcomes replace the old ones if at least one check ends better and none worse; otherwise they are discarded.
         """
-        beside = self._of(criterion)
+        beside = self._judged_in(criterion)
         stories, titles = self._reported, {each.check.title for each in beside.values()}
         self._reported = {same: title for same, title in stories.items() if title not in titles}
         self._lost.discard(criterion)
@@ -216,11 +216,11 @@ def _grading_order(lab: Lab, criterion: str) -> int:
     return lab.examined.index(criterion) if criterion in lab.examined else len(lab.examined)
 
 
-def _check(item: pytest.Item) -> Check:
+def _check_of(item: pytest.Item) -> Check:
     return item.function.check  # type: ignore[attr-defined,no-any-return]
 
 
-def _run(items: list[pytest.Item]) -> None:
+def _run_items(items: list[pytest.Item]) -> None:
     for item, following in itertools.zip_longest(items, items[1:]):
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
 
@@ -241,18 +241,18 @@ class Session:
     @property
     def checks(self) -> dict[str, Check]:
         """The collected checks by id, the instructor's own included."""
-        return {_check(item).id: _check(item) for item in self._items}
+        return {_check_of(item).id: _check_of(item) for item in self._items}
 
     def run(self, check_run: CheckRun) -> None:
         """Run the checks that `check_run` wants, criterion by criterion in the lab's order, and those reruns that may earn more."""
         self._examination = check_run
-        wanted = [item for item in self._items if check_run.wants(_check(item))]
-        for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
+        wanted = [item for item in self._items if check_run.wants(_check_of(item))]
+        for criterion, items in itertools.groupby(wanted, lambda item: _check_of(item).criterion):
             own = list(items)
-            _run(own)
+            _run_items(own)
             for partners in check_run.other_partners(criterion):
                 with check_run.rerun_beside(partners, criterion):
-                    _run(own)
+                    _run_items(own)
 
     @property
     def _now(self) -> CheckRun:
@@ -277,12 +277,12 @@ class Session:
         checks = [item for item in session.items if hasattr(getattr(item, "function", None), "check")]
         names = [f"{item.path.name}: {item.name}" for item in session.items if item not in checks]
         self.troubles += [f"{name} is no check: write @check(...) above it" for name in names]
-        twice = Counter(_check(item).id for item in checks)
+        twice = Counter(_check_of(item).id for item in checks)
         self.troubles += [f"there are {count} checks {id_}" for id_, count in twice.items() if count > 1]
-        self._items = sorted(checks, key=lambda item: _grading_order(self._lab, _check(item).criterion))
+        self._items = sorted(checks, key=lambda item: _grading_order(self._lab, _check_of(item).criterion))
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
-        self._now.begin(_check(item))
+        self._now.begin(_check_of(item))
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Iterator[None]:
@@ -297,7 +297,7 @@ class Session:
             ended = error
             raise
         finally:
-            self._now.end(_check(item), ended, time.perf_counter() - started)
+            self._now.end(_check_of(item), ended, time.perf_counter() - started)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:

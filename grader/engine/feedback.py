@@ -57,13 +57,13 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
     table : the entries of the lab's fault table
     """
     if isinstance(finding, Charged):
-        return _charged(finding.charge, table)
+        return _feedback_on_charge(finding.charge, table)
     if isinstance(finding, Skipped):
         return Feedback("skipped", 0.0, f"Needs {finding}.")
     if earlier is not None:
         return not_reached(earlier)
     if isinstance(finding, CheckFailed):
-        return _lost(finding, table)
+        return _feedback_on_failure(finding, table)
     if isinstance(finding, Missing):
         return Feedback(
             "failed",
@@ -75,9 +75,9 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
             faults=(finding.fault,),
         )
     if isinstance(finding, Raised):
-        return _raised(finding, table)
+        return _feedback_on_exception(finding, table)
     assert isinstance(finding, NoAnswer)
-    return _no_answer(finding, table)
+    return _feedback_on_no_answer(finding, table)
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
@@ -110,7 +110,7 @@ def no_more(charge: Charge) -> Feedback:
     return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{charge.see}”.")
 
 
-def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
+def _feedback_on_charge(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a check's deductions: the message of the first fault, and the hints and public ids of all."""
     if not charge.costs:
         return no_more(charge)
@@ -157,7 +157,7 @@ def public(charge: Charge, rows: Mapping[str, FaultRow]) -> tuple[str, ...]:
     return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 
-def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
+def _feedback_on_failure(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a `CheckFailed`, which checks raise that have no `charging.Judge`, such as an instructor's own."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     hint = finding.hint or " ".join(table[m].hint for m in finding.faults) or STEP_BY_STEP
@@ -172,7 +172,7 @@ def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
     )
 
 
-def _raised(finding: Raised, table: Mapping[str, FaultRow]) -> Feedback:
+def _feedback_on_exception(finding: Raised, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on an exception of the student's code: its message, place and source line, and a hint."""
     error = finding.error
     place = f" at {error.where}" if error.where else ""
@@ -203,7 +203,7 @@ def fault_of(error: StudentError, table: Mapping[str, FaultRow]) -> str:
     return next((id_ for id_, each in table.items() if each.shown_by(error)), "raises")
 
 
-def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
+def _feedback_on_no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a question to student code that timed out, crashed or gave no valid answer."""
     if isinstance(finding, TimedOut):
         return no_answer("timeout", f"none: {printable(str(finding), 200)}", ("never-returns",), table)

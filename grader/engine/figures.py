@@ -230,16 +230,16 @@ def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Fi
     msgspec.ValidationError, ValueError, TypeError, KeyError
         If the reply describes no valid figures.
     """
-    return [msgspec.convert(_facts(each), Figure, dec_hook=array_of) for each in frame.fields["figures"]]
+    return [msgspec.convert(_figure_fields(each), Figure, dec_hook=array_of) for each in frame.fields["figures"]]
 
 
-def _facts(told: Mapping[str, Any]) -> dict[str, Any]:
+def _figure_fields(told: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a `Figure` record from a reply's description; those of an unreadable figure end with its size."""
     head = {name: told[name] for name in ("event", "path", "format", "size_px")}
     if "unreadable" in told:
         return head
     axes = [
-        {**each, "legend": each["legend"] or (), "curves": [_unexamined(curve) for curve in each["curves"]]}
+        {**each, "legend": each["legend"] or (), "curves": [_without_visible_parts(curve) for curve in each["curves"]]}
         for each in told["axes"]
     ]
     legend = [*chain.from_iterable(told["legends"])]
@@ -247,7 +247,7 @@ def _facts(told: Mapping[str, Any]) -> dict[str, Any]:
     return {**head, **rest, "axes": axes, "legend": legend, "pixels": told["seen"]}
 
 
-def _unexamined(curve: Mapping[str, Any]) -> dict[str, Any]:
+def _without_visible_parts(curve: Mapping[str, Any]) -> dict[str, Any]:
     """Return a curve's description without visible parts: the grader takes them from the pixels, whatever a reply claims."""
     return {name: value for name, value in curve.items() if name != "visible_parts"}
 

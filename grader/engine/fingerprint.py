@@ -67,7 +67,7 @@ def cells(text: str) -> str:
 
 def _winnowed(source: str) -> set[int]:
     """Return the smallest hash of each window of WINDOW grams (a gram is GRAM tokens in a row); none for fewer tokens."""
-    hashes = _hashes([_normal(token) for token in _TOKEN.findall(source) if not token.startswith("#")])
+    hashes = _hashes([_normalized(token) for token in _TOKEN.findall(source) if not token.startswith("#")])
     if not len(hashes):
         return set()
     width = min(WINDOW, len(hashes))
@@ -77,7 +77,7 @@ def _winnowed(source: str) -> set[int]:
 def lines_with(source: str, wanted: Set[int]) -> set[int]:
     """Return the numbers, from 1, of the lines whose code has a hash in `wanted`, to mark similar code on a page."""
     tokens = [found for found in _TOKEN.finditer(source) if not found[0].startswith("#")]
-    hashes = _hashes([_normal(found[0]) for found in tokens])
+    hashes = _hashes([_normalized(found[0]) for found in tokens])
     starts = np.cumsum([0, *(len(line) + 1 for line in source.split("\n"))])
     first = np.searchsorted(starts, [found.start() for found in tokens], "right")
     last = np.searchsorted(starts, [found.end() - 1 for found in tokens], "right")
@@ -96,7 +96,7 @@ def _hashes(tokens: list[str]) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
     return hashes
 
 
-def _normal(token: str) -> str:
+def _normalized(token: str) -> str:
     """Return a token with all names and all strings made equal, so that renaming hides nothing; other tokens are unchanged."""
     if '"' in token or "'" in token:
         return "'"

@@ -118,12 +118,12 @@ class Marker:
         check_run = CheckRun(self._lab, student, self._traces, only, look)
         try:
             self._run(check_run)
-            judgements = self._understood(check_run.judgements, student)
+            judgements = self._fail_if_odd(check_run.judgements, student)
             notes = [*(look.notes(self._lab.homes) if look and student.withheld_note else ()), *student.notes]
         except KeyboardInterrupt:
             session.cache_clear()  # pytest cannot continue an interrupted session: the next one is collected anew
             so_far = self._result(submission, "graded", check_run.judgements, student.notes, started, only)
-            raise Stopped(_as_far_as_it_came(so_far)) from None
+            raise Stopped(_reword_interrupted(so_far)) from None
         finally:
             if look:
                 look.close()
@@ -192,7 +192,7 @@ class Marker:
         finally:
             check_run.student.close()
 
-    def _understood(self, judgements: Mapping[str, Judgement], student: SubmissionSession) -> Mapping[str, Judgement]:
+    def _fail_if_odd(self, judgements: Mapping[str, Judgement], student: SubmissionSession) -> Mapping[str, Judgement]:
         """Fail the checks that raised an unexpected exception on this submission, although they can judge the lab sheet's own code.
 
         The cause is then an odd answer, and a note asks for a review. A check that raises on the sheet's code, too, stays unjudged.
@@ -202,14 +202,14 @@ class Marker:
         bonuses = {bonus.id for bonus in self._lab.bonuses}
         lost = {}
         for id_, each in odd.items():
-            control = self._control.get(id_)
+            control = self._outcomes_of_the_sheet.get(id_)
             if each.check.criterion in bonuses or (control is not None and control.feedback is not None):
                 student.note(GraderText(f"{id_}: the grader could not read what the code returned; please review it"))
                 lost[id_] = replace(each, feedback=NOT_UNDERSTOOD)
         return {**judgements, **lost}
 
     @cached_property
-    def _control(self) -> Mapping[str, Judgement]:
+    def _outcomes_of_the_sheet(self) -> Mapping[str, Judgement]:
         """How the checks end on the lab sheet's own code; it shows whether an unexpected exception is the grader's fault."""
         sheet = {self._lab.files[0]: (self._lab.folder / "sheet.txt").read_bytes()}
         check_run = CheckRun(self._lab, self._student(sheet, {}), self._traces, None)
@@ -306,7 +306,7 @@ class Marker:
         }
 
 
-def _as_far_as_it_came(result: Result) -> Result:
+def _reword_interrupted(result: Result) -> Result:
     """Return an interrupted run's result, whose unjudged checks say that they were stopped, not that the grader failed."""
 
     def reached(check: CheckResult) -> CheckResult:

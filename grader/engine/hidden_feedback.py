@@ -30,9 +30,9 @@ def feedback_on(
 ) -> Feedback:
     """Return what a student reads about the exception that ended a check on hidden scenarios: its kind and size, and no data."""
     if isinstance(finding, Charged):
-        return _charged(finding.charge, table)
+        return _feedback_on_charge(finding.charge, table)
     if isinstance(finding, CheckFailed):
-        return _lost(finding, table)
+        return _feedback_on_failure(finding, table)
     if isinstance(finding, Skipped):
         return Feedback("skipped", 0.0, f"Needs {finding}.")
     if isinstance(finding, Raised):
@@ -44,7 +44,7 @@ def feedback_on(
         return Feedback(
             "error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, faults=(id_,)
         )
-    return _no_answer(finding, table)
+    return _feedback_on_no_answer(finding, table)
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
@@ -67,7 +67,7 @@ def _kind(finding: Raised) -> str:
     return finding.error.type if finding.error.type in _TOLD_TYPES else "an exception"
 
 
-def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
+def _feedback_on_failure(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a `CheckFailed`: the titles of its faults, or the size of the error if it names no fault."""
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     kinds = [table[id_].title for id_ in finding.faults]
@@ -83,7 +83,7 @@ def _lost(finding: CheckFailed, table: Mapping[str, FaultRow]) -> Feedback:
     )
 
 
-def _charged(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
+def _feedback_on_charge(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a check's deductions: titles and hints of the faults, and sizes of errors in place of numbers."""
     if not charge.costs:
         return no_more(charge)
@@ -113,7 +113,7 @@ def _size(cost: Cost, rows: Mapping[str, FaultRow]) -> str:
     return str(cost.shown.size) if cost.shown.size and not rows[cost.row].explanation else ""
 
 
-def _no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
+def _feedback_on_no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> Feedback:
     if isinstance(finding, TimedOut):
         return no_answer("timeout", "no answer in time", ("never-returns",), table)
     if isinstance(finding, Crashed):

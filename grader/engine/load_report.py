@@ -184,7 +184,7 @@ class DeadlyStatements:
         nothing : why the process did not answer
         standins : the names that stand-ins replaced in that process
         """
-        place = _place(written)
+        place = _statement_place(written)
         if place is None or len(self._known) >= _MOST:
             return
         suspect = (*place, frozenset(standins))
@@ -200,7 +200,7 @@ class DeadlyStatements:
         self._known = list(dict.fromkeys([*self._known, *new]))[:_MOST]  # a process may report any number of them
 
 
-def _place(written: str) -> tuple[str, int] | None:
+def _statement_place(written: str) -> tuple[str, int] | None:
     """Return file and number of the statement whose place a process wrote down last; None if the text is no such place."""
     try:
         ((path, number),) = json.loads(written)

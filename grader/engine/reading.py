@@ -111,22 +111,22 @@ class ReadingProcess:
         if entry is not None:
             self._ask(entry)
         while entry is not None:
-            submission, read = self._submission(entry), entry
+            submission, read = self._receive_submission(entry), entry
             entry = next(following, None)
             if entry is not None:
                 self._ask(entry)
             yield read, submission
 
-    def _submission(self, entry: Readable) -> Submission:
+    def _receive_submission(self, entry: Readable) -> Submission:
         """Return the submission that was asked for; an unreadable one after two attempts without an answer.
 
         A RequestError that reading raised is raised here.
         """
-        answer = self._answer()
+        answer = self._receive()
         for _ in range(_ATTEMPTS - 1):
             if answer is None:
                 self._ask(entry)
-                answer = self._answer()
+                answer = self._receive()
         if isinstance(answer, RequestError):
             raise answer
         if isinstance(answer, Submission):
@@ -137,10 +137,10 @@ class ReadingProcess:
 
     def _ask(self, entry: Readable) -> None:
         line = self._line or self._start()
-        with suppress(OSError):  # the process has ended: `_answer` finds no answer
+        with suppress(OSError):  # the process has ended: `_receive` finds no answer
             line.send(entry)
 
-    def _answer(self) -> Submission | RequestError | str | None:
+    def _receive(self) -> Submission | RequestError | str | None:
         """Return what the process sends; None if it was too slow or was killed, and then the process is ended."""
         with suppress(EOFError, OSError):
             if self._line is not None and self._line.poll(self._within_s):

@@ -97,7 +97,7 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         fresh = Path(scratch) / "bundle"
         traces = _record(lab, name, seed, fresh, subject)
-        _keep(fresh, entry)
+        _move_into_cache(fresh, entry)
     return traces
 
 
@@ -170,7 +170,7 @@ def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) 
     return load(out / f"{name}.npz")
 
 
-def _keep(fresh: Path, entry: Path) -> None:
+def _move_into_cache(fresh: Path, entry: Path) -> None:
     """Move a new bundle into the cache in one step, so that no process reads half of it; a failure is ignored."""
     try:
         entry.parent.mkdir(parents=True, exist_ok=True)

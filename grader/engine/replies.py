@@ -245,7 +245,7 @@ class Points(Struct):
 def drawings(answer: Answer, reply: Drawings) -> None:
     """Check the figures of a reply, with their pixels and curves; raise `Wrong` if they break a rule."""
     try:
-        figures = decode_figures(answer.frame, partial(_array, answer))
+        figures = decode_figures(answer.frame, partial(_figure_array, answer))
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise Wrong(f"no figure: {error}") from None
     for figure in figures:
@@ -257,7 +257,7 @@ def drawings(answer: Answer, reply: Drawings) -> None:
         raise Wrong("a curve with more of x than of y")
 
 
-def _array(answer: Answer, type_: Any, name: Any) -> np.ndarray:
+def _figure_array(answer: Answer, type_: Any, name: Any) -> np.ndarray:
     """Return an array that a figure of the reply names: pixels if `type_` is `Pixels`, else the coordinates of a curve."""
     if type_ != Pixels:
         return answer.array(name, None)

@@ -133,7 +133,7 @@ def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePoli
     if node is None:
         return None
     keys = reader.fields(node, "late", ("due",), tuple(name for name in LATE_KEYS if name != "due"))
-    zone = _zone(reader, keys.get("tz"))
+    zone = _read_zone(reader, keys.get("tz"))
     due = reader.stamp(keys.get("due"), "due", zone)
     grace = reader.number(keys.get("grace_minutes"), "grace_minutes", high=100 * LARGEST)
     cut_off = reader.number(keys.get("cut_off_days"), "cut_off_days")
@@ -151,7 +151,7 @@ def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePoli
     return LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, due_dates, str(zone or ""))
 
 
-def _zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
+def _read_zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
     """Return the time zone of a late policy; None if it names none, or an unknown one, which is reported."""
     name = reader.text(node, "tz")
     if node is None or not name:

@@ -40,9 +40,9 @@ class SubmissionSession(SandboxSession):
 
     def answer(self, question: Question[T], called: str = "") -> T:
         """Return the converted answer to a question; equal questions are asked once. Charts find it by the name `called`."""
-        return self.once_named(called, question.key, lambda: question.becomes(self._put(question)))
+        return self.once_named(called, question.key, lambda: question.becomes(self._ask_where_defined(question)))
 
-    def _put(self, question: Question[Any]) -> Frame:
+    def _ask_where_defined(self, question: Question[Any]) -> Frame:
         place = {"path": self.place_of(question.about)}
         return self.ask(question.op, {**place, **question.fields}, question.arrays)
 
@@ -98,18 +98,18 @@ class SubmissionSession(SandboxSession):
                 self._note_where_it_was_found(path, name, home)
                 self._note_defined_again(path, name)
                 return path
-        raise self._missing(name, home)
+        raise self._why_missing(name, home)
 
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
         """Note for the report that a name was found in another file than expected; names found in one file share one note."""
         known = self._strays.get(path, {})
         strays = {each: its for each, its in self._lab.homes.items() if each in known or each == name}
         self._strays[path] = strays
-        before = _found_in(path, known)
+        before = _strays_note(path, known)
         if before in self.notes:
-            self.notes[self.notes.index(before)] = _found_in(path, strays)
+            self.notes[self.notes.index(before)] = _strays_note(path, strays)
         else:
-            self.note(_found_in(path, strays))
+            self.note(_strays_note(path, strays))
 
     def _note_load_problems(self, path: str, loaded: Loaded) -> None:
         """Note once what was unusual when a file was loaded: misspelled or supplied names, breakpoints, skipped statements.
@@ -165,7 +165,7 @@ class SubmissionSession(SandboxSession):
         named = [path for path in defining if is_run(path)]
         return sorted(named, key=lambda p: (p.count("/"), p not in self._lab.files, p.endswith(".ipynb"), p))
 
-    def _missing(self, name: str, home: str) -> Missing:
+    def _why_missing(self, name: str, home: str) -> Missing:
         """Return why no file defines a required name: a failed statement, a syntax error, no file `home`, no definition in it."""
         there = [home] if home in self.paths else []
         places = (*there, *self._other_files_defining(name, home))
@@ -176,7 +176,7 @@ class SubmissionSession(SandboxSession):
                     return Missing(name, fault_of_statement(each), why, each.at)
         for path in places:
             if (error := self.load(path).unreadable) is not None:
-                return _refused(name, error, path)
+                return _invalid_file(name, error, path)
         if not there:
             return Missing(name, "file-missing", f"{home} was not handed in, and no other file defines {name}")
         return Missing(name, "name-missing", f"{home} does not define {name}")
@@ -196,13 +196,13 @@ class SubmissionSession(SandboxSession):
             self.notes.append(shown)
 
 
-def _refused(name: str, error: StudentError, path: str) -> Missing:
+def _invalid_file(name: str, error: StudentError, path: str) -> Missing:
     """Return the `Missing` for a required name whose file is not valid Python."""
     said = f"{error.type}: {printable(error.message, 200)} at {error.where or path}"
     return Missing(name, "does-not-import", "\n".join([said, *error.lines]), error.at or Where(path))
 
 
-def _found_in(path: str, strays: Mapping[str, str]) -> str:
+def _strays_note(path: str, strays: Mapping[str, str]) -> str:
     """Return the note about required names that were found in the file `path`; `strays` has the file where each is expected."""
     names, homes = enumerated(strays), enumerated(dict.fromkeys(strays.values()))
     were, them = ("were", "them") if len(strays) > 1 else ("was", "it")
