@@ -32,7 +32,7 @@ class LowPassFilter:
             self._value = np.array(initial_value, dtype=np.float64)
 
     def update(self, measurement: ArrayLike) -> FloatArray:
-        """Take in one measurement and return the new filtered value, of the same shape; a copy."""
+        """Take in one measurement and return the new filtered value, a copy of the same shape."""
         newest: FloatArray = np.array(measurement, dtype=np.float64)
         if self._value is None:
             self._value = newest

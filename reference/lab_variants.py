@@ -1,4 +1,4 @@
-"""Random variants of the lab model, for hidden traces, of which all stays true that the sheet says: it stands, sways, stays up."""
+"""Random variants of the lab model, for hidden traces, of which the lab sheet stays true: it stands, is pushed and stays up."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STILL_S = 0.5
 
 
 def lab_variant(xml: str, rng: np.random.Generator) -> str:
-    """Return the first random variant of the lab model, drawn from `rng`, that keeps what the sheet says of it."""
+    """Return the first random variant of the lab model, drawn from `rng`, that keeps what the lab sheet says of it."""
     while True:
         text = at_rest(vary(xml, rng))
         if keeps_the_facts(mujoco.MjModel.from_xml_string(text)):
@@ -68,7 +68,7 @@ def _hides_its_sensors(model: mujoco.MjModel) -> bool:
 
 
 def _stands(model: mujoco.MjModel) -> bool:
-    """Return whether the robot rests from the first step on and reads as the sheet says, within half a second."""
+    """Return whether the robot rests from the first step on and reads as the lab sheet says, within half a second."""
     trace = roll(model, mujoco.MjData(model), round(0.5 / model.opt.timestep), LAB_PAIR)
     still = np.ptp(trace["acceleration"], axis=0).max() < STILL_WITHIN
     return bool(still and not _far_from_standing(trace["acceleration"][0]))
@@ -92,7 +92,7 @@ def _far_from_standing(acceleration: FloatArray) -> bool:
 
 
 def _channels_differ(model: mujoco.MjModel) -> bool:
-    """Return whether no channel of the sheet's three seconds resembles a smoothed copy of another channel.
+    """Return whether no channel of the lab sheet's three seconds resembles a smoothed copy of another channel.
 
     If one did, a plot of raw data alone would seem to compare raw and filtered data.
     """

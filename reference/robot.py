@@ -160,7 +160,7 @@ def is_steady(model: mujoco.MjModel) -> bool:
 
 
 def all_imus(model: mujoco.MjModel, first: tuple[str, str]) -> tuple[tuple[str, str], ...]:
-    """Return the IMU `first`, then every other accelerometer together with the gyroscope at its site."""
+    """Return the IMU `first`, which is graded, then every other accelerometer together with the gyroscope at its site."""
     accels, gyros = (sensors(model, kind) for kind in _KINDS.values())
     at = {name: int(model.sensor_objid[model.sensor(name).id]) for name in (*accels, *gyros)}
     pairs = [(accel, gyro) for accel in accels for gyro in gyros if at[accel] == at[gyro]]

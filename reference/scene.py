@@ -73,12 +73,12 @@ class Scene:
 
     @property
     def own(self) -> bool:
-        """Return whether the robot is the instructor's, for which the sheet's facts need not hold."""
+        """Return whether the robot is the instructor's, for which the lab sheet's facts need not hold."""
         return self.lab is not self.sheet
 
 
 def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
-    """Return a random generator for one purpose, so that a new scenario does not change the numbers of the others.
+    """Return a random generator for one purpose of the traces `name`, so that a new scenario changes no other one's numbers.
 
     Any text is a seed.
     """
@@ -87,7 +87,7 @@ def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
 
 
 def first_line(record: Callable[[Scene], Recording]) -> str:
-    """Return the first line of a scenario's docstring, its description."""
+    """Return the first line of a scenario's docstring, which is the scenario's description in the traces."""
     return (record.__doc__ or "").strip().splitlines()[0]
 
 

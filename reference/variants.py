@@ -151,7 +151,7 @@ def _vary_bodies(robot: Robot, rng: np.random.Generator) -> None:
 
 
 def _shared(rng: np.random.Generator, bounds: tuple[float, float]) -> Iterator[float]:
-    """Factors that have a part in common, so that the whole is stiffer or softer, and a smaller one of their own."""
+    """Yield random factors with a common part, so that the whole model is stiffer or softer, and a smaller part of their own."""
     low, high = np.log(bounds)
     common = rng.uniform(low, high)
     while True:

@@ -185,7 +185,7 @@ def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile
 def _take_member(
     name: str, entry: zipfile.ZipInfo, budget: FileBudget, bytes_of: Callable[[zipfile.ZipInfo], bytes]
 ) -> None:
-    """Take one member of a zip archive, or note why it is left out; folders and litter are left out without a note."""
+    """Take one member of a zip archive, or note why it is left out; ignore folders and what tools leave behind."""
     parts = archive_parts(name)
     if parts is None:
         budget.leave(name, UNSAFE)
@@ -258,7 +258,7 @@ def _read_tar(stream: _Readable, budget: FileBudget) -> None:
 
 
 def _take_from_tar(archive: tarfile.TarFile, entry: tarfile.TarInfo, budget: FileBudget) -> None:
-    """Take one member of a tar archive, or note why it is left out; folders and litter are left out without a note."""
+    """Take one member of a tar archive, or note why it is left out; ignore folders and what tools leave behind."""
     parts = archive_parts(entry.name)
     if parts is None:
         budget.leave(entry.name, UNSAFE)

@@ -57,7 +57,7 @@ def _names_of(branches: list[str]) -> str:
 
 
 def _with_files(objects: Path, commits: Mapping[str, str], required: Collection[str]) -> list[str]:
-    """Return the branches whose commit has a required file; no further ones once git is missing, fails or takes too long."""
+    """Return the branches whose commit has a file that the lab asks for, as far as git finds out: it may be missing or too slow."""
     git = shutil.which("git")
     if git is None:
         return []

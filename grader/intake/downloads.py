@@ -36,7 +36,7 @@ class Download:
     known: Mapping[str, str] = field(default_factory=dict)
 
     def place(self, name: str) -> str:
-        """Return the path of a top-level name, relative to the download's `path`."""
+        """Return the path of a top-level name in the download, relative to `path`: below `root`, if there is one."""
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:

@@ -89,7 +89,7 @@ def _within(path: str, folder: str) -> bool:
 
 
 def _inside(folder: str, budget: FileBudget, required: Collection[str]) -> tuple[str, ...]:
-    """Return the paths in the lab's folder, sorted, without names that some system cannot store or takes for another name."""
+    """Return the paths in the lab's folder, sorted, without names that some systems cannot store or confuse with another."""
     start = len(folder) + 1 if folder else 0
     inside = sorted(path[start:] for path in budget.files if _within(path, folder))
     kept: dict[str, str] = {}
@@ -123,7 +123,7 @@ def _around(folder: str, elsewhere: Iterable[str], inside: Iterable[str]) -> dic
 
 
 def _from_above(path: str, folder: str) -> tuple[int, str]:
-    """Return how many levels above the lab's folder the nearest folder that holds this path is, and the path seen from there."""
+    """Return how many levels above the lab's folder the nearest folder around `path` lies, and the path seen from there."""
     shared = posixpath.commonpath((posixpath.dirname(path), folder))
     return _level(folder) - _level(shared), path[len(shared) + 1 :] if shared else path
 

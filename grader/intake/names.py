@@ -59,7 +59,7 @@ def archive_parts(name: str) -> tuple[str, ...] | None:
 
 
 def joined(parts: tuple[str, ...]) -> str | None:
-    """Return the path as a key: composed letters (macOS decomposes them), no lone surrogates; None if it is too long or deep."""
+    """Return the parts as one path, the same on every system (composed letters, no lone surrogates); None if too long or deep."""
     path = "/".join(unicodedata.normalize("NFC", _encodable(part)) for part in parts)
     fits = 0 < len(parts) <= MAX_PARTS and len(path) <= MAX_PATH
     return path if fits and all(len(part.encode()) <= MAX_PART for part in path.split("/")) else None
@@ -81,7 +81,7 @@ def portable(path: str) -> bool:
 
 
 def folded(path: str) -> str:
-    """Return a form of a path that is equal for two names which a case-insensitive file system takes for one."""
+    """Return a form of a path for comparisons: equal for names that a case-insensitive file system takes for one."""
     return unicodedata.normalize("NFC", path.casefold())
 
 
@@ -98,7 +98,7 @@ def _shortened(name: str, limit: int) -> str:
 
 
 def distinct_ids(names: Iterable[str]) -> list[str]:
-    """Return a safe id for each name, in order. Ids that differ only in case are numbered (``-2``, …)."""
+    """Return a safe folder name for each name, in order; names that would share one, but for case, are numbered (``-2``, …)."""
     names = list(names)
     ids: list[str] = []
     # A name that is safe as it stands keeps its id, even if the number of another would fall on it.

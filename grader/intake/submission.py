@@ -175,7 +175,7 @@ def _versions_at_home(budget: FileBudget) -> list[str]:
 
 
 def _nothing_found(budget: FileBudget) -> tuple[Literal["empty", "unreadable"], tuple[str, ...]]:
-    """Return the status and the notes of a submission in which no code was found."""
+    """Return status and notes of a submission in which no code was found: "unreadable" if a reading failed, else "empty"."""
     archives = budget.unopened()
     alone = len(budget.files) == 1 and has_suffix(next(iter(budget.files)), FOREIGN_ARCHIVES)
     if alone:

@@ -197,7 +197,7 @@ class FinalGrade:
 
     @cached_property
     def terms(self) -> tuple[Term, ...]:
-        """Return the summands of the final grade without those that are 0, the score or total first; () while points are open."""
+        """Return the summands of the final grade but for zeros, the score or total first; () while a check is not judged."""
         first = self._first_terms()
         if not first:
             return ()
@@ -207,7 +207,7 @@ class FinalGrade:
         return (terms[0], *(each for each in terms[1:] if each.points))
 
     def _first_terms(self) -> list[Term]:
-        """Return the override of the total, or else score, extra credit and repair deduction; [] while points are open."""
+        """Return the override of the total, or else score, extra credit and repair deduction; [] while a check is not judged."""
         total = self.adjustment(TOTAL)
         if total is not None:
             return [Term(TOTAL, total.points or 0.0)]
@@ -224,7 +224,7 @@ class FinalGrade:
 
     @property
     def adjusted(self) -> float | None:
-        """Return the final grade before the late deduction; None while points are open or the submission is `unseen`."""
+        """Return the final grade before the late deduction; None while a check is not judged or the submission is `unseen`."""
         return _sum_of(each for each in self.terms if each.name != "late") if self.terms else None
 
     @property
@@ -234,7 +234,7 @@ class FinalGrade:
 
     @property
     def final(self) -> float | None:
-        """Return the final grade, the sum of its terms; None while points are open or the submission is `unseen`."""
+        """Return the final grade, the sum of its terms; None while a check is not judged or the submission is `unseen`."""
         return _sum_of(self.terms) if self.terms else None
 
     @property
@@ -345,7 +345,7 @@ def automatic_points(result: Result, target: str) -> dict[str, float | None] | N
 
 
 def maximum_by_check(result: Result, ids: Collection[str]) -> dict[str, float]:
-    """Return the maximum points of these checks, by check id."""
+    """Return the maximum points of these checks, by check id, to see later whether an override is outdated."""
     rows = (check for criterion in result.criteria for check in criterion.checks)
     return {check.id: check.max_points for check in rows if check.id in ids}
 

@@ -164,7 +164,7 @@ def _asked(row: PersonRow) -> Iterator[tuple[str, str]]:
 
 
 def _contradiction(row: PersonRow, person: Person | None, kind: str) -> str:
-    """Return the contradiction between a row and a person who share a word of this kind; "" if there is none."""
+    """Return what speaks against a match of row and person by a word of this kind, such as other numbers; "" if nothing does."""
     if person is None:
         return ""
     if row.key and person.platform == row.platform and row.key.strip() != person.key:

@@ -232,7 +232,7 @@ def place(roster: Sequence[RosterRow], hand_ins: Mapping[str, HandIn]) -> Roster
     directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
     rows: dict[str, RosterRow] = {}
     absent: list[RosterRow] = []
-    roster, doubtful = _told_once(roster)
+    roster, doubtful = _merged_rows(roster)
     matches = directory.find_each([listed.who for listed in roster])
     shared = _shared(roster, matches, directory)
     for listed, match in zip(roster, matches, strict=True):
@@ -242,7 +242,7 @@ def place(roster: Sequence[RosterRow], hand_ins: Mapping[str, HandIn]) -> Roster
             why = directory.why_not(listed.who) or _lost_zeros(listed.who, placed)
             doubtful += [f"{listed.place}: {listed.who.in_words()} {why}"] if why else []
             continue
-        with_row = _enriched if match else _joined
+        with_row = _with_roster_facts if match else _with_member
         placed[theirs.id] = with_row(placed[theirs.id], theirs.person, listed)
         rows[theirs.id] = rows[theirs.id].merged(listed) if theirs.id in rows else listed
     return RosterMatch(placed, rows, tuple(absent), tuple(doubtful))
@@ -259,7 +259,7 @@ def _lost_zeros(who: PersonRow, hand_ins: Mapping[str, HandIn]) -> str:
     return ""
 
 
-def _told_once(roster: Sequence[RosterRow]) -> tuple[list[RosterRow], list[str]]:
+def _merged_rows(roster: Sequence[RosterRow]) -> tuple[list[RosterRow], list[str]]:
     """Return one row for each person, and a line on each person whose rows contradict each other.
 
     Of several rows of a person the later dates, the most grace days and the first section and group count.
@@ -294,7 +294,7 @@ def _shared(roster: Sequence[RosterRow], matches: Sequence[Match | None], direct
     return own | {group: match for group, match in called.items() if match}
 
 
-def _joined(hand_in: HandIn, stand_in: Person | None, listed: RosterRow) -> HandIn:
+def _with_member(hand_in: HandIn, stand_in: Person | None, listed: RosterRow) -> HandIn:
     """Return the hand-in with one more member of the group, in place of `stand_in`, the group's name."""
     return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), listed.person))
 
@@ -312,6 +312,6 @@ def _with_login(hand_in: HandIn, roster: Sequence[RosterRow]) -> HandIn:
     return replace(hand_in, people=(replace(person, key=max(fits, key=len, default=person.key)),))
 
 
-def _enriched(hand_in: HandIn, meant: Person | None, listed: RosterRow) -> HandIn:
+def _with_roster_facts(hand_in: HandIn, meant: Person | None, listed: RosterRow) -> HandIn:
     """Return the hand-in with what the roster says of the person `meant`."""
     return replace(hand_in, people=tuple(listed.completed(p) if p == meant else p for p in hand_in.people))

@@ -178,7 +178,7 @@ def points_of(check: CheckResult) -> str:
 
 
 def cost_now(cause: Cause) -> list[words.LabelledLine]:
-    """Return the line on what code that does not run costs, and how many checks could not run; [] for other causes."""
+    """Return the line on what code that does not run costs, and how many checks could not run; [] for a fault of code that runs."""
     if not cause.does_not_run or not cause.lost:
         return []
     points = f"{words.counted_points(cause.lost)} now"
@@ -188,13 +188,13 @@ def cost_now(cause: Cause) -> list[words.LabelledLine]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
-    """Return each check of a cause with its feedback that no earlier check repeats. Hints are left out: see `next_lines`."""
+    """Return each check that failed by one fault with its feedback that no earlier check repeats, but for hints (`next_lines`)."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 
 
 def _news(check: CheckResult, known: set[str]) -> list[words.LabelledLine]:
-    """Return the lines of a check's feedback unless all are in `known`, the texts shown before, and add them to it."""
+    """Return the lines of a check's feedback unless all are in `known`, the texts shown before; add them to `known`."""
     said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
     came = {line.text for line in said if line.label != "Expected"}
     if came <= known:
@@ -210,7 +210,7 @@ def _where(said: Iterable[words.LabelledLine]) -> list[words.LabelledLine]:
 
 
 def next_lines(cause: Cause, lab: LabName) -> list[words.LabelledLine]:
-    """Return what a student does next about a cause: the cost if code does not run, then the hints and what to read."""
+    """Return what a student does next about one fault: the cost if code does not run, then the hints and what to read."""
     hints = dict.fromkeys(
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
     )
@@ -230,7 +230,7 @@ def again(cause: Cause) -> words.LabelledLine:
 
 
 def _sheet(cause: Cause, lab: LabName) -> str:
-    """Return the lab steps of a cause as ``Lab 04-01, Steps 2, 5 and 6``; "" without steps."""
+    """Return the lab steps that a fault is about as ``Lab 04-01, Steps 2, 5 and 6``; "" without steps."""
     steps = [str(step) for step in cause.steps]
     plural = "s" if len(steps) > 1 else ""
     return f"{lab.label}, Step{plural} {enumerated(steps)}" if steps else ""

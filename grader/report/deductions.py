@@ -55,7 +55,7 @@ def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduct
 
 
 def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, FaultRow], linked: set[str]) -> Deduction:
-    """Return the entry of a cause. `linked` holds the checks that earlier entries show, so that a check has one anchor only."""
+    """Return the entry of one fault. `linked` holds the checks that earlier entries show, so that a check has one anchor only."""
     named = [catalogue[each] for each in cause.faults if each in catalogue]
     title = _title(cause, named)
     shown = []

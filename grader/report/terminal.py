@@ -163,7 +163,7 @@ def _next(found: Sequence[Cause], lab: Lab, setting: Setting) -> list[Text]:
 
 
 def _passed(checks: Sequence[CheckResult], setting: Setting, *, verbose: bool) -> list[Text]:
-    """Return the passed checks, folded into one line unless `verbose`; [] without any."""
+    """Return the lines of the passed checks, folded into one line unless `verbose`; [] without any."""
     passed = [check for check in checks if check.outcome == "passed"]
     if verbose or not passed:
         return [line for check in passed for line in _head(check, setting)]
@@ -172,7 +172,7 @@ def _passed(checks: Sequence[CheckResult], setting: Setting, *, verbose: bool) -
 
 
 def _gained(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, earlier: EarlierPoints) -> list[Text]:
-    """Return the checks that have passed since the last run, without those of a complete part, whose total says so."""
+    """Return the lines of checks that have passed since the last run, without those of a complete part, whose total says so."""
     open_ = [part for part in parts if part.points < part.max_points]
     gained = [
         check for part in open_ for check in part.checks if check.outcome == "passed" and earlier.points_before(check)
@@ -190,7 +190,7 @@ def _outcome(check: CheckResult) -> Text:
 
 
 def _cause(cause: Cause, lab: LabName, setting: Setting, earlier: EarlierPoints, *, read: bool = True) -> list[Text]:
-    """Return the lines of a cause: its checks with what came, their points together, what to try and, if `read`, to read."""
+    """Return the lines of one fault: its checks with what came, their points together, what to try and, if `read`, to read."""
     lines: list[Text] = []
     for check, news in causes.lines_by_check(cause):
         lines += _head(check, setting, earlier.points_before(check))
@@ -213,7 +213,7 @@ def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]
 
 
 def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
-    """Return the skipped checks and those that were not judged, one line for each reason."""
+    """Return a line for the skipped checks and one for each reason why checks were not judged."""
     reasons: dict[str, list[CheckResult]] = {}
     for check in checks:
         if check.outcome in ("skipped", "not_judged"):

@@ -35,7 +35,7 @@ class Reading:
 
 
 def as_reading(node: Node | None, arrays: Arrays) -> Reading:
-    """Find acceleration and angular velocity in any value that a reader returned: a pair, an array of six, named items."""
+    """Find acceleration and angular velocity in whatever `get_imu_readings` returned: a pair, an array of six, named items."""
     parts = _pair(node, arrays)
     if parts is None:
         return Reading(None, None, shape_in_words(node, arrays))
@@ -89,7 +89,7 @@ class Readings:
     ----------
     accel, gyro : (p, k, 3) ndarray; NaN where no vector was returned
     later_accel, later_gyro : (p, 3) ndarray, the arrays returned for the first state, looked at again after the simulation moved on
-    oddities : how the form of the returned values differs from the sheet's, in words, each once
+    oddities : how the form of the returned values differs from the lab sheet's, in words, each once
     whole : whether each returned vector has three numbers
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
     error : the exception that the reader raised; None if it raised none
@@ -155,8 +155,8 @@ class Drawing:
     ----------
     figures : the figures, each with what the sandbox reports of its axes and curves
     departs : as in `Readings`
-    given : time and both sensors as the submission's own recorder gave them to its plot; None if no recorder ran, or if its seven
-        columns are not all finite, changing and different
+    given : time and both sensors as the submission's own `simulate_and_collect` gave them to its plot; None if that did not run, or
+        if the seven columns are not all finite, changing and different
     """
 
     figures: tuple[Figure, ...]
@@ -166,7 +166,7 @@ class Drawing:
 
 
 def drawing_of(frame: Frame) -> Drawing:
-    """Return the figures, the exception and the other ways of calling (`departs`) that a reply of the worker reports."""
+    """Return what a reply of the sandbox worker reports of drawing: figures, an exception, and how the call differs (`departs`)."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
     fields, given = frame.fields, _series_of(frame.fields.get("given"), frame.arrays)
@@ -174,7 +174,7 @@ def drawing_of(frame: Frame) -> Drawing:
 
 
 def _series_of(node: Node | None, arrays: Arrays) -> Mapping[str, Array] | None:
-    """Return time and both sensors in what a recorder returned; None unless all seven columns are finite, change and differ."""
+    """Return time and both sensors in a returned recording; None unless all seven columns are finite, change and differ."""
     own = as_collection(node, arrays)
     if own.time is None or own.acceleration is None or own.angular_velocity is None:
         return None

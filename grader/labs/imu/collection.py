@@ -26,7 +26,7 @@ class Collection:
     time : (n,) ndarray or None; acceleration, angular_velocity : (n, 3) ndarray or None; None for a series that was not found
     keys : the submission's own name for each series that was found
     extras : the other returned values that hold numbers, by the submission's own names
-    oddities : how names and shapes differ from the sheet's: pairs of a fault's id and a sentence
+    oddities : how names and shapes differ from the lab sheet's: pairs of a fault's id and a sentence
     changed : names of model fields, such as "opt.timestep", that the call left changed
     error : the exception that the function raised; None if it raised none
     first_step : the state before the first step and later changes, as the worker reports them; a simulation has to confirm them
@@ -103,13 +103,13 @@ class Collection:
         return replace(self, acceleration=accel, angular_velocity=gyro, last_alone=True)
 
     def rows(self, first: int, end: int | None = None) -> Collection:
-        """Return the recording with rows `first` up to `end` only, such as without rows that are left from an earlier run."""
+        """Return the recording cut to the rows `first` up to `end`, as to drop those that are left from an earlier run."""
         time, accel, gyro = (None if each is None else each[first:end] for each in (self.time, *self.sensors))
         return replace(self, time=time, acceleration=accel, angular_velocity=gyro)
 
 
 def as_collection(node: Node | None, arrays: Arrays) -> Collection:
-    """Find time and both sensors in whatever a recorder returned: by their names, else by similar names, else by their shapes."""
+    """Find time and both sensors in whatever `simulate_and_collect` returned: by their names, similar names, or their shapes."""
     if node is None or node["kind"] == "none":
         return _nothing_collected("got None")
     oddities: list[tuple[str, str]] = []
@@ -196,7 +196,7 @@ def _columns(key: str, extras: Mapping[str, Array]) -> Array | None:
 
 
 def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:
-    """Return the submission's own name for each of the sheet's three keys, guessed by name and shape; without keys not found."""
+    """Return the submission's own name for each of the lab sheet's three keys that was found, guessed by name and shape."""
     keys = {key: key for key in KEYS if key in series}
     free = [name for name in series if name not in keys]
     alike = {
@@ -221,7 +221,7 @@ def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:
 
 
 def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[str, Array]:
-    """Return the series with time as (n,) and sensors as (n, 3), without unusable ones; add other shapes to `oddities`."""
+    """Return the series with time as (n,) and sensors as (n, 3), without unusable ones; note other shapes in `oddities`."""
     out: dict[str, Array] = {}
     for key, value in found.items():
         if key == "time":

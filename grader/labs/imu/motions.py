@@ -18,7 +18,7 @@ _PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Ang
 
 
 class Series(Protocol):
-    """A student's recording of a motion, as far as it is plotted over the true one."""
+    """What a student's `simulate_and_collect` recorded of a motion, as far as it is plotted over the true motion."""
 
     @property
     def time(self) -> Array | None: ...

@@ -1,4 +1,4 @@
-"""Faults of a definition that cannot be called as in the sheet: other parameters, another method, or globals in their place."""
+"""Faults of a definition that cannot be called as in the lab sheet: other parameters, another method, or globals in their place."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: 
 def departures(
     name: str, departs_of: Callable[[Facts], Sequence[str]]
 ) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
-    """Return, by fault, a function that measures how the definition `name` differs from the sheet's in the way it is called.
+    """Return, by fault, a function that measures how the definition `name` differs from the lab sheet's in the way it is called.
 
     `departs_of` gets the sheet's names of what differs out of a criterion's facts. A measure returns None where its fault is
     absent.

@@ -69,9 +69,9 @@ class Plotting(SubmissionSession):
     ) -> Drawing:
         """Return what `plot_imu_data` draws and saves of a recording, with whichever form of the recording it accepts.
 
-        It gets `data`, which has the submission's own keys. If it raises, it gets what the submission's own recorder returns, such
-        as an object or a dictionary with settings beside the numbers. If it raises again, it gets `sheet`, the data under the
-        sheet's keys, because a key that is misspelled in the recorder is no fault of the plot.
+        It gets `data`, which has the submission's own keys. If it raises, it gets what the submission's own `simulate_and_collect`
+        returns, such as an object or a dictionary with settings beside the numbers. If it raises again, it gets `sheet`, the data
+        under the lab sheet's keys, because a key that is misspelled in the recording is no fault of the plot.
 
         `ids` are those of accelerometer and gyroscope. `own_form` is whether the submission records in another form than the
         sheet's, for which its plot may be made: then a drawing that shows all the data is looked for.
@@ -100,9 +100,9 @@ class Plotting(SubmissionSession):
     def _plotted_as_recorded(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
     ) -> Drawing | None:
-        """Draw the plot of what the submission's own recorder returns, even if that recorder lost points; None if it cannot be run.
+        """Draw the plot of what the submission's own `simulate_and_collect` returns; None if that cannot be run.
 
-        If the recorder stops in the submission's own broken reader, it runs again with the grader's stand-in for the reader.
+        If it stops in the submission's broken `get_imu_readings`, it runs again with the grader's version (stand-in) of that.
         """
         with self.without_standins():
             own = self._plotted_with_recorder(data, sheet, ids)
@@ -203,9 +203,9 @@ class Plotting(SubmissionSession):
         return found
 
     def _drawn_untouched(self, path: str) -> Drawing | None:
-        """Return what a file draws without the grader's stand-ins, since a script may fit only its own broken function.
+        """Return what a file draws without the grader's versions of broken functions: a script may fit only its own function.
 
-        None if nothing is replaced by a stand-in, if the file killed its process before, or if it gives no answer.
+        None if no function was replaced by such a stand-in, if the file killed its process before, or if it gives no answer.
         """
         if not self.broken or path in self.deadly:
             return None

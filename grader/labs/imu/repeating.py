@@ -40,9 +40,9 @@ def compare(name, mine, expected):
 
 @dataclass(frozen=True)
 class Asked:
-    """A question that a failed check asked the student's code, as `imugrade repro` writes it down.
+    """A call of the student's code (a question) that a failed check asked for, as `imugrade repro` writes it down.
 
-    `op` is the kind of question, and `fields` and `arrays` are its inputs. The arrays go into ``repro.npz`` as ``<name>_<number>``.
+    `op` is the kind of call, and `fields` and `arrays` are its inputs. The arrays go into ``repro.npz`` as ``<name>_<number>``.
     `expected` holds the correct answer; it is empty if several answers are correct.
     """
 
@@ -53,12 +53,12 @@ class Asked:
     expected: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def given(self, name: str) -> str:
-        """Return the Python expression with which the generated program reads one of this question's arrays."""
+        """Return the Python expression with which the generated program reads one of this call's arrays."""
         return f'given["{name}_{self.number}"]'
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """The arrays of this question by the names under which `repro.npz` stores them, the model's text among them."""
+        """The arrays of this call by the names under which `repro.npz` stores them, the model's text among them."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
         expected = {f"expected_{name}": array for name, array in self.expected.items()}
         return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model, **expected}.items()}
@@ -85,7 +85,7 @@ class Asked:
 
 
 class Recorder(Student):
-    """Session with the sandbox that also records which questions each check asks, so that `imugrade repro` can repeat them."""
+    """Session with the sandbox that also records which calls each check asks for, so that `imugrade repro` can repeat them."""
 
     now = ""
 
@@ -98,7 +98,7 @@ class Recorder(Student):
         self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Answer a question once, and record it under the check that asks it, or under the question that needs its answer."""
+        """Make a call once, and record it under the check that asks for it, or under the call that needs its answer."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)
@@ -113,20 +113,20 @@ class Recorder(Student):
         return super().ask(op, fields, arrays)
 
     def questions(self, check_id: str) -> list[Asked]:
-        """Return the questions that a check asked, in order, including those whose answers an earlier check had already fetched."""
+        """Return the calls that a check asked for, in order, including those whose answers an earlier check had already got."""
         keys = [key for key in dict.fromkeys(self._below(check_id)) if key in self._questions]
         asked = [(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
         return [Asked(*each, expected=expected(*each[1:], self.truth)) for each in asked]
 
     def _below(self, key: Any) -> Iterator[Any]:
-        """Yield the questions that were asked while `key`, a check or a question, was answered, at any depth."""
+        """Yield the keys of the calls that were made for `key`, a check or another call, at any depth."""
         for each in self._asked_by.get(key, ()):
             yield each
             yield from self._below(each)
 
 
 class Watched(CheckRun):
-    """Run of the checks that tells the `Recorder` which check asks the next questions."""
+    """Run of the checks that tells the `Recorder` which check asks for the next calls."""
 
     def begin(self, this: Check) -> None:
         self.student.now = this.id  # type: ignore[attr-defined] # a Recorder
@@ -134,7 +134,7 @@ class Watched(CheckRun):
 
 
 def expected(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Array], truth: Traces) -> dict[str, Array]:
-    """Return the correct answer to a question as named arrays; empty if more than one answer is correct."""
+    """Return the correct answer to a call of kind `op` as named arrays; empty if more than one answer is correct."""
     if op == "filter":
         return {f"output_{i}": _filtered(case, arrays) for i, case in enumerate(fields["cases"])}
     if op == "simulate" and "gravity" not in arrays:
@@ -153,12 +153,12 @@ def _filtered(case: Mapping[str, Any], arrays: Mapping[str, Array]) -> Array:
 
 
 def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -> str:
-    """Return the text of a program that repeats the questions of a failed check on the student's machine.
+    """Return the text of a program that repeats the calls of a failed check on the student's machine.
 
     Parameters
     ----------
     said : the feedback of the check, which becomes the program's docstring
-    questions : the questions of the check; Python must be able to import their files
+    questions : the calls of the check; Python must be able to import their files
     folder : relative path from the program to the student's files
     """
     lines = [

@@ -39,7 +39,7 @@ class Model:
 
     @property
     def is_lab(self) -> bool:
-        """Return whether this is the lab's robot with the sensors of the sheet."""
+        """Return whether this is the lab's robot with the sensors of the lab sheet."""
         return self.path is None and self.imu == LAB_IMU
 
     @property
@@ -76,7 +76,7 @@ LAB_MODEL = Model()
 
 
 def read_model(reader: NodeReader, node: yaml.Node | None, folder: Path) -> Model:
-    """Read the entry `model` of a rubric, with paths relative to `folder`; None gives the lab's. `reader` collects its errors."""
+    """Read the entry `model` of a rubric, with paths relative to `folder`; None gives the lab's. `reader` notes what is wrong."""
     keys = reader.fields(node, "model", (), ("path", "sensors"))
     sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
     names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}

@@ -25,7 +25,7 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class FilterCase:
-    """A question to the student's filter: the signal that goes in, and the arguments of the filter.
+    """One use of the student's filter that a check asks for: the signal that goes in, and the arguments of the filter.
 
     Attributes
     ----------
@@ -42,9 +42,9 @@ class FilterCase:
 
 
 class Student(Plotting):
-    """Session with the sandbox about one submission, which asks each question once; the checks of all criteria share it.
+    """Session with the sandbox about one submission: each method asks for calls of the student's code, once for all checks.
 
-    A question may have a name (`called`), by which the charts of a report find its answer.
+    A call may have a name (`called`), by which the charts of a report find its answer.
     """
 
     def read(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
@@ -61,7 +61,7 @@ class Student(Plotting):
         return self.answer(Question("read", "get_imu_readings", becomes, {"model": model}, arrays))
 
     def read_in_new_process(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        """Ask the same as `read` in a new process, so that a reader that remembers earlier calls starts again."""
+        """Ask the same as `read` in a new process, so that a `get_imu_readings` that remembers earlier calls starts again."""
         self.end_session()
         return self.read(model=model, qpos=qpos, qvel=qvel, pairs=pairs)
 
@@ -104,7 +104,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return the readings (steps, 6) of the submission's own reader after each step of a reported run; None if it fails."""
+        """Return what the student's `get_imu_readings` reads after each step of a reported run: (steps, 6); None if it fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -154,7 +154,7 @@ class Student(Plotting):
         return self.answer(Question("default_bias", "NoisyIMU", _noise_run, fields, {"qpos": qpos, "qvel": qvel}))
 
     def _noise_fields(self, ids: tuple[int, int], reads: int, stds: tuple[float, float]) -> dict[str, Any]:
-        """Return the fields that all questions about a `NoisyIMU` share."""
+        """Return the inputs that all calls of a `NoisyIMU` share."""
         return {
             "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1], "reads": reads,
             "accel_noise_std": stds[0], "gyro_noise_std": stds[1],
@@ -230,7 +230,7 @@ def _grid(vectors: Sequence[Array | None], shape: tuple[int, ...]) -> Array:
 
 
 def _noise_run(frame: Frame) -> NoiseRun:
-    """Convert the worker's reply to a question about a `NoisyIMU`."""
+    """Convert the worker's reply about a `NoisyIMU`."""
     odd = frame.fields["odd"]
     return NoiseRun(
         accel=frame.arrays["accel"],

@@ -31,8 +31,8 @@ from grader.labs.imu.data_collection.row_origins import RowOrigin, moves, time_e
 class Explained:
     """What was measured of a student's `simulate_and_collect`, and where the rows of its two recordings come from, None if unknown.
 
-    `push` explains the recording of the sheet's push, `later` that of a run which begins with data of an earlier run. `explain.py`
-    makes it; the checks and the hypotheses on faults read its properties.
+    `push` explains the recording of the lab sheet's push, `later` that of a run which begins with data of an earlier run.
+    `explain.py` makes it; the checks and the hypotheses on faults read its properties.
     """
 
     facts: Facts
@@ -45,14 +45,14 @@ class Explained:
 
     @property
     def series(self) -> Collection:
-        """The recording of the run with the sheet's push, from which most properties follow."""
+        """The recording of the run with the lab sheet's push, from which most properties follow."""
         return self.facts.push.series
 
     # ---- form
 
     @property
     def odd_form(self) -> list[tuple[str, str]]:
-        """Deviations of names, shapes and lengths from the sheet: pairs of a fault's id ("" if it has none) and a sentence."""
+        """Deviations of names, shapes and lengths from the lab sheet: pairs of a fault's id ("" if it has none) and a sentence."""
         if self.series.oddities:
             return [(fault, sentence.removeprefix("got ")) for fault, sentence in self.series.oddities[:3]]
         arrays = dict(zip(KEYS, (self.series.time, *self.series.sensors), strict=True))
@@ -286,7 +286,7 @@ class Explained:
 
     @property
     def push_claim(self) -> Claim | None:
-        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if it is the sheet's.
+        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if it is the lab sheet's.
 
         That is so if the true run explains the rows, unless the robot only stands at first and is pushed later.
         """
@@ -337,7 +337,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """The start of the run in words, if it is not the sheet's push; "" if it is, and the check `applies_push` passes."""
+        """The start of the run in words, if it is not the lab sheet's push; "" if it is, and the check `applies_push` passes."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"

@@ -41,7 +41,7 @@ _STAMPS = "time stamps; the returned value has none"
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Measure a student's recorder: ask for two recordings and explain them; ask for further ones only if the cause stays open."""
+    """Ask `simulate_and_collect` for two recordings and explain them; ask for further ones only if the cause stays open."""
     push = facts_of.run(student, truth, "push")
     if push.series.error is not None:
         raised = Raised(push.series.error, "collecting data")
@@ -51,7 +51,7 @@ def measured(student: Student, truth: Traces) -> Explained:
     if complete(push.series) and (origin is None or all_alike(push.series)):
         known = origin is not None or push.claim is not None
         follows = known and facts_of.follows_simulation(student, truth, push)
-    later_origin, later, stop = _of_later_run(student, truth, push)
+    later_origin, later, stop = _explain_later_run(student, truth, push)
     stops: dict[str, Exception] = {}
     unknown = (
         later is not None
@@ -69,7 +69,7 @@ def measured(student: Student, truth: Traces) -> Explained:
 
 
 def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
-    """Return where the rows of a recording come from (None if unknown), and the run with all simulated runs that were tried.
+    """Return where the rows of a student's recording come from (None if unknown), and the run with all simulations that were tried.
 
     The true run is tried first, then runs simulated from the start that the worker reports: if both explain the rows, the true run
     counts.
@@ -90,7 +90,9 @@ def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[Row
     return origin or explain(run) or explain_altered(run), run
 
 
-def _of_later_run(student: Student, truth: Traces, push: Run) -> tuple[RowOrigin | None, Run | None, Exception | None]:
+def _explain_later_run(
+    student: Student, truth: Traces, push: Run
+) -> tuple[RowOrigin | None, Run | None, Exception | None]:
     """Return the origin of the rows of the run that starts with data of an earlier run, this run, and the error if it failed.
 
     What is missing is None: the first two after an error, the error otherwise.

@@ -73,7 +73,7 @@ class Claim:
 
     @property
     def push(self) -> str:
-        """How the start differs from the sheet's push, in words; "" if the code sets that push once, at the start."""
+        """How the start differs from the lab sheet's push, in words; "" if the code sets that push once, at the start."""
         pushed = np.flatnonzero(np.abs(self.qvel) > SAME_STATE)
         later = f"before step {self.set_at[0] + 1:.0f}" if len(self.set_at) else ""
         if self.force.any():
@@ -143,7 +143,7 @@ class Facts:
 
     Attributes
     ----------
-    push : the run with the sheet's push
+    push : the run with the lab sheet's push
     later : a run of another length and time step, with data as an earlier run left it; None if it was not recorded
     start : (nq,) pose of the reset robot; gravity : (3,) of the model
     learnt_timestep : time step (s) of the model that students have
@@ -180,7 +180,7 @@ def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Return the recording of a scenario: "push", or "push_dirty" with another time step and data of an earlier run."""
+    """Ask the student's code for its recording of a scenario: "push", or "push_dirty" with another time step and used data."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":
@@ -192,7 +192,7 @@ def asked(student: Student, truth: Traces, name: str) -> Collection:
 
 
 def recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> dict[str, Collection]:
-    """Return what `simulate_and_collect` records of the sheet's motion, by scenario, for plots; `tell` why one is missing."""
+    """Return what `simulate_and_collect` records of the lab sheet's motion, by scenario, for plots; `tell` why one is missing."""
     own = {}
     for scenario in ("push", "push_dirty"):
         try:
@@ -205,7 +205,7 @@ def recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> 
 
 
 def run(student: Student, truth: Traces, name: str, before: Run | None = None) -> Run:
-    """Ask for the recording of a scenario, and separate rows that the submission kept from the run `before` (None: first run)."""
+    """Ask for the student's recording of a scenario, without the rows that the code kept from the run `before` (None: no run)."""
     return _run(asked(student, truth, name), truth[name], before.recorded if before else None)
 
 
@@ -266,9 +266,9 @@ _OTHER_PUSHES = ((0, 0.0), (0, _PUSH / 2), (0, 2 * _PUSH), (0, -_PUSH), (1, _PUS
 
 
 def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with one more world: what the submission's own reader reads in a simulation from the reported start.
+    """Return the run with one more world: what the student's own `get_imu_readings` reads in a simulation of the reported start.
 
-    If the reader fails, the run is unchanged.
+    If that fails, the run is unchanged.
     """
     steps = len(run.worlds[CLAIMED_WORLD][0])
     rows = student.read_along(run.series.first_step, steps, torso_ids(truth))
@@ -281,7 +281,7 @@ def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
     Rows that were stored in the file do not. If all rows of the recording are equal, it suffices that the first one differs.
     """
     try:
-        leaning = _leaning(student, truth)
+        leaning = _record_leaning(student, truth)
     except NoAnswer:
         return False
     if all_alike(run.series):
@@ -292,19 +292,19 @@ def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
             and len(others) > 0
             and bool(np.abs(others[0] - rows[0]).max() > _LEAN / 10)
         )
-    first, second = (_beside_ours(student, truth, each) for each in (run.series, leaning))
+    first, second = (_with_simulation(student, truth, each) for each in (run.series, leaning))
     return first is not None and second is not None and follows(*first, *second)
 
 
-def _leaning(student: Student, truth: Traces) -> Collection:
-    """Return the recording of a short run with gravity tilted in a drawn direction: no submission can have stored this run."""
+def _record_leaning(student: Student, truth: Traces) -> Collection:
+    """Return the student's recording of a short run with gravity tilted in a drawn direction, which no code can have stored."""
     sideways = np.asarray(truth["push_dirty"]["dirty_qvel"][:2])
     gravity = np.array([*(_LEAN * sideways / np.linalg.norm(sideways)), -9.81 - _LEAN])
     return student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth), gravity=gravity).with_last_for_all()
 
 
-def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[Array, Array] | None:
-    """Return the accelerations (n, 3) of a recording and of our simulation from its reported start; None if either is missing."""
+def _with_simulation(student: Student, truth: Traces, series: Collection) -> tuple[Array, Array] | None:
+    """Return the accelerations (n, 3) of a recording and of the grader's simulation from the same start; None if one is missing."""
     if not series.first_step or series.acceleration is None or not len(series.acceleration):
         return None
     ours = student.replay(series.first_step, min(len(series.acceleration), _LONGEST_REPLAY))
@@ -313,7 +313,7 @@ def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[A
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Return the velocities (nv,) at the starts of two runs with the sheet's push, to see a random push; () if one is unknown."""
+    """Return the velocities (nv,) at the starts of two runs with the lab's push, to see a random push; () if one is unknown."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()
@@ -334,7 +334,7 @@ def all_alike(series: Collection) -> bool:
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
-    """Return how many rows at the beginning are left from earlier runs, because the submission's list outlives the call.
+    """Return how many first rows of a recording are left from earlier runs, because the submission's list outlives the call.
 
     Parameters
     ----------

@@ -58,7 +58,7 @@ class RowOrigin:
 
     @property
     def of_other_sensors(self) -> bool:
-        """Return whether wrong sensors, or the right ones in the wrong order, were read, as a fault of the reader may cause."""
+        """Return whether wrong sensors, or the right ones in the wrong order, were read, as a wrong `get_imu_readings` does."""
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:

@@ -24,7 +24,7 @@ class Reading(TypedDict):
 class Values(Reading, Form):
     """Texts for a message as in `Reading`, with the form of the answer, and `grain`, the smallest gap between its numbers.
 
-    A large gap shows that the reader rounds. It is infinite if all numbers are equal.
+    A large gap shows that the student's code rounds. It is infinite if all numbers are equal.
     """
 
     grain: float

@@ -44,7 +44,7 @@ Change = Callable[[Scene, Array], Array]
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A guess at what a reader does with one sensor: a fault of the address in sensordata, a fault of the values, both or none.
+    """A guess at what `get_imu_readings` does with one sensor: a fault of the address in sensordata, of the values, both or none.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ _PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def _fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield a hypothesis for each address in sensordata whose values are the reader's numbers in every state, ids ignored."""
+    """Yield a hypothesis for each address in sensordata that holds the returned numbers in every state, the ids ignored."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
@@ -128,7 +128,7 @@ def _of_numbers(change: Callable[[Array], Array]) -> Change:
     return lambda _scene, x: change(x)
 
 
-def _turned(turning: str, frame: str, by_name: bool) -> Change:
+def _rotation(turning: str, frame: str, by_name: bool) -> Change:
     """Return a change that rotates values into or out of the frame of a sensor's site or body; `by_name`: always the torso's."""
 
     def change(scene: Scene, x: Array) -> Array:
@@ -137,7 +137,7 @@ def _turned(turning: str, frame: str, by_name: bool) -> Change:
     return change
 
 
-def _of_body(name: str, first: int, up: float, by_name: bool) -> Change:
+def _body_quantity(name: str, first: int, up: float, by_name: bool) -> Change:
     """Return a change that puts another quantity of the simulator, of the sensor's or the torso's body, in place of the values."""
 
     def change(scene: Scene, _x: Array) -> Array:
@@ -147,7 +147,7 @@ def _of_body(name: str, first: int, up: float, by_name: bool) -> Change:
 
 
 def _changes() -> Iterator[tuple[str, Change]]:
-    """Yield (fault, change) for all known faults of the values."""
+    """Yield the id and the effect of all known faults that change a sensor's values, such as a flipped sign."""
     for signs in itertools.product((1.0, -1.0), repeat=3):
         yield "sign-flipped", _of_numbers(lambda x, s=signs: x * np.array(s))  # type: ignore[misc]
     for order in itertools.permutations(range(3)):
@@ -166,10 +166,10 @@ def _changes() -> Iterator[tuple[str, Change]]:
         yield "wrong-units", _of_numbers(lambda x, k=factor: k * x)  # type: ignore[misc]
     frames = ("world_from_site", "world_from_body")
     for turning, frame, by_name in itertools.product(("kij,kj->ki", "kji,kj->ki"), frames, (False, True)):
-        yield "world-frame", _turned(turning, frame, by_name)
+        yield "world-frame", _rotation(turning, frame, by_name)
     for name, first, by_name in itertools.product(("qvel", "qacc", "cvel", "cacc"), (0, 3), (False, True)):
         for up in (0.0, _G, -_G) if name == "qacc" else (0.0,):
-            yield "not-the-sensor", _of_body(name, first, up, by_name)
+            yield "not-the-sensor", _body_quantity(name, first, up, by_name)
 
 
 @functools.cache
@@ -269,7 +269,7 @@ class Explained:
         return [value for each in self.sensors if each for value in each.values]
 
     def meant(self, visit: Visit, sensor: int) -> Array:
-        """Return the true values at the address that the reader reads for a sensor, or at the right one if that is unknown."""
+        """Return the true values at the address that is read for a sensor, or at the right address if that is unknown."""
         known = self.sensors[sensor]
         return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
 
@@ -294,7 +294,7 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return a visit and a sensor whose numbers differ from those at the address that is read; None if all agree.
+        """Return a scene's readings (visit) and a sensor whose numbers differ from those at the address read; None if all agree.
 
         The robot's own IMU comes first, then other IMUs of which most numbers are right.
         """
@@ -303,7 +303,7 @@ class Explained:
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return a visit and a sensor that is not read at the address of its id; None if every sensor is."""
+        """Return a scene's readings (visit) and a sensor not read at the address of its id; None if every sensor is."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
@@ -322,7 +322,7 @@ class Explained:
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether the reader returned too few finite numbers for a sensor, and no wrong address explains it."""
+        """Return whether too few finite numbers were returned for a sensor, and no wrong address explains it."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
@@ -358,7 +358,7 @@ def _rightness(visits: Sequence[Visit], sensor: int) -> float:
 
 
 def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
-    """Return whether the reader ignores the ids: it returns the same with those of another IMU, whose true values differ."""
+    """Return whether the sensor ids are ignored: those of another IMU, with other true values, give the same readings."""
     if torso.scene.sensordata is not other.scene.sensordata or not np.ptp(torso.got[sensor], axis=0).any():
         return False
     differ = np.abs(torso.scene.true(sensor) - other.scene.true(sensor)).max() > ATOL
@@ -369,7 +369,7 @@ def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Measure a reader and explain its readings; if these do not depend on the state, skip the checks that presuppose a reading.
+    """Measure and explain `get_imu_readings`; if its readings do not depend on the state, skip checks that presuppose a reading.
 
     These are the checks that the address is followed, that a reading is a copy, and that the simulation is left alone.
     """
@@ -454,7 +454,7 @@ REASONS: tuple[Reason[Explained], ...] = (
 
 
 def _departs(found: Explained) -> Sequence[str]:
-    """Return the parameters by which the calls differ from the sheet's; none if the reader ignores the ids, which is its fault."""
+    """Return the parameters by which the calls differ from the lab sheet's; none if ids are ignored, which is a fault by itself."""
     ignores = PLACE in found.stopped or found.misplaced() is not None
     return () if ignores else found.facts.departs
 

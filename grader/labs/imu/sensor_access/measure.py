@@ -22,7 +22,7 @@ CHECKS = ("returns_two_vectors", "matches_truth", "follows_address", "reading_is
 
 @dataclass(frozen=True)
 class Scene:
-    """What the simulator holds in the k states in which the student's reader is called with the ids of one IMU.
+    """What the simulator holds in the k states in which `get_imu_readings` is called with the ids of one IMU.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Visit:
-    """What a reader returned in one scene: (k, 3) accelerations and angular velocities, NaN where none came, and its exception."""
+    """What `get_imu_readings` returned in a scene: (k, 3) accelerations and angular velocities, NaN if none, and its exception."""
 
     scene: Scene
     got: tuple[Array, Array]
@@ -109,12 +109,12 @@ class Facts:
 
     @property
     def visits(self) -> list[Visit]:
-        """The scenes in which the reader returned readings and did not raise."""
+        """The scenes in which `get_imu_readings` did not raise, with the readings that it returned."""
         return [visit for visit in (self.torso, *self.others) if visit.error is None]
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Measure a reader: ask it for the robot's IMU in every state twice, and for all other IMUs once."""
+    """Measure `get_imu_readings`: ask it for the robot's IMU in every state twice, and for all other IMUs once."""
     lab = truth["reading_lab"]
     readings, k = _read(student, truth, lab, slice(0, 1), visits=2), len(lab["qpos"])
     torso, again = (_visit(lab, 0, readings, 0, slice(start, start + k)) for start in (0, k))

@@ -1,4 +1,4 @@
-"""What the sandbox worker of this lab can be asked: by operation, the function that calls student code and reports the result."""
+"""What the sandbox worker of this lab can be asked to do: by operation, the function that calls student code and reports back."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ HANDLERS = {
 
 
 def sheet_names(lab_configuration: dict[str, Any], standins: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the names that a file of the sheet defines at top level, as ``from imu_reader import *`` expects them of a stand-in.
+    """Return the names that a file on the lab sheet defines, so that ``from imu_reader import *`` finds them in a stand-in.
 
     `standins` are the grader's versions of that file's functions and classes. Objects that the sheet makes with them at top level,
     such as `imu_data`, are made, too.

@@ -1,4 +1,4 @@
-"""Call the student's code for the sheet's four extensions and report what it returned."""
+"""Call the student's code for the lab sheet's four extensions and report what it returned."""
 
 from __future__ import annotations
 

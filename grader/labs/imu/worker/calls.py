@@ -1,4 +1,4 @@
-"""How the lab's functions are called: the sheet's arguments as slots, and the other names that students give the parameters.
+"""How the lab's functions are called: the lab sheet's arguments as slots, and the other names that students give the parameters.
 
 Each tuple of slots belongs to one function. `plan_call` and `adapt` match a student's parameters with them.
 """
@@ -100,7 +100,7 @@ PLOT_TEXTS = {"file_name": "imu_data.png", "title": "IMU data"}
 
 
 class Reader:
-    """A student's `get_imu_readings`, called as on the sheet; with sensor names if it fails with ids and works with names.
+    """A student's `get_imu_readings`, called as on the lab sheet; with sensor names if it fails with ids and works with names.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class Reader:
 
 
 def method_of(instance: Any, name: str, takes: int) -> tuple[Callable[..., Any], list[str]]:
-    """Return the method of this name, and an empty list: it does not differ from the sheet's.
+    """Return the method of this name, and an empty list: it does not differ from the lab sheet's.
 
     If the class has no such method, but just one public method that needs `takes` arguments, return that and ``["method <name>"]``.
     If there is no such method either, an AttributeError is raised.
@@ -160,7 +160,7 @@ def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[
 def adapt_collector(
     function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return the student's `simulate_and_collect` as a function that is called as on the sheet, and where it differs from that.
+    """Return the student's `simulate_and_collect` as a function that is called as on the lab sheet, and where it differs from that.
 
     Sensor ids and the number of steps are passed if it has parameters for them.
     """
@@ -174,7 +174,7 @@ _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 
 
 def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
-    """Return a function that builds the student's filter from the sheet's options, and the sheet's names of what differs.
+    """Return a function that builds the student's filter from the lab sheet's options, and the sheet's names of what differs.
 
     A filter that takes a cutoff or a time constant gets the values that correspond to alpha. For an RC circuit, sampled by the
     backward difference, alpha = dt / (RC + dt), and the cutoff is 1 / (2 pi RC).

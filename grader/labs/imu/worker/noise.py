@@ -68,7 +68,7 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """Build several `NoisyIMU`s that differ in one thing, each from the same seed, and read each a few times in one state.
 
-    All of them are in one question, so that an error or an endless loop costs its time once.
+    One operation does all of them, so that an error or an endless loop costs its time once.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _imu_builder(
 ) -> Callable[..., tuple[Any, Callable[[], Any]]]:
     """Return a function that builds a `NoisyIMU` from biases and standard deviations, and returns it with its read function.
 
-    Names of parameters and methods that differ from the sheet's are added to ``answer["departs"]``.
+    Names of parameters and methods that differ from the lab sheet's are added to ``answer["departs"]``.
     """
     kind = submission.find("NoisyIMU", fields["path"])
     way = plan_call(kind, calls.NOISY)

@@ -1,6 +1,6 @@
 """Set the module globals that student functions read: sensor ids, model, data, measurement and recording.
 
-On the sheet all code is one program, whose globals hold the values that it passes to its functions. We set those globals before
+On the lab sheet all code is one program, whose globals hold the values that it passes to its functions. We set those globals before
 each call, so that functions that read them work here, too.
 """
 

@@ -1,6 +1,6 @@
-"""Run a student's reader, recorder or plot on given states and report the results, one function for each kind of question.
+"""Run a student's functions of Steps 2 to 4 (read, record, plot) on given states and report the results, one operation each.
 
-A reply consists of fields and arrays. An exception of the student's ends the question and is reported with the earlier results.
+A reply consists of fields and arrays. An exception of the student's ends the operation and is reported with the earlier results.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
 
 
 def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]:
-    """Return the members that consist of three numbers, in which a vector of the sheet may be found."""
+    """Return the members that consist of three numbers, in which a vector of the lab sheet may be found."""
     found = []
     for name, part in parts:
         with suppress(TypeError, ValueError):
@@ -55,7 +55,7 @@ def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]
 
 
 def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the student's reader with every pair of sensors in every state; report each reading at once and after the next step.
+    """Call `get_imu_readings` with every pair of sensors in every state; report each reading at once and after the next step.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def _compiled(xml: str) -> Any:
 
 
 def model_of(xml: str) -> Any:
-    """Return a fresh copy of a compiled model, so that no question finds the changes of another."""
+    """Return a fresh copy of a compiled model, so that no operation finds the changes of an earlier one."""
     return _compiled(xml).__copy__()
 
 
@@ -203,7 +203,7 @@ def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the submission's own reader after each step of a replayed run; NaN if it does not return two vectors.
+    """Call the student's `get_imu_readings` after each step of a replayed run, to see whether it explains the recorded rows.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    array ``rows`` (steps, 6); fewer if it raised
+    array ``rows`` (steps, 6), NaN where no two vectors came; fewer rows if it raised
     """
     reader = submission.find("get_imu_readings", fields["path"])
     answer: dict[str, Any] = {}
@@ -303,9 +303,9 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str, Any]) -> Any:
-    """Return what the submission's recorder returns, in its own form, of a run in which the sensors measure these series.
+    """Return what the student's `simulate_and_collect` returns, in its own form, if the sensors measure these series.
 
-    If the recorder alters what it reads, the given series replace its own series of the same form.
+    If it alters what it reads, the given series replace its own series of the same form.
     """
     function = submission.find("simulate_and_collect", recorder["path"])
     model, data = simulation_of(recorder["model"])

@@ -39,7 +39,7 @@ def warm_up(thorough: bool) -> None:
 
 
 def install(lab_configuration: Mapping[str, Any]) -> None:
-    """Put the robot where the sheet expects it, and replace the MuJoCo functions that load, step and show it.
+    """Put the robot where the lab sheet expects it, and replace the MuJoCo functions that load, step and show it.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def install(lab_configuration: Mapping[str, Any]) -> None:
 
 
 def _place_model(sheet: pathlib.PurePosixPath, file: str, model: str) -> None:
-    """Write the model where the sheet expects it, and make MuJoCo's loaders find it under any missing path with its file name.
+    """Write the model where the lab sheet expects it, and make MuJoCo's loaders find it under any missing path with its file name.
 
     This holds for the file name on the sheet, too, if an instructor's robot has another one.
     """
@@ -187,7 +187,7 @@ def watch_next_run() -> None:
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """Return the record of the run, and stop recording; {} if nothing was recorded."""
+    """Return the record of the simulation run, and stop recording; {} if nothing was recorded."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
     return course.arrays() if course else {}
