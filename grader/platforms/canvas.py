@@ -29,14 +29,10 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Fill the final points into a gradebook of Canvas: return its student columns unchanged, and the assignment's column.
+    """Fill the final grades into a gradebook that Canvas exported; return its student columns unchanged, and the assignment's.
 
-    `template.column` is the title, the number or the whole heading of the assignment.
-
-    Raises
-    ------
-    RequestError
-        If the file is no gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
+    `template.column` is the title, the number or the whole heading of the assignment. Raise RequestError if the file is no
+    gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
     """
     sheet = read_sheet(template.data, template.source)
     titles, section = sheet.titles, sheet.column("Section")
@@ -71,7 +67,7 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
 
 
 def _form(sheet: CsvSheet, grade: int) -> TemplateLayout:
-    """Return the rows of students; a row above them holds the maximum points of the assignment."""
+    """Describe the gradebook for `fill_in`: its rows of students, and the row above them with the assignment's maximum points."""
     points = next((row.value(grade) for row in sheet.rows[1:] if "Points Possible" in row.value(0)), "")
     students = {
         number: row
@@ -97,7 +93,7 @@ def _who(sheet: CsvSheet, row: SheetRow) -> PersonRow:
 
 
 def _name(sheet: CsvSheet, row: SheetRow) -> str:
-    """Read the name from Canvas's one default column, or from the two that an instructor can choose."""
+    """Return the student's name from Canvas's one default column, or from the two that an instructor can choose."""
     return (
         f"{row.value(sheet.column('FirstName'))} {row.value(0)}".strip()
         if sheet.titles[0] == "LastName"
@@ -122,7 +118,10 @@ _OLDER = "an older file of the same name and student; the newer one is graded"
 
 @dataclass(frozen=True)
 class _Reading:
-    """The parts of a Canvas file name: `file` is the student's own name, `attachment` is "" for a text entry."""
+    """One way to read the name of a file in a Canvas download: `file` is the student's own name for it, `user` the student's id.
+
+    `attachment` numbers the uploads, later ones higher; "" for a text that was typed into Canvas.
+    """
 
     name: str
     late: bool
@@ -158,7 +157,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _readings(name: str) -> list[_Reading]:
-    """Return all possible readings of a file name, because names of people and files may contain numbers between underscores.
+    """Return all ways to read a file name, because names of people and files may contain numbers between underscores; [] for none.
 
     Anonymous names come first, because their id may be all digits. Files come before text entries, because a file may be called
     text.html. Canvas starts with the person's name, so digits at the start belong to a name.
@@ -184,7 +183,10 @@ def _reading(match: re.Match[str]) -> _Reading:
 
 
 def _meant(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapping[str, str]) -> _Reading | None:
-    """Return the reading that the roster or an unambiguous file of the same person confirms; None if none or several."""
+    """Return the reading that is the only one, or that the roster (`known`) or a clear file name of the same person confirms.
+
+    None if none is confirmed, or several are: the file is then left over, and an instructor is told.
+    """
     if len(readings) == 1:
         return readings[0]
     if known:
@@ -203,9 +205,8 @@ def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sourc
     first, last = max(own, key=lambda each: each[1].number)
     name = original(last.name or user)
     late = any(each.late for _, each in own)
-    reply = (
-        first[: len(first) - len(last.file)] if last.attachment else ""
-    )  # Canvas wants both numbers in a file's name
+    # Canvas wants both numbers in a file's name.
+    reply = first[: len(first) - len(last.file)] if last.attachment else ""
     person = Person(name, "" if name.startswith("anon_") else user, "canvas")
     id_source = name if name.endswith(user) else f"{name}_{user}"
     return Found(
@@ -220,7 +221,7 @@ def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sourc
 
 
 def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Sources, list[str]]:
-    """Return the files under the student's own names, the latest of each name, and the older ones.
+    """Return a student's files under the student's own names, the latest of each name, and the older files, which are left over.
 
     A picture or data file has no reason to be called ``plot-1.png``, but may be: it is there under both names.
     """
@@ -253,7 +254,7 @@ def _first_name(name: str, given: set[str]) -> str:
 
 
 def _numbered_archives(names: Iterable[str]) -> set[str]:
-    """Return the common name of archives that differ only in their number: successive attempts."""
+    """Return the name without its number of archives that differ only in that number: they are attempts, one after another."""
     numbered = (_AGAIN.fullmatch(name) for name in names if has_suffix(name, ARCHIVES))
     plain = Counter(again[1] + again[2] for again in numbered if again is not None)
     return {name for name, times in plain.items() if times > 1}

@@ -1,4 +1,4 @@
-"""Finder of the submissions of a class, in folders, archives and downloads of platforms, without reading them."""
+"""Find the submissions of a class, in folders, archives and downloads of platforms, without reading them."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ ATTEMPTS = ("latest", "best")
 
 @dataclass(frozen=True)
 class ClassEntry:
-    """Place and name of a submission, small enough to send to the process that grades it, which reads the files.
+    """Place and name of one submission of a class, small enough to send to the process that reads and grades it.
 
-    Several attempts of the same people share an id. `sources` is empty where all of `path` is the submission; `required` are the
-    names of the files that the lab asks for.
+    Several attempts of the same people share an id. `sources` (paths in `path`, each with its name in the submission) is empty
+    where all of `path` is the submission; `required` are the names of the files that the lab asks for.
     """
 
     id: str
@@ -54,13 +54,13 @@ class ClassEntry:
     hand_in: HandIn = NOTHING_KNOWN
 
     def read(self) -> Submission:
-        """Read the submission; raise RequestError if it no longer exists."""
+        """Read the submission's files; raise RequestError if the submission no longer exists."""
         return read_submission(self.path, self.required, id=self.id, name=self.name, sources=self.sources)
 
 
 @dataclass(frozen=True)
 class Intake:
-    """Submissions of a class in the order of their names, files that belong to nobody with reasons, and notices about the paths."""
+    """What was found at the paths of a class: the submissions, files that belong to nobody with reasons, and what each path was."""
 
     entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]
@@ -68,7 +68,7 @@ class Intake:
 
 
 def _read_folders(download: Download) -> Shape:
-    """Take every folder and archive at the top of a zip as a submission. This is used only with `--from folders`."""
+    """Take every folder and archive at the top of a zip as a submission, for `--from folders`; other files belong to nobody."""
     fits = {
         name: is_folder or has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)) for name, is_folder in download.top.items()
     }
@@ -100,7 +100,7 @@ def read_class(
     required
         Names of the files that the lab asks for.
     shape
-        A platform that reads downloads, or "folders"; None recognises the shape of each path.
+        The name of a platform that reads downloads, or "folders"; None recognises what each path is.
     attempts
         "latest" keeps the last attempt of the same people; "best" keeps all attempts, to choose the best once they are graded.
     known
@@ -109,7 +109,7 @@ def read_class(
     Raises
     ------
     RequestError
-        If there is nothing at a path, its folder cannot be listed, or it does not have the shape that was asked for.
+        If there is nothing at a path, its folder cannot be listed, or it is not what `shape` says.
     """
     found: dict[str, Found] = {}  # by real path and place: a submission that is named twice is graded once
     leftovers: list[str] = []
@@ -136,7 +136,10 @@ def _counted(shape: Shape) -> str:
 
 
 def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape | None:
-    """Return the contents of a platform's download; None for a plain folder, one submission or an archive of one."""
+    """Return the contents of a platform's download; None for a plain folder, one submission or an archive of one.
+
+    Raise RequestError if there is nothing at the path, or it is no download of the platform `wanted`.
+    """
     if not os.path.exists(path):
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
     if wanted == registry.FOLDERS:
@@ -160,7 +163,7 @@ def _whole(place: Path) -> Found:
 
 
 def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[str]]:
-    """Return the attempts to grade, earlier ones of the same people first, and those that are superseded."""
+    """Return the attempts to grade, earlier ones of the same people first, and messages about those that a later one supersedes."""
     people: defaultdict[str, list[Found]] = defaultdict(list)
     for each in found:
         people[each.student].append(each)
@@ -174,13 +177,13 @@ def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[
 
 
 def _named_by_place(found: Found) -> str:
-    """Return the path of a submission; for several loose files, the path of each."""
+    """Return the path of a submission for messages; for several loose files, the path of each."""
     first, *others = [place for place, _ in found.sources] or [""]
     return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))
 
 
 def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[ClassEntry, ...]:
-    """Give each student an id. Names lose the suffix of an archive unless two names would then be equal."""
+    """Give submissions an id for each student, and a name: without an archive's suffix, unless two names would then be equal."""
     shared = Counter(each.name for each in found if not each.sources)
     named = {each: _name(each, shared) for each in found}
     students = {each.student: named[each] if not each.sources else each.id_source for each in found}
@@ -200,7 +203,7 @@ def _name(found: Found, shared: Counter[str]) -> str:
 
 
 def _found_at(path: Path, required: Collection[str]) -> Iterator[tuple[Path, str]]:
-    """Yield the submissions at a path, each with "", and the leftovers, each with its reason."""
+    """Yield the submissions at a path, each with "", and the files that are no submission, each with the reason."""
     if not os.path.isdir(path):
         yield path, "" if has_suffix(path.name, (*ARCHIVES, *FOREIGN_ARCHIVES, *CODE)) else UNPLACED
         return
@@ -214,17 +217,17 @@ def _found_at(path: Path, required: Collection[str]) -> Iterator[tuple[Path, str
 
 
 def _is_ignored(entry: os.DirEntry[str]) -> bool:
-    """Return whether an entry is hidden, left behind by a tool, or the OUT folder of an earlier run."""
+    """Return whether an entry of a class folder is hidden, left behind by a tool, or the output folder of an earlier run."""
     return entry.name.startswith(".") or is_litter((entry.name,)) or _is_graded(Path(entry.path))
 
 
 def _is_graded(folder: Path) -> bool:
-    """Return whether the folder is an OUT folder: it has a record and no program; with a program it is a submission."""
+    """Return whether a folder is the output (OUT) of an earlier run: it has a results file and no program of a student."""
     return os.path.isfile(folder / "results.sqlite") and not _holds(folder, is_code)
 
 
 def _objection(entry: os.DirEntry[str]) -> str:
-    """Return why this entry of a class folder is no submission, or ""."""
+    """Return why this entry of a class folder is no submission, for messages; "" if it is one."""
     status = status_of(entry)
     if status is None or is_link(status):
         return REFUSED if status is None else LINK
@@ -234,7 +237,7 @@ def _objection(entry: os.DirEntry[str]) -> str:
 
 
 def _is_submission(folder: Path, required: Collection[str]) -> bool:
-    """Return whether a folder is one submission: it holds a required file, or code and no submissions."""
+    """Return whether a folder is one submission, not a class: it holds a required file, or code and no submissions."""
     entries = [entry for entry in entries_of(folder) if not _is_ignored(entry)]
     names = [entry.name for entry in entries if entry.is_file(follow_symlinks=False)]
     asked = set(map(folded, required))
@@ -248,7 +251,10 @@ def _is_submission(folder: Path, required: Collection[str]) -> bool:
 
 
 def _holds(folder: Path, wanted: Callable[[str], bool]) -> bool:
-    """Return whether a file whose name is `wanted` lies in this folder or up to `MAX_LEVELS` below."""
+    """Return whether a file with a name that is `wanted` lies in this folder or up to `MAX_LEVELS` below.
+
+    False also if none is found among the first 50,000 entries or so: the search then goes no deeper.
+    """
     looked_at = 0
     for here, folders, names in os.walk(folder):
         level = len(Path(here).relative_to(folder).parts)

@@ -29,12 +29,9 @@ _REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE
 
 
 def identity_of(environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the fields that identify a submission, from the runner's environment. Classroom 50 refuses a result with other fields.
+    """Return the fields that identify a submission, without which Classroom 50 refuses a result, from the runner's environment.
 
-    Raises
-    ------
-    RequestError
-        If a variable is missing. The message names it.
+    Raise RequestError if a variable is missing; the message names it.
     """
     owner = environ.get("OWNER") or environ.get("USERNAME") or ""
     missing = [name for name in _REQUIRED if not environ.get(name)] + ([] if owner else ["OWNER"])
@@ -100,7 +97,7 @@ def classroom50(result: Result, identity: Mapping[str, str], committed: str) -> 
 
 
 def _extra_credit(result: Result) -> list[dict[str, Any]]:
-    """Return a further test with a maximum of 0 if the rubric gives extra credit."""
+    """Return extra credit as one more test with a maximum of 0; no test if the rubric gives none."""
     if result.extra_credit_cap is None:
         return []
     exact, score = result.extra_credit, math.floor(result.extra_credit + 0.5)
@@ -120,7 +117,7 @@ def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
 
 
 def committed(path: Path) -> str:
-    """Return the time of the graded commit in UTC, or the present time if git knows no commit."""
+    """Return the time of the graded commit in UTC; the present time if git knows no commit there."""
     folder = path if path.is_dir() else path.parent
     command = ["git", "-C", str(folder), "show", "--no-patch", "--format=%ct", "HEAD"]
     try:
@@ -136,7 +133,7 @@ def _respond(result: Result, handed: ResultContext) -> str:
 
 
 def _refuse(environ: Mapping[str, str], min_score: float | None) -> None:
-    """Refuse `--min-score`: Classroom 50 takes any exit code but 0 for a broken autograder."""
+    """Refuse `--min-score`, as Classroom 50 takes any exit code but 0 for a broken autograder, and an incomplete environment."""
     if min_score is not None:
         raise RequestError("--min-score: leave it out; Classroom 50 reads the points from result.json")
     identity_of(environ)
@@ -151,7 +148,7 @@ _COLUMNS = {"username", "first_name", "last_name", "submission_tag"}
 
 
 def read(download: Download) -> Shape | None:
-    """Read the clones beside a `scores.csv` of Classroom 50; None if there is no such file."""
+    """Read the clones beside a `scores.csv` of Classroom 50; None if there is no such file, or it lacks the columns."""
     data = download.read(SCORES, MAX_SCORES) if SCORES in download.top else None
     try:
         table = tables.titled(data or b"", SCORES, _COLUMNS, _COLUMNS)
@@ -164,7 +161,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _row(folder: str, rows: Mapping[str, dict[str, str]]) -> dict[str, str]:
-    """Return the row of a clone `<classroom>-<assignment>-<username>`: that of the longest user name that fits."""
+    """Return the row of a clone `<classroom>-<assignment>-<username>`: that of the longest user name that fits; {} if none does."""
     fits = [user for user in rows if folder.casefold() == user or folder.casefold().endswith(f"-{user}")]
     return rows[max(fits, key=len)] if fits else {}
 

@@ -1,4 +1,4 @@
-"""Filling in of a file that a platform exported: grades go into one column, and all other bytes are kept."""
+"""Fill grades into a file that a platform exported: they go into one column, and all other bytes are kept."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _COMMA = re.compile(r"-?\d+,\d+")
 
 @dataclass
 class Filled:
-    """A platform's file with grades filled in, and which rows got one, kept theirs or matched nobody.
+    """A platform's file with grades filled in, and what happened to each row, which `imugrade export` tells the instructor.
 
     Attributes
     ----------
@@ -31,11 +31,11 @@ class Filled:
     unmatched
         Rows that match nobody who handed in, with the name in the file. They are left unchanged.
     missing
-        Rows of people without a submission that were given 0.
+        Names in rows of people without a submission that were given the grade for it (`Template.missing`).
     kept
-        Rows whose grade the platform has locked.
+        Names in rows whose grade the platform has locked.
     replaced
-        Rows that had another grade.
+        Names in rows that had another grade, with both grades.
     """
 
     data: bytes = b""
@@ -55,7 +55,7 @@ class Filled:
 
 @dataclass(frozen=True)
 class TemplateLayout:
-    """Description of a platform's file to fill in: where the grades go, and how to read its rows.
+    """How to read and fill in a platform's file: where the grades go, and whom a row means; a platform's module makes it.
 
     Attributes
     ----------
@@ -93,12 +93,9 @@ def fill_in(
     matches: Mapping[int, Match | None],
     final_grades: Mapping[str, FinalGrade],
 ) -> Filled:
-    """Fill the final points into the sheet of a platform's file; `matches` says by row number whom a row belongs to, or None.
+    """Fill the final grades into a platform's file; `matches` says by row number whom a row belongs to, or None.
 
-    Raises
-    ------
-    RequestError
-        If the maximum in the file differs from the rubric's, and points are not to be scaled.
+    Raise RequestError if the maximum in the file differs from the rubric's, and points are not to be scaled.
     """
     filled, known = Filled(), directory(final_grades)
     comma = any(
@@ -132,7 +129,7 @@ def _is_missing(form: TemplateLayout, row: SheetRow, known: Directory) -> bool:
 
 
 def _set(form: TemplateLayout, row: SheetRow, points: str, filled: Filled) -> None:
-    """Write points into a row; list the row as replaced if it held another grade."""
+    """Write points into a row; if the row held another grade, list it in `filled.replaced`."""
     before = row.value(form.grade).strip()
     known = decimal(before)
     if before not in ("", "-") and (known is None or words.number(known) != points.replace(",", ".")):
@@ -156,7 +153,7 @@ def _scale(form: TemplateLayout, template: Template, row: SheetRow, final_grade:
 
 
 def reply_to(final_grade: FinalGrade, person: Person) -> str:
-    """Return the prefix of a file name in the platform's upload that returns the file to a person; "" if the platform has none.
+    """Return how a file's name must begin so that the platform's upload returns the file to this person; "" if it cannot.
 
     A partner has not handed in. Moodle takes a file for each number. Canvas takes one if the partner has the same attachment, as in
     an assignment of groups. A roster with the platform's numbers has the partner's in the same column.
@@ -183,7 +180,7 @@ def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
 
 
 def matched(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
-    """Return whom each row belongs to, by row number; None without a clear match, and for rows that match the same person."""
+    """Return whom each row belongs to, by row number; None if that is unclear, or if several rows belong to the same person."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}
     for number, match in found.items():

@@ -1,4 +1,4 @@
-"""Facts that a platform's download gives about one submission, before it has an id."""
+"""What a platform's download tells about one submission, before the submission has an id."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ AMBIGUOUS = "its name can mean several people; give --roster with the platform's
 
 @dataclass(frozen=True)
 class Found:
-    """One submission that a platform's download contains, before it is read.
+    """One submission that a platform's download contains, before it is read: where its files lie, whose they are and which attempt.
 
     Attributes
     ----------
@@ -24,6 +24,8 @@ class Found:
         Text that the id is made from, equal whenever these people hand in again.
     name
         Name of the submission in results.
+    sources
+        Files or folders in `path`, each with its name in the submission; empty where all of `path` is the submission.
     order
         Sort key of attempts; a later attempt has a greater one.
     """
@@ -39,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Shape:
-    """Contents of a download: its kind, the submissions, and the files that belong to nobody, each with a reason."""
+    """Contents of a platform's download: its kind (`title`), the submissions, and files that belong to nobody, with reasons."""
 
     title: str
     found: tuple[Found, ...]

@@ -1,4 +1,4 @@
-"""Git clones, one per student.
+"""Git clones in one folder, one clone per student.
 
 Settings and hooks of a clone are never read, because they can name programs that git would start.
 """
@@ -22,15 +22,13 @@ def read(download: Download) -> Shape | None:
     """Read a download as git clones, one for each student, if at least half of its folders are clones; None otherwise."""
     folders = [name for name, is_folder in download.top.items() if is_folder]
     programs = any(is_code(name) for name, is_folder in download.top.items() if not is_folder)
-    if programs or not at_least_half(
-        download.holds(name, ".git") for name in folders
-    ):  # programs: it is one submission
-        return None
+    if programs or not at_least_half(download.holds(name, ".git") for name in folders):
+        return None  # with programs beside the folders it is one submission
     return Shape(TITLE, tuple(clone(download, name, {}) for name in folders), unassigned(download))
 
 
 def unassigned(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
-    """Return the files beside the clones that belong to nobody, each with the reason; the files named in `known` are left out."""
+    """Return the files beside the clones, which belong to nobody, each with the reason; files named in `known` are left out."""
     return tuple((name, _NOT_OURS) for name, is_folder in download.top.items() if not is_folder and name not in known)
 
 

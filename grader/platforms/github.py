@@ -26,7 +26,7 @@ _PLAIN = frozenset(" ,;?%—…·✓✗◐–")
 
 
 def commands(result: Result, places: Places) -> str:
-    """Return workflow commands, with which GitHub shows messages at lines of code: one per cause and place, largest loss first.
+    """Return workflow commands, by which GitHub shows messages at lines of code: one per cause and place, largest loss first.
 
     GitHub shows at most ten commands of a kind for a step of a job.
     """
@@ -36,7 +36,7 @@ def commands(result: Result, places: Places) -> str:
 
 
 def _annotations(result: Result, places: Places) -> Iterator[tuple[FileLine | None, Cause]]:
-    """Yield the checks of one cause at one place. The first place of a cause also lists the checks that wait for it."""
+    """Yield a place and the checks that one cause fails there. The first place of a cause also lists the checks that wait."""
     for cause in _causes(result):
         there: dict[FileLine | None, list[CheckResult]] = {}
         for check in cause.checks:
@@ -48,7 +48,7 @@ def _annotations(result: Result, places: Places) -> Iterator[tuple[FileLine | No
 
 
 def _causes(result: Result) -> list[Cause]:
-    """Return the failed checks by cause, then those that were not judged."""
+    """Return the failed checks grouped by what made them fail, then, as one group, those that were not judged."""
     checks = [check for part in rows.parts(result) for check in part.checks]
     unjudged = tuple(check for check in checks if check.outcome == "not_judged")
     return [*causes.causes_of(checks), *([Cause(unjudged)] if unjudged else [])]
@@ -114,7 +114,7 @@ def _table(result: Result) -> str:
 
 
 def _plots(result: Result, lab: Lab) -> Iterator[str]:
-    """Yield the checks of each part with pictures, passed ones too, because a log cannot show a picture."""
+    """Yield the checks of each criterion with pictures, passed ones too, because a log cannot show a picture."""
     pictured = {part.id for part in lab.parts if part.pictures}
     for part in result.criteria:
         if part.id in pictured:

@@ -27,8 +27,10 @@ def gradebook(
     ----------
     final_grades
         The final grade of each submission, by its id.
+    absent
+        The people of the roster who did not hand in.
     untimed
-        The hand-ins whose lateness is unknown; None for a class without a late policy.
+        Ids of the submissions whose lateness is unknown; None for a class without a late policy.
     """
     columns = _columns(list(final_grades.values()), absent, untimed)
     handed_in = [{title: cell(final_grade) for title, cell in columns.items()} for final_grade in final_grades.values()]
@@ -38,10 +40,7 @@ def gradebook(
 def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), missing: str = "") -> str:
     """Return a CSV with one row for each person: the columns of `gradebook`, the submission's id, and the grade in `final`.
 
-    Parameters
-    ----------
-    missing
-        Grade of the people in `absent`; "" for a blank cell.
+    `missing` is the grade of the people in `absent`, who did not hand in; "" for a blank cell.
     """
     columns = _columns(list(final_grades.values()), absent)
     columns |= {"final": lambda s: _points(s.final), "status": columns.pop("status")}
@@ -54,7 +53,7 @@ def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = 
 
 
 def _cells(columns: Mapping[str, Cell], final_grade: FinalGrade, person: Person) -> dict[str, str]:
-    """Return the row of one of the people of a submission."""
+    """Return the row of one of the people of a submission, as text by column title."""
     own = {"id": _text(person.number or final_grade.id), "name": _text(person.name), "section": _text(person.section)}
     shared = {title: cell(final_grade) for title, cell in columns.items()}
     return {**shared, **own, "submission": final_grade.id}
@@ -63,7 +62,7 @@ def _cells(columns: Mapping[str, Cell], final_grade: FinalGrade, person: Person)
 def _absentees(
     final_grades: Mapping[str, FinalGrade], absent: Sequence[Person], missing: str
 ) -> Iterator[dict[str, str]]:
-    """Yield the rows of the people without a submission."""
+    """Yield the rows of the people without a submission, as text by column title; their grade is `missing`."""
     names = words.absentees(absent, (each.hand_in for each in final_grades.values()))
     for person, name in zip(absent, names, strict=True):
         known = {"id": person.number, "name": name, "section": person.section, "final": missing}
@@ -77,7 +76,7 @@ def _table(rows: Iterable[Mapping[str, str]], titles: Sequence[str]) -> str:
 def _columns(
     final_grades: list[FinalGrade], absent: Sequence[Person], untimed: Collection[str] | None = None
 ) -> dict[str, Cell]:
-    """Return each column's name and content; criteria in the order in which they first occur.
+    """Return each column's title and the function that fills its cell; criteria in the order in which they first occur.
 
     The columns of lateness are there if somebody is late, and in a class with a late policy even if no time is known.
     """
@@ -118,7 +117,7 @@ def _points(points: float | None) -> str:
 
 
 def _late(final_grade: FinalGrade) -> str:
-    """Return the late days that count; "refused" after the cut-off, "yes" if the number of days is unknown."""
+    """Return the late days that count; "refused" after the cut-off, "yes" if the number of days is unknown, "0" if in time."""
     late = final_grade.late
     if late is None:
         return "0"

@@ -34,17 +34,8 @@ SUBMISSION = "autograder/submission"
 def gradescope(result: Result, *, hidden: bool = False) -> str:
     """Return the text of Gradescope's `results.json`: one test per check, numbered in the order of the rubric.
 
-    Parameters
-    ----------
-    result
-        A complete result.
-    hidden
-        Whether the result comes from hidden scenarios; the output then says so.
-
-    Raises
-    ------
-    GraderError
-        If a part of the submission could not be judged.
+    With `hidden`, the result comes from hidden scenarios, and the output says so. Raise GraderError if a part of the submission
+    could not be judged.
     """
     rows.require_complete(result)
     record = {
@@ -83,7 +74,7 @@ def _test(check: CheckResult, part: rows.ResultPart, number: str, lab: LabName) 
 
 
 def _extra_credit(result: Result) -> list[dict[str, Any]]:
-    """Return the extensions' points as one test without a maximum, where the rubric gives extra credit."""
+    """Return the extensions' points as one test without a maximum; no test if the rubric gives no extra credit."""
     if result.extra_credit_cap is None:
         return []
     test = {"name": "Extra credit", "score": result.extra_credit, "max_score": 0.0, "status": "passed"}
@@ -92,7 +83,7 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
 
 
 def _output_of(check: CheckResult, part: rows.ResultPart, lab: LabName) -> str:
-    """Return the lines of a check as HTML: labels, and text of fixed width. Gradescope sanitises it again."""
+    """Return the feedback of a check as HTML: labels, and text of fixed width. Gradescope removes unsafe HTML again."""
     set_lines = [_line(line) for line in rows.lines(check, part, lab)]
     return "".join(set_lines) or f"<p>{words.row(check, part.id, lab).outcome.word}</p>"
 
@@ -113,7 +104,7 @@ def _output(result: Result, hidden: bool) -> str:
 
 
 def _extra(result: Result) -> dict[str, Any]:
-    """Return the extra data for the instructor's export: recognised faults and provenance. No traces, no seed."""
+    """Return the extra data for the instructor's export: recognised faults and provenance, but no traces and no seed."""
     provenance = {key: str(value) for key, value in shown_provenance(result).items() if key != "seed"}
     return {"status": result.status, "misconceptions": list(result.misconceptions), "provenance": provenance}
 
@@ -131,7 +122,7 @@ def gradescope_csv(final_grades: Mapping[str, FinalGrade], absent: Sequence[Pers
     """Return a CSV with a row per person, in the columns of Gradescope's own export of grades.
 
     All members of a group have the final points of the group. Columns without a counterpart here are blank. `missing` is the grade
-    of the people in `absent`, "" for a blank cell.
+    of the people in `absent`, who did not hand in; "" for a blank cell.
     """
     handed_in = [_row(each, person) for each in final_grades.values() for person in each.people]
     others = [[*_who(person), missing, "", "Missing", *[""] * 5] for person in absent]

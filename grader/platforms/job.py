@@ -1,4 +1,4 @@
-"""CI job on one submission: mark it, write the platform's output, and return the result."""
+"""Run a CI job on one submission: grade it, write the output that the platform expects, and return the result."""
 
 from __future__ import annotations
 
@@ -24,9 +24,10 @@ from grader.platforms.platform import Platform, ResultContext
 
 @dataclass(frozen=True)
 class CiJob:
-    """Request of a CI job: what to grade, and how. None as `path` or `out` is the platform's own place; `out` "-" is stdout.
+    """Request of `imugrade ci`: which submission to grade, with what, and where the output goes.
 
-    `private` says that students can read neither the files nor the output of the job.
+    `path` or `out` None is the platform's own place, `out` "-" is stdout. `trusted` allows code without isolation. `private` says
+    that students can read neither the files nor the output of the job.
     """
 
     platform: Platform
@@ -42,17 +43,14 @@ class CiJob:
 
     @property
     def hidden(self) -> bool:
-        """Return whether the job grades on hidden scenarios."""
+        """Return whether the job grades on hidden scenarios, whose data students must not see."""
         return self.traces.name != "public"
 
 
 def named(name: str) -> Platform:
-    """Return the record of a platform by its `--format`; "auto" recognises the platform from the environment.
+    """Return the record of the platform that `--format` names; "auto" recognises the platform from the environment.
 
-    Raises
-    ------
-    RequestError
-        If there is no such format.
+    Raise RequestError if there is no such format.
     """
     if name == registry.AUTO:
         return recognise(os.environ)
@@ -64,15 +62,7 @@ def named(name: str) -> Platform:
 
 
 def recognise(environ: Mapping[str, str], root: Path = Path("/")) -> Platform:
-    """Recognise the platform that this process runs on.
-
-    Parameters
-    ----------
-    environ
-        The environment variables.
-    root
-        Folder in place of `/`, for tests.
-    """
+    """Return the platform that this process runs on, by its environment variables and files below `root`; JUnit if unknown."""
     known = registry.platforms("respond")
     return next(each for each in known if each.recognise is not None and each.recognise(environ, root))
 
@@ -92,13 +82,13 @@ def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
 
 
 def run(job: CiJob) -> Result:
-    """Mark the submission and write the platform's output.
+    """Grade a CI job's submission, write the output that the platform expects, and return the result.
 
     Raises
     ------
     RequestError
         If hidden scenarios are requested where students can read the job's files, or where nothing isolates their code;
-        if there is nothing at the path; if the output cannot be written.
+        if there is nothing at the path; if the output cannot be written; if the platform has no CI output.
     GraderError
         If a part was not judged and the platform's format cannot express that.
     """
@@ -145,7 +135,7 @@ def _write(job: CiJob, text: str, result: Result) -> None:
 
 
 def _append(environ: Mapping[str, str], variable: str, text: str) -> None:
-    """Append text to the file that an environment variable names. The platform creates the file for each job and reads it."""
+    """Append text to the file that an environment variable names, which the platform made for this job; without one do nothing."""
     file = environ.get(variable)
     if not file:
         return

@@ -21,7 +21,7 @@ _COUNTED = {"tests": "testcase", "failures": "testcase/failure", "errors": "test
 
 
 def junit(result: Result, at: datetime) -> str:
-    """Return JUnit XML, which most CI systems show: a suite per criterion and a case per check; `at` is the time of marking."""
+    """Return JUnit XML, which most CI systems show: a suite per criterion and a case per check; `at` is the time of grading."""
     root = Element("testsuites", name="imugrade")
     for part in rows.parts(result):
         _suite(root, part, result, at)
@@ -47,7 +47,7 @@ def _suite(root: Element, part: rows.ResultPart, result: Result, at: datetime) -
 
 
 def _new_suite(root: Element, name: str, at: datetime, facts: Iterable[tuple[str, str]] = ()) -> Element:
-    """Add a suite with properties."""
+    """Add a suite with these facts as its properties, and return it."""
     suite = SubElement(root, "testsuite", name=name, timestamp=at.isoformat(timespec="seconds"))
     properties = SubElement(suite, "properties")
     for key, value in facts:
@@ -56,14 +56,14 @@ def _new_suite(root: Element, name: str, at: datetime, facts: Iterable[tuple[str
 
 
 def _count(suite: Element, checks: Iterable[CheckResult] = ()) -> None:
-    """Set the numbers of cases of a suite, by their end, and the time that they took."""
+    """Set a suite's numbers of cases by outcome, and the time that its checks took."""
     for name, path in {**_COUNTED, "skipped": "testcase/skipped"}.items():
         suite.set(name, str(len(suite.findall(path))))
     suite.set("time", _seconds(check.duration_s for check in checks))
 
 
 def _repairs(root: Element, result: Result, at: datetime) -> None:
-    """Add a suite without cases for the repairs; its negative score is their deduction."""
+    """Add a suite without cases that lists the repairs; its negative score is the points deducted for them."""
     lines = ((f"repair.{number}", line) for number, line in enumerate(words.repairs(result), 1))
     _count(_new_suite(root, "repairs", at, [("score", words.number(-result.repair_deduction)), *lines]))
 
@@ -105,7 +105,7 @@ def _faults(check: CheckResult) -> list[str]:
 
 
 def _nothing_to_grade(root: Element, result: Result, at: datetime) -> None:
-    """Add the one failing case of an empty or unreadable submission."""
+    """Add the one failing case of an empty or unreadable submission, so that a CI server does not show it as passed."""
     suite = _new_suite(root, "submission", at)
     case = SubElement(suite, "testcase", classname="imugrade.submission", name="can_be_graded", time=_seconds([]))
     failure = SubElement(case, "failure", message=words.STATUS[result.status], type=result.status)
@@ -114,7 +114,7 @@ def _nothing_to_grade(root: Element, result: Result, at: datetime) -> None:
 
 
 def _verdict(check: CheckResult) -> str:
-    """Return the element for an outcome; "" for a passed check."""
+    """Return the name of the XML element for a check's outcome; "" for a passed check, which has none."""
     return {"passed": "", "not_judged": "error", "skipped": "skipped"}.get(check.outcome, "failure")
 
 

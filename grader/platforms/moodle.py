@@ -36,10 +36,7 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     """Fill grades and comments into Moodle's grading worksheet; keep teachers' comments and all other bytes.
 
-    Raises
-    ------
-    RequestError
-        If the file is no grading worksheet, or the maximum of the assignment differs from the rubric's.
+    Raise RequestError if the file is no grading worksheet, or the maximum of the assignment differs from the rubric's.
     """
     sheet, column = read_sheet(template.data, template.source), template.column or "Grade"
     grade = sheet.column(column)
@@ -63,7 +60,7 @@ def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
 
 
 def _form(sheet: CsvSheet, grade: int) -> TemplateLayout:
-    """Find the columns of a worksheet by title, or, on sites in other languages, by position and contents."""
+    """Describe the worksheet for `fill_in`: its columns by title, or, on sites in other languages, by position and contents."""
     rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
     known = sheet.column(*_MOST)
     most = grade + 1 if known is None else known
@@ -102,7 +99,10 @@ def _comment_on(
 
 
 def _comments(form: TemplateLayout) -> int | None:
-    """Return the column of comments by title, else the last column if it has a blank cell or our comment, and no dash."""
+    """Return the column of comments by title, else the last one if its cells look like comments (one blank or ours, no dash).
+
+    None if there is no such column: comments are then not filled in.
+    """
     known = form.sheet.column(*_COMMENTS)
     last = len(form.sheet.titles) - 1
     if known is not None or last <= form.grade + 2:
@@ -130,7 +130,7 @@ def _who(sheet: CsvSheet, row: SheetRow) -> PersonRow:
 
 
 def _teams(final_grades: Mapping[str, FinalGrade]) -> dict[str, Match]:
-    """Return the matches of teams by name. A team hands in under its name; the worksheet lists its people with it in `Group`."""
+    """Return the submissions of teams by name. A team hands in under its name, which its members' rows have in column `Group`."""
     return {
         final_grade.name.strip().casefold(): Match(id_, None)
         for id_, final_grade in final_grades.items()
@@ -172,7 +172,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _is_plain(name: str, known: Mapping[str, str]) -> bool:
-    """Return whether a name identifies one person. A second number in it may belong to the name of a person or of a file."""
+    """Return whether a file name identifies one person: a second number in it may belong to the name of a person or of a file."""
     numbers = _WITHIN.findall(name)
     return len(set(numbers)) == 1 or (numbers[0] in known and not set(numbers[1:]) & known.keys())
 
@@ -186,7 +186,7 @@ def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Fou
 
 
 def _reply(download: Download, match: re.Match[str]) -> str:
-    """Return the path prefix for feedback: the name of the folder, or the start of a loose file's name."""
+    """Return how the path of a feedback file must begin in Moodle's upload: the folder, or the start of a loose file's name."""
     if download.top[match[0]]:
         return original(match[0]) + "/"
     return original(match[0][: match.start("file")])

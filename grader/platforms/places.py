@@ -1,4 +1,4 @@
-"""Locate a finding in a student's files: the line that raised, else the line where the part is defined.
+"""Find the line at which a CI server shows a message: the line that raised, else the line where the function is defined.
 
 Sources are searched as bytes and never parsed, because a student's text can make a parser fail.
 """
@@ -18,7 +18,7 @@ from grader.intake import Submission
 
 @dataclass(frozen=True)
 class FileLine:
-    """A line of a student's file, by its path in the repository, at which the CI shows a message."""
+    """A line of a student's file, by its path in the repository, at which the CI shows a message; None is the file as a whole."""
 
     file: str
     line: int | None = None
@@ -26,7 +26,10 @@ class FileLine:
 
 @dataclass(frozen=True)
 class Places:
-    """Files of a submission by their name in messages, and the place where each required name is defined."""
+    """Lines of a submission at which the CI can show messages, as `find_places` found them.
+
+    `files` maps a file's name in messages to its path in the repository; `definitions` says where each required name is defined.
+    """
 
     lab: Lab
     files: Mapping[str, str] = field(default_factory=dict)
@@ -37,7 +40,7 @@ class Places:
         return self._named(check) or self.definitions.get(self.lab.name_of(check.id))
 
     def _named(self, check: CheckResult) -> FileLine | None:
-        """Return the place that a check names, if its file is one of the submission. Student code could name any file."""
+        """Return the line that a check names; None if the file is none of the submission, as student code could name any file."""
         if check.where is None or check.where.file not in self.files:
             return None
         return FileLine(self.files[check.where.file], check.where.line)
@@ -69,7 +72,10 @@ def _relative(path: Path, root: Path) -> str:
 
 
 def _definition(name: str, home: str, files: Mapping[str, bytes], names: Mapping[str, str]) -> FileLine | None:
-    """Return the first definition of a name, in the sheet's file or else any other; else the sheet's file if it exists."""
+    """Return the line where a name is defined, first in its `home` (the sheet's file), then in others; else the start of `home`.
+
+    None if there is no such file either.
+    """
     pattern = re.compile(rb"^[ \t]*(?:def|class)[ \t]+%s\b" % name.encode(), re.MULTILINE)
     programs = sorted((file for file in names if file.endswith(".py")), key=lambda file: (file != home, file))
     for file in programs:

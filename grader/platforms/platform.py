@@ -1,4 +1,4 @@
-"""Record type that describes a platform. Each platform's module defines one record at its end."""
+"""The record that describes a platform (learning platform or CI server). Each platform's module defines one at its end."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Template:
 
 @dataclass(frozen=True)
 class ResultContext:
-    """Context of a result on a platform: the submission, its path and the environment.
+    """What a platform's CI output needs beside the result: the lab, the submission, its path and the environment variables.
 
     `hidden` says that the scenarios are secret. The result then holds no data of the scenarios.
     """
@@ -57,7 +57,7 @@ class ResultContext:
 
 @dataclass(frozen=True)
 class SecondOutput:
-    """A second output, appended to the file that an environment variable names. Nothing is written if the variable is not set."""
+    """Text that a job appends to the file that an environment variable names; nothing is written if the variable is not set."""
 
     variable: str
     text: Callable[[Result, ResultContext], str]
@@ -65,7 +65,7 @@ class SecondOutput:
 
 @dataclass(frozen=True)
 class Help:
-    """Documentation of a platform in Markdown, one text for each thing that it supports.
+    """Documentation of a platform in Markdown, one text for each thing that the platform supports; "" if it does not.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Help:
 
 @dataclass(frozen=True)
 class Platform:
-    """One value of `--format` or `--from`. A field is None if the platform does not support it.
+    """A learning platform or CI server, one value of `--format` or `--from`. A function that it does not support is None.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Platform:
     recognise
         Function that returns whether a process runs on the platform, from the environment variables and the root folder.
     refuse
-        Function that is called before marking with the environment and `--min-score`; raises RequestError if the job cannot run.
+        Function that is called before grading with the environment and `--min-score`; raises RequestError if the job cannot run.
     aside
         A second output of a job.
     submission
@@ -116,7 +116,7 @@ class Platform:
         Function that writes the grades of a class as a file: final grades by id, the people of the roster without a submission, and
         their grade, "" for a blank cell.
     gradebook
-        Name of the grades file in OUT.
+        Name of the grades file in the output folder OUT.
     """
 
     name: str

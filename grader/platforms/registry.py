@@ -1,7 +1,7 @@
 """The only list of platforms, in detection order.
 
-A line here names what a platform supports, because help texts need the names at once and a platform's module is slow to import.
-A record that supports anything else is refused when it is loaded.
+A line here names what a platform supports, because help texts need the names at once and a platform's module is slow to import. A
+record that supports anything else is refused when it is loaded.
 """
 
 from __future__ import annotations
@@ -45,12 +45,9 @@ def names(*deeds: Deed) -> tuple[str, ...]:
 
 
 def platform(name: str) -> Platform:
-    """Return the record of a listed platform.
+    """Return the record of a listed platform; its module is imported only now.
 
-    Raises
-    ------
-    GraderError
-        If the record does not support what its line in the list of platforms says.
+    Raise GraderError if the record does not support exactly what its line in the list of platforms says.
     """
     module, listed = LISTED[name]
     record: Platform = importlib.import_module(module).PLATFORM

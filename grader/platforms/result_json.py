@@ -1,4 +1,4 @@
-"""`result.json` itself."""
+"""`--format json`: the result as it is in `result.json`, for a program of the user's own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Content shared by all CI formats: the parts of a result, and a check's text."""
+"""Texts that several CI formats share: the parts of a result, a check's feedback, and notes."""
 
 from __future__ import annotations
 
@@ -24,12 +24,9 @@ def parts(result: Result) -> Iterator[ResultPart]:
 
 
 def require_complete(result: Result) -> None:
-    """Refuse a result with a check that was not judged, for a format that can only tell points.
+    """Raise GraderError for a result with a check that was not judged, for a format that can only tell points.
 
-    Raises
-    ------
-    GraderError
-        If a check was not judged. The platform then reports that the autograder failed, and the instructor runs it again.
+    The platform then reports that the autograder failed, and the instructor runs it again; a zero would be unfair.
     """
     if result.status == "incomplete":
         raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
@@ -48,19 +45,19 @@ def title(part: ResultPart) -> str:
 
 
 def lines(check: CheckResult, part: ResultPart, lab: LabName) -> list[words.LabelledLine]:
-    """Return the lines of a check with the labels of a report, in the same order: Expected, Got, Try, Read, Rerun."""
+    """Return the feedback of a check as labelled lines, as in the report: Expected, Got, Try, Read, Rerun; empty ones left out."""
     row = words.row(check, part.id, lab)
     more = (words.LabelledLine("Read", row.read), words.LabelledLine("Rerun", row.again))
     return [*row.lines, *(line for line in more if line.text)]
 
 
 def plain(check: CheckResult, part: ResultPart, lab: LabName) -> str:
-    """Return the lines of a check as plain text, with the labels in a column, for a platform without markup."""
+    """Return the feedback of a check as plain text, with the labels in a column, for a platform without markup."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
 
 def together(cause: Cause, lab: LabName) -> str:
-    """Return the feedback of all checks with one cause as text, each sentence once."""
+    """Return the feedback of all checks that failed from one cause, as plain text with each sentence once."""
     said = [line for _, lines in causes.lines_by_check(cause) for line in lines]
     again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
     return "\n".join(_plain_line(line) for line in [*said, *causes.next_lines(cause, lab), *again])

@@ -40,7 +40,7 @@ class CsvSheet:
         return [self.rows[0].value(i).strip() for i in range(len(self.rows[0].cells))]
 
     def column(self, *titles: str) -> int | None:
-        """Return the column with the first of these titles that occurs, regardless of case; None if none does."""
+        """Return the index of the column with the first of these titles that occurs, regardless of case; None if none does."""
         known = [title.casefold() for title in self.titles]
         return next((known.index(title.casefold()) for title in titles if title.casefold() in known), None)
 
@@ -61,19 +61,9 @@ class CsvSheet:
 
 
 def read_sheet(data: bytes, source: str) -> CsvSheet:
-    """Parse a CSV file.
+    """Parse a CSV file in UTF-8 with commas, semicolons or tabs; `source` is its name in messages.
 
-    Parameters
-    ----------
-    data
-        The bytes of the file, UTF-8, with commas, semicolons or tabs.
-    source
-        Name of the file in messages.
-
-    Raises
-    ------
-    RequestError
-        If the file is no CSV file in UTF-8.
+    Raise RequestError if the file is no CSV file in UTF-8.
     """
     try:
         text = data.removeprefix(BOM).decode()

@@ -1,4 +1,4 @@
-"""The arrays of a frame: raw little-endian bytes, each described by name, dtype and shape, which are checked and never believed."""
+"""Arrays of a message between grader and sandbox: little-endian bytes with name, dtype and shape, checked on arrival."""
 
 from __future__ import annotations
 
@@ -28,12 +28,9 @@ def _padded(size: int) -> int:
 
 
 def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], list[bytes]]:
-    """Return descriptions of arrays for the frame's JSON, and the bytes that follow it.
+    """Return descriptions of arrays (name, dtype, shape) for the JSON of a message, and the bytes that follow it.
 
-    Raises
-    ------
-    ValueError
-        If an array has a dtype or shape that is not sent, or has more than `most` bytes.
+    Raise ValueError if an array has a dtype or shape that cannot be sent, or more than `most` bytes.
     """
     layout: list[list[Any]] = []
     chunks: list[bytes] = []
@@ -50,7 +47,7 @@ def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], 
 
 
 def unpack(layout: Any, body: memoryview, most: int) -> dict[str, np.ndarray]:
-    """Rebuild at most `most` arrays from the bytes; ValueError where the description is not what `pack` could have written."""
+    """Rebuild at most `most` arrays from `body`; raise ValueError if `pack` could not have written `layout` and these bytes."""
     if not isinstance(layout, list) or len(layout) > most:
         raise ValueError(f"the arrays are not a list of at most {most}")
     arrays: dict[str, np.ndarray] = {}

@@ -1,4 +1,4 @@
-"""Running a zygote in bubblewrap, which may make namespaces where this user may not."""
+"""Run a zygote (the warm parent of the workers) in bubblewrap, which may create namespaces where this user may not."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SCRATCH_BYTES = 64 << 20
 
 
 def command(plan: Plan, control_fd: int) -> list[str]:
-    """Return the command line of a zygote in bubblewrap, with the same root as `rootfs` makes."""
+    """Return the command line that starts a zygote (the warm parent) in bubblewrap, with the same root file system as `rootfs`."""
     arguments = ["--unshare-all", "--chdir", "/"]
     if plan.end_with_parent:
         arguments.append("--die-with-parent")
@@ -36,12 +36,12 @@ def command(plan: Plan, control_fd: int) -> list[str]:
 
 
 def _python() -> Iterable[str]:
-    """Return the files that the interpreter needs beside its libraries: the program and a virtual environment's marker."""
+    """Return the files that Python needs beside its libraries: the program, and the marker of a virtual environment."""
     return _program(), os.path.join(sys.prefix, "pyvenv.cfg")
 
 
 def _program() -> str:
-    """Python's path without steps up: what is bound in the sandbox has none."""
+    """Return Python's path without ``..``: the sandbox has no folders on the way up."""
     return os.path.abspath(sys.executable)
 
 

@@ -1,4 +1,4 @@
-"""Isolation of one worker in its process: mounts, limits, Landlock and seccomp, in the only order that works.
+"""Isolate one worker in its own process: mounts, limits, Landlock and seccomp, in the only order that works.
 
 Mounts come before Landlock, which forbids them; everything comes before seccomp, which forbids everything.
 """
@@ -21,7 +21,7 @@ FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grad
 
 @dataclass(frozen=True)
 class Confinement:
-    """Parameters of a worker's isolation, which the zygote (the warm parent) passes on.
+    """Parameters of a worker's isolation, which the zygote (the warm parent) passes on to each worker that it forks.
 
     Attributes
     ----------
@@ -32,12 +32,13 @@ class Confinement:
     landlock_abi
         Landlock's version in the kernel; 0 if the kernel has no Landlock.
     rules
-        Pairs of a scratch folder and the descriptor of its Landlock rule set. Rule sets are built once, as they have hundreds of
-        rules. A worker whose folder has no pair builds its own.
+        Pairs of a scratch folder (the only one that a worker may write) and the descriptor of its Landlock rule set. These are
+        built
+        once, as they have hundreds of rules. A worker whose folder has no pair builds its own.
     proc
-        Descriptor of the host's /proc, or -1. The worker closes it before student code runs.
+        Descriptor of the host's /proc, or -1 without one. The worker closes it before student code runs.
     zygote
-        The zygote's pid, as a worker without a pid namespace sees it; 0 for others.
+        The zygote's pid, as a worker without a pid namespace sees it; 0 for other workers.
     """
 
     isolation_level: IsolationLevel
@@ -51,10 +52,7 @@ class Confinement:
 def confine(confinement: Confinement, scratch: str) -> None:
     """Isolate this process irrevocably. `scratch` becomes its only writable folder and its working directory.
 
-    Raises
-    ------
-    OSError
-        If the kernel refuses a step; the process must then end.
+    Raise OSError if the kernel refuses a step; the process must then end.
     """
     os.umask(0o077)
     os.setsid()
@@ -64,9 +62,8 @@ def confine(confinement: Confinement, scratch: str) -> None:
         rootfs.mount_scratch()
     rules = _keep_rules(confinement, scratch)
     os.chdir(scratch)
-    limits.enforce(
-        leave_out=() if confinement.isolation_level.own_namespaces else ("RLIMIT_NPROC",)
-    )  # it would count the user's others too
+    # Without a user namespace, this limit would count all processes of the user.
+    limits.enforce(leave_out=() if confinement.isolation_level.own_namespaces else ("RLIMIT_NPROC",))
     linux.prctl(linux.PR_SET_DUMPABLE, 0)
     _end_with_zygote(confinement.zygote)
     linux.drop_capabilities()
@@ -78,12 +75,12 @@ def confine(confinement: Confinement, scratch: str) -> None:
 
 @lru_cache(maxsize=2)
 def seccomp_program(confinement: Confinement, pid: int) -> bytes:
-    """Return the seccomp filter program for the worker that sees itself as process `pid`, the only one that it may signal."""
+    """Return the seccomp filter for the worker that sees itself as process `pid`. It is kept, as most workers have the same."""
     return seccomp.program(confinement.machine, pid, own_files_only=confinement.isolation_level.own_namespaces)
 
 
 def _raise_oom_score(proc: int) -> None:
-    """Make this process the kernel's first choice when memory runs out."""
+    """Make this process the first that the kernel ends when memory runs out, not the grader; without a /proc (-1) do nothing."""
     if proc < 0:
         return
     with contextlib.suppress(OSError):
@@ -118,10 +115,7 @@ def _forbid_files(confinement: Confinement, scratch: str, made: int) -> None:
 def check_isolation(decoy: str) -> None:
     """Check the isolation from inside: try to open a socket, start a process, read `decoy` and write outside the folder.
 
-    Raises
-    ------
-    OSError
-        If one of these succeeds.
+    Raise OSError if one of these succeeds, because the isolation level must then not be used.
     """
     attempts: tuple[tuple[str, Callable[[], object]], ...] = (
         ("a socket could be opened", _open_socket),

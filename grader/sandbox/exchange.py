@@ -1,4 +1,4 @@
-"""One question and its answer over a line to untrusted code, within a time that is measured from outside."""
+"""Send one request to untrusted code over a socket and receive the answer, within a time that is measured from outside."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _CORES = os.cpu_count() or 1
 
 
 class LineClosedError(Exception):
-    """Exception: the process at the other end of the socket is gone."""
+    """Exception: the process at the other end of the socket has ended or closed it, so that no answer comes."""
 
 
 class DeadlineError(Exception):
-    """Exception: a worker's CPU time or wall-clock time is used up; `within` says which."""
+    """Exception: a worker's CPU time or wall-clock time is used up; `within` says in words which limit."""
 
     def __init__(self, within: str, cpu_s: float, wall_s: float) -> None:
         super().__init__()
@@ -32,11 +32,11 @@ class DeadlineError(Exception):
 
 
 class Deadline:
-    """Time limit of one answer, by CPU time. The wall clock limits code that sleeps: it runs while next to no CPU time is used.
+    """Time limit of one answer, by CPU time; code that sleeps is limited by the seconds in which it uses next to no CPU time.
 
-    Code that computes on a busy machine may take many times its CPU time; it is never cut off for that, or a mark would depend
-    on what else the machine does: the wall clock leaves out what was spent waiting for a processor. At ten times the limit, or
-    at `most_s` if that is earlier, the answer is cut off whatever the code does.
+    Code that computes on a busy machine may take many times its CPU time. It is not cut off for that, or a grade would depend on
+    what else the machine does: the wall clock leaves out what the process waited for a processor. At ten times the limit, or at
+    `most_s` if that is earlier, the answer is cut off whatever the code does.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Deadline:
         self._seen, self._idle_s = (0.0, 0.0), 0.0
 
     def nap(self) -> float:
-        """Return the seconds in which no limit can be exceeded, to sleep for; raise DeadlineError if a limit is exceeded."""
+        """Return for how many seconds to sleep, as no limit can be exceeded before; raise DeadlineError if one is exceeded."""
         cpu_s, wall_s = self._cpu() - self._cpu_start, self._wall() - self._wall_start
         last_cpu_s, last_wall_s = self._seen
         if cpu_s - last_cpu_s <= _IDLE_SHARE * (wall_s - last_wall_s):
@@ -67,7 +67,7 @@ class Deadline:
         return min(max(soonest, _SHORTEST_NAP_S), _LONGEST_NAP_S)
 
     def _over(self, cpu_s: float, wall_s: float) -> str:
-        """Return the description of the limit that is exceeded; empty if none is."""
+        """Describe the limit that is exceeded, for messages; return "" if none is."""
         if cpu_s >= self._cpu_limit:
             return f"{self._cpu_limit:g} s of CPU time"
         if self._idle_s >= self._wall_limit:
@@ -76,16 +76,16 @@ class Deadline:
 
 
 def exchange(line: socket.socket, nonce: bytes, question: bytes, deadline: Deadline) -> wire.Frame:
-    """Send the question and wait for the answer.
+    """Send a request to a worker and return its answer.
 
     Raises
     ------
     LineClosedError
-        If the other end is gone.
+        If the other end of the socket is closed.
     DeadlineError
         If time is up.
     WireError
-        If anything came before the question was sent in full, or what came is no answer to it.
+        If anything came before the request was sent in full, or what came is no answer to it (`nonce` tells).
     """
     with selectors.DefaultSelector() as selector:
         selector.register(line, selectors.EVENT_READ | selectors.EVENT_WRITE)

@@ -1,4 +1,4 @@
-"""Import the worker code, and beside it the questions of a lab."""
+"""Import the worker code (ours, which runs beside student code) in the sandbox, and a lab's own module of requests."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ _NAMES = ("grader.worker", "grader.questions")
 
 
 def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough: bool = False) -> worker.Answer:
-    """Import the worker code, and a lab's questions if there are any, let it warm up, and return its `answer`.
+    """Import the worker code and a lab's own module, if there is one, let both warm up, and return what answers requests.
 
     Parameters
     ----------
-    folders : the package folder of the worker code, then that of the questions
+    folders : the package folder of the worker code, then that of the lab's module
     search : `sys.path` from now on
+    thorough : whether to use each library once, too
     """
     sys.path[:] = search
     worker_code, *questions = _imported(dict(zip(_NAMES, folders, strict=False)))
@@ -33,7 +34,7 @@ def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough:
 
 
 def import_where_they_are(modules: Iterable[str]) -> None:
-    """Import those of these modules that are installed, so that later workers start with them."""
+    """Import those of these modules that are installed, so that later workers start with them; others fail where they are used."""
     for name in modules:
         with contextlib.suppress(Exception):  # then it fails for the student's code, as it would anywhere
             importlib.import_module(name)
@@ -50,7 +51,7 @@ class _Loader(SourceFileLoader):
 
 
 class _Finder:
-    """Finds the packages and their modules, each in its own folder."""
+    """Import finder for the packages in `folders`, each in a folder of its own, wherever it lies."""
 
     def __init__(self, folders: Mapping[str, str]) -> None:
         self._folders = folders
@@ -71,7 +72,7 @@ def _spec(name: str, file: str, folders: list[str] | None = None) -> ModuleSpec 
 
 
 def _imported(folders: Mapping[str, str]) -> list[ModuleType]:
-    """Import the packages; what stands for the package above them goes again."""
+    """Import the packages and return their modules; the package above them, which exists only for this, is removed again."""
     above = ModuleType(_NAMES[0].partition(".")[0])
     above.__path__ = []
     sys.modules[above.__name__] = above

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class IsolationLevel:
-    """One isolation level: what it consists of, and how to set it up.
+    """One isolation level: what it consists of, how it is set up, and its description for `imugrade doctor` and the documentation.
 
     Attributes
     ----------
@@ -21,9 +21,9 @@ class IsolationLevel:
     own_root
         Whether the sandbox has its own root file system, without the paths of the host.
     own_namespaces
-        Whether each worker has namespaces and a disk of its own, which the zygote creates for it.
+        Whether each worker has namespaces and a disk of its own, which the zygote (the warm parent) creates for it.
     program
-        The program that isolates the zygote in its place; "" if there is none.
+        Name of an installed program that isolates the zygote; "" if the zygote isolates itself.
     """
 
     name: str
@@ -37,7 +37,7 @@ class IsolationLevel:
 
 @dataclass(frozen=True)
 class Promise:
-    """A guarantee that holds whatever a submission does, and the isolation levels that give it."""
+    """A guarantee that SECURITY.md gives whatever a submission does: its words, and whether an isolation level gives it."""
 
     words: str
     kept_on: Callable[[IsolationLevel], bool]
@@ -99,5 +99,5 @@ PROMISES = (
 
 
 def named(name: str) -> IsolationLevel | None:
-    """Return the isolation level of this name; None if no level has it."""
+    """Return the isolation level of this name, as a user writes it; None if no level has it."""
     return next((isolation_level for isolation_level in LEVELS if isolation_level.name == name), None)

@@ -1,7 +1,7 @@
-"""Landlock: which files a worker may open, and that it reaches no network, socket or process outside.
+"""Landlock: limit which files a worker may open, and keep it from network, sockets and processes outside.
 
-It needs no privilege, and holds where no mount can. What it does not cover (stat, chmod, UDP) the other layers do. See
-Linux's Documentation/userspace-api/landlock.rst; the bits are those of include/uapi/linux/landlock.h.
+It needs no privilege, and holds where no mount can. What it does not cover (stat, chmod, UDP) the other layers do. See Linux's
+Documentation/userspace-api/landlock.rst; the bits are those of include/uapi/linux/landlock.h.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _GIVE_VERSION = 1
 
 
 def abi() -> int:
-    """Return the Landlock ABI version of this kernel; 0 without Landlock."""
+    """Return the version of Landlock in this kernel, on which the known rights depend; 0 without Landlock."""
     try:
         return linux.syscall("landlock_create_ruleset", None, 0, _GIVE_VERSION)
     except (OSError, KeyError):
@@ -38,12 +38,9 @@ def abi() -> int:
 
 
 def ruleset(version: int, readable: Iterable[str], listed: Iterable[str], writable: Iterable[str]) -> int:
-    """Make a ruleset for `enforce`: reading below some paths, listing names below others, everything harmless below more.
+    """Make a rule set for `enforce`, and return its file descriptor.
 
-    Returns
-    -------
-    int
-        A file descriptor.
+    It allows reading below `readable`, listing names below `listed`, and below `writable` all but special files and execution.
     """
     known = (1 << _RIGHTS_BY_ABI[min(version, len(_RIGHTS_BY_ABI) - 1)]) - 1
     network = _NETWORK if version >= 4 else 0
@@ -62,7 +59,7 @@ def ruleset(version: int, readable: Iterable[str], listed: Iterable[str], writab
 
 
 def _allow(rules: int, path: str, rights: int) -> None:
-    """Add one rule; a path that is not there needs none."""
+    """Add a rule that gives `rights` below a path; do nothing if there is no such path."""
     try:
         fd = os.open(path, os.O_PATH | os.O_CLOEXEC)
     except OSError:
@@ -77,5 +74,5 @@ def _allow(rules: int, path: str, rights: int) -> None:
 
 
 def enforce(rules: int) -> None:
-    """Restrict this process to a Landlock rule set for ever; needs no_new_privs."""
+    """Restrict this process to a Landlock rule set for ever; `no_new_privs` must have been set, or the kernel refuses."""
     linux.syscall("landlock_restrict_self", rules, 0)

@@ -1,4 +1,4 @@
-"""Starting a zygote and asking it for workers: the grader's end of the control socket."""
+"""Start a zygote (the warm parent) and ask it for workers: the grader's end of the control socket."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _UCRED = struct.Struct("3i")
 
 
 class Zygote:
-    """A running, isolated zygote; imports may still be going on.
+    """Handle of a running, isolated zygote (the warm parent of workers), as the grader holds it; its imports may still go on.
 
     Raises
     ------
@@ -71,7 +71,7 @@ class Zygote:
 
     @property
     def pid(self) -> int:
-        """The process whose end is the end of the zygote and of all its workers."""
+        """The process that the grader started for the zygote; when it ends, the zygote and all its workers end, too."""
         return self._process.pid
 
     # Starting
@@ -137,7 +137,7 @@ class Zygote:
         )
 
     def _folders(self, uid: dict[str, Any], libraries: tuple[str, ...]) -> tuple[tuple[str, ...], str]:
-        """Scratch folders and cache: the same names every time where the sandbox has a root of its own."""
+        """Return the scratch folders, where workers run, and the cache folder; make them if the sandbox has no root of its own."""
         names = [rootfs.SCRATCH, *(f"{rootfs.SCRATCH}{number}" for number in range(2, _SCRATCH_FOLDERS + 1))]
         if self.isolation_level.own_root:
             return tuple(names[:1] if self.isolation_level.own_namespaces else names), rootfs.CACHE
@@ -166,20 +166,20 @@ class Zygote:
         self.without_landlock = bool(message.get("without_landlock"))
 
     def _was_killed(self) -> bool:
-        """Return whether the process, or the first one in its own namespace, was ended with SIGKILL."""
+        """Return whether the zygote, or its child in a pid namespace, was ended with SIGKILL, as when memory runs out."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             return self._process.wait(1.0) in _KILLED
         return False
 
     def await_ready(self) -> None:
-        """Wait for the imports and the worker code's warm-up.
+        """Wait until the zygote has imported everything and the worker code (ours, beside student code) has warmed up.
 
         Raises
         ------
         ZygoteGoneError
             If the zygote died during the imports.
         GraderError
-            If an import failed, with its error.
+            If an import failed; the message holds its error.
         """
         with self._lock:
             if self._ready:
@@ -192,14 +192,14 @@ class Zygote:
             self._ready = True
 
     def _log_tail(self) -> str:
-        """Return the end of what the zygote printed, for error messages."""
+        """Return the last 2,000 bytes of what the zygote printed, for error messages."""
         self._log.seek(0)
         return self._log.read()[-2000:].decode("utf-8", "replace").strip()
 
     # Talking
 
     def _next(self, within_s: float) -> tuple[dict[str, Any] | None, list[int]]:
-        """Return the zygote's next message and descriptors; None if the zygote has ended."""
+        """Return the zygote's next message and its descriptors; None and [] if it has ended or sends none in time."""
         self._control.settimeout(within_s)
         try:
             data, fds, _, _ = socket.recv_fds(self._control, _MAX_MESSAGE, 1)
@@ -208,7 +208,7 @@ class Zygote:
         return (json.loads(data) if data else None), list(fds)
 
     def _await(self, table: dict[int, Any], number: int, within_s: float) -> None:
-        """Read messages until `table`, or the one of refusals, has this worker."""
+        """Read the zygote's messages until worker `number` is in `table` or refused; raise ZygoteGoneError if neither comes."""
         deadline = time.monotonic() + within_s
         while number not in table and number not in self._refused:
             message, fds = self._next(max(0.01, deadline - time.monotonic()))
@@ -222,7 +222,7 @@ class Zygote:
                 self._refused[message["failed"]] = message["reason"]
 
     def spawn(self, printed: Printed, warm: Sequence[str]) -> Sandboxed:
-        """Fork a worker from the zygote, with these modules already imported.
+        """Fork a worker from the zygote, with the modules `warm` already imported; `printed` takes its output.
 
         Raises
         ------
@@ -253,7 +253,7 @@ class Zygote:
             raise ZygoteGoneError(self._log_tail()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
-        """Wait for a worker's end; return how it ended and the CPU seconds that it used."""
+        """Wait for the end of worker `number`; return its exit code and the CPU seconds that it used in all."""
         with self._lock:
             self._await(self._ended, number, _END_WITHIN_S)
             return self._ended.pop(number)
@@ -261,7 +261,7 @@ class Zygote:
     # Ending
 
     def close(self) -> None:
-        """End the zygote and everything that it started."""
+        """End the zygote and all its workers, and remove the folders that were made for them."""
         self._control.close()
         try:
             self._process.wait(_END_WITHIN_S if self._ready else 0.5)
@@ -279,7 +279,7 @@ class Zygote:
 
 
 class Sandboxed:
-    """Handle of a worker that the zygote forked, see `process.Process`."""
+    """Handle of a worker that the zygote (the warm parent) forked; its methods are those of `process.Process`."""
 
     def __init__(self, zygote: Zygote, number: int, pidfd: int, line: socket.socket) -> None:
         self.line = line
@@ -327,9 +327,9 @@ class Sandboxed:
 
 
 def _await_hello(line: socket.socket) -> int:
-    """Wait until the worker is isolated; its pid as this process sees it.
+    """Wait until the worker is isolated; return its pid as this process sees it, by which its CPU time is measured.
 
-    The worker speaks before the student's code is there, so that this may be believed.
+    The worker speaks before the student's code is there, so that this may be believed. Raise GraderError if it does not.
     """
     line.settimeout(_WORKER_WITHIN_S)
     incoming = wire.Incoming()
@@ -352,7 +352,7 @@ def _await_hello(line: socket.socket) -> int:
 
 
 def _cpu_clock(pid: int) -> int:
-    """Return the id of the CPU-time clock of another process, all threads included; see clock_getcpuclockid(3)."""
+    """Return the id of another process's CPU-time clock, which counts all its threads; see clock_getcpuclockid(3)."""
     return (~pid << 3) | 2
 
 
@@ -370,7 +370,7 @@ def _needed(contents: Contents) -> list[str]:
 
 
 def _harmless_uid(needed: Sequence[str]) -> dict[str, Any]:
-    """On the lower isolation levels, root becomes a plain user at once, unless root alone can read what the sandbox needs."""
+    """Return the arguments by which root starts the zygote as a plain user; {} if not root, or if only root can read the code."""
     if not namespaces.may_drop_root() or not all(_open_to_all(path) for path in needed):
         return {}
     return {"user": namespaces.DROPPED_ID, "group": namespaces.DROPPED_ID, "extra_groups": []}

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LevelResult:
-    """An isolation level, whether it works here, and the reason if it does not, or not completely."""
+    """An isolation level, whether it works on this machine, and the reason if it does not, or not completely (else "")."""
 
     isolation_level: IsolationLevel
     usable: bool
@@ -27,7 +27,7 @@ class LevelResult:
 
 
 def probe() -> list[LevelResult]:
-    """Test every isolation level in a child process, best first, from inside; each takes about 50 ms."""
+    """Try every isolation level in a child process, best first, for `imugrade doctor`; each takes about 50 ms."""
     return [_try_level(isolation_level) for isolation_level in LEVELS]
 
 
@@ -48,7 +48,10 @@ def caveat(zygote: Zygote) -> str:
 
 
 def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
-    """Start a zygote on exactly this isolation level, or raise IsolationRefusedError."""
+    """Start a zygote (the warm parent) on exactly this isolation level; raise IsolationRefusedError if that is impossible here.
+
+    If it is killed before it is isolated, for lack of memory say, it is started once more.
+    """
     if sys.platform != "linux":
         raise IsolationRefusedError("needs Linux")
     from . import launch  # noqa: PLC0415 - of Linux only
@@ -64,7 +67,7 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 
 
 def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
-    """Return a zygote on the best level that works (None if no level works), and why no better level works."""
+    """Return a zygote (the warm parent) on the best level that works, None if none isolates, and why no better level works."""
     refused: list[str] = []
     for isolation_level in filter(lambda each: each.isolates, LEVELS):
         try:

@@ -1,4 +1,4 @@
-"""Set a worker's rlimits, after the imports, whose threads and mappings they would break."""
+"""Set a worker's resource limits (rlimits), after the imports, whose threads and mappings would exceed them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LIMITS = (
 
 
 def enforce(*, leave_out: tuple[str, ...] = ()) -> None:
-    """Set every resource limit (rlimit) of a worker that this system knows, never above the inherited limit."""
+    """Lower each resource limit (rlimit) of this process, except those to `leave_out` and those that the system refuses."""
     for name, value in _LIMITS:
         if name not in leave_out and hasattr(resource, name):
             _lower(getattr(resource, name), value)

@@ -1,4 +1,4 @@
-"""The Linux calls that Python lacks (or has from 3.12 on only), by ctypes; each raises OSError as os.* would.
+"""Linux calls that Python lacks (or has from 3.12 on only), by ctypes; each raises OSError as os.* would.
 
 The symbols are resolved at import, so that a worker, which is forked, does not pay for it.
 """
@@ -51,13 +51,13 @@ def _checked(result: int, what: str) -> int:
 
 
 def syscall(name: str, *arguments: Any) -> int:
-    """Make a system call by its number, for calls that Python lacks; integers are passed as long."""
+    """Make a system call that Python lacks, by its name in `syscalls`; KeyError for an unknown one. Integers are passed as long."""
     values = [ctypes.c_long(a) if isinstance(a, int) else a for a in arguments]
     return _checked(_libc.syscall(ctypes.c_long(NUMBERS[name]), *values), name)
 
 
 def unshare(flags: int) -> None:
-    """Move this process into new namespaces, as unshare(2) does."""
+    """Move this process into the new namespaces that `flags` name, as unshare(2) does."""
     _checked(_unshare(flags), "unshare")
 
 
@@ -76,7 +76,7 @@ def mount(source: str, target: str, kind: str = "", flags: int = 0, options: str
 
 
 def umount(target: str) -> None:
-    """Detach a mount at once, even if a process still uses it."""
+    """Detach a mount at once, even if a process still uses it, so that the host's files are out of reach."""
     _checked(_umount2(os.fsencode(target), MNT_DETACH), f"umount {target}")
 
 
@@ -85,7 +85,7 @@ def pivot_root(new: str, put_old: str) -> None:
 
 
 def mount_setattr(path: str, attributes: int, *, recursive: bool) -> None:
-    """Add attributes (the MS_RDONLY, MS_NOSUID, MS_NODEV, MS_NOEXEC bits, which agree with MOUNT_ATTR_*) to a mount."""
+    """Add attributes to a mount (MS_RDONLY, MS_NOSUID, MS_NODEV, MS_NOEXEC); if `recursive`, to all mounts below it, too."""
     request = (ctypes.c_uint64 * 4)(attributes, 0, 0, 0)
     flags = _AT_RECURSIVE if recursive else 0
     where = ctypes.c_char_p(os.fsencode(path))
@@ -93,7 +93,7 @@ def mount_setattr(path: str, attributes: int, *, recursive: bool) -> None:
 
 
 def close_from(first: int) -> None:
-    """Close every file descriptor from `first` on, so that student code inherits none."""
+    """Close every file descriptor from `first` on, so that student code inherits none of the grader's."""
     try:
         syscall("close_range", first, 0xFFFFFFFF, 0)
     except OSError:  # Linux before 5.9
@@ -101,7 +101,7 @@ def close_from(first: int) -> None:
 
 
 def drop_capabilities() -> None:
-    """Give up every capability of this process, and the settings by which it could regain one."""
+    """Give up every capability (right of root) of this process, and the settings by which it could regain one."""
     for capability in range(64):
         if _prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) < 0:
             break  # EINVAL behind the last one; EPERM where there is none to drop

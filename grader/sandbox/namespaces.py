@@ -21,7 +21,7 @@ _WORKER = linux.CLONE_NEWUSER | linux.CLONE_NEWNS | linux.CLONE_NEWIPC | linux.C
 def may_drop_root() -> bool:
     """Return whether this process is root and may become another user; some containers map root alone or lack CAP_SETUID.
 
-    Such a root must build the sandbox before it gives up its rights, for a Python below /root (mode 700) is its alone.
+    Such a root builds the sandbox before it gives up its rights, because only root can read a Python below /root (mode 700).
     """
     if os.geteuid() != 0:
         return False
@@ -44,7 +44,7 @@ def _may_set_ids() -> bool:
 
 
 def enter_as_root() -> None:
-    """Give up root for ever, then enter the namespaces of a zygote; the mounts become locked on the way."""
+    """Give up root for ever, then enter the namespaces of a zygote (the warm parent); its mounts can then no longer be undone."""
     give_up_root()
     linux.unshare(linux.CLONE_NEWUSER | linux.CLONE_NEWNS | _ZYGOTE)
 
@@ -61,7 +61,7 @@ def enter_as_user() -> None:
 
 
 def write_maps(proc: int, uid: int, gid: int) -> None:
-    """Become `INSIDE_ID` in the user namespace just entered; `proc` is a descriptor of a /proc that may be gone."""
+    """Become `INSIDE_ID` in the user namespace just entered; `proc` is a descriptor of /proc, whose path may be gone."""
     for name, line in (
         ("setgroups", "deny"),
         ("uid_map", f"{INSIDE_ID} {uid} 1"),
@@ -75,16 +75,16 @@ def write_maps(proc: int, uid: int, gid: int) -> None:
 
 
 def enter_as_worker(proc: int) -> None:
-    """Enter a new user namespace, so that the threads of one worker do not count against the limit of the next."""
+    """Enter namespaces of this worker's own, so that its threads do not count against the limit of other workers."""
     uid, gid = os.geteuid(), os.getegid()
     linux.unshare(_WORKER)
     write_maps(proc, uid, gid)
 
 
 def fork_as_first(own_pid_namespace: int) -> int:
-    """Fork a child that is pid 1 of a new pid namespace: when it ends, everything that it started ends too.
+    """Fork a child that is pid 1 of a new pid namespace, so that all that it started ends with it; return as `os.fork` does.
 
-    `own_pid_namespace` is a pidfd of this process: a second unshare is refused until setns has gone back.
+    `own_pid_namespace` is a pidfd of this process, by which it returns to its namespace: otherwise the next call is refused.
     """
     linux.unshare(linux.CLONE_NEWPID)
     try:

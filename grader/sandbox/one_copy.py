@@ -1,4 +1,4 @@
-"""Search a sandbox from inside for any copy of the grader or of the reference."""
+"""Search a sandbox from inside for copies of the grader or of the reference (the model solution), for `imugrade doctor`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _WITHIN_CPU_S = 300.0
 
 @dataclass(frozen=True)
 class Search:
-    """The number of files that could be opened in a sandbox, and those of the grader (a hundred at most)."""
+    """Result of a search: the number of files that could be opened in a sandbox, and those that are the grader's (at most 100)."""
 
     opened: int
     found: tuple[str, ...]
@@ -30,10 +30,7 @@ class Search:
 def search(isolation_level: IsolationLevel, libraries: tuple[str, ...] = ()) -> Search:
     """Open every file that a submission could open on this isolation level, and search it for names and lines of the grader.
 
-    Raises
-    ------
-    GraderError
-        If the isolation level cannot be had here.
+    Raise GraderError if the isolation level cannot be had here.
     """
     # On an isolation level with the host's root, / itself cannot be listed.
     roots = ["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *surroundings.visible((), libraries)]
@@ -46,12 +43,12 @@ def search(isolation_level: IsolationLevel, libraries: tuple[str, ...] = ()) -> 
 
 
 def _phrases() -> list[str]:
-    """Return a line that no other file holds of each file that a submission must not read."""
+    """Return, of each file that a submission must not read (reference, stand-ins), a line by which its copies are recognised."""
     paths = (path for folder, pattern in _SECRETS for path in (_PACKAGE.parent / folder).glob(pattern))
     return sorted({_telling_line(path.read_text(encoding="utf-8")) for path in paths} - {""})
 
 
 def _telling_line(source: str) -> str:
-    """Return the first line of a module's docstring, which its compiled file holds, too, or else the longest line."""
+    """Return the first line of a module's docstring, which its compiled file holds, too, or else the longest line; "" if empty."""
     docstring = ast.get_docstring(ast.parse(source))
     return docstring.partition("\n")[0] if docstring else max(map(str.strip, source.splitlines()), key=len, default="")

@@ -1,7 +1,7 @@
 """Choose the installed packages that a sandbox shows: the lab's libraries and those installed for students, entry by entry.
 
-A package folder is never shown whole: another copy of the grader may lie in it, or the path file of one. What stands in
-it and belongs to no distribution is not shown either.
+A package folder is never shown whole: another copy of the grader may lie in it, or a path file that leads to one. What lies in it
+and belongs to no installed distribution is not shown either.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _NO_ENTRIES = frozenset({"", "..", _COMPILED})
 
 @dataclass(frozen=True)
 class Installed:
-    """One installed distribution.
+    """One installed distribution (what pip calls a package), as its metadata describes it.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Installed:
     record
         The path of its ``.dist-info`` or ``.egg-info`` folder.
     asked_for
-        Whether it was installed by its own name, not because another one needs it.
+        Whether a person installed it by its name, and not only because another one needs it.
     needs
         Its requirements, those of its extras included.
     """
@@ -50,7 +50,7 @@ class Installed:
 
 
 def folders() -> tuple[str, ...]:
-    """Return the folders of installed packages, also a user's own or one of PYTHONPATH, which the worker's Python does not see."""
+    """Return the folders of installed packages that this Python uses, also a user's own, and the one where numpy lies."""
     found = [os.path.abspath(path) for path in sys.path if os.path.basename(path) in FOLDER_NAMES]
     spec = importlib.util.find_spec("numpy")
     if spec and spec.origin:
@@ -60,16 +60,16 @@ def folders() -> tuple[str, ...]:
 
 @lru_cache(maxsize=8)
 def shown(folders: tuple[str, ...], libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the entries that a sandbox shows of some package folders, without distributions that hold a folder of our name."""
+    """Return the paths in `folders` that a sandbox shows; a distribution with a folder named as one of ours is left out."""
     kept = for_students([one for folder in folders for one in installed(folder)], libraries)
     entries = (entries_of(one) for one in kept)
     return tuple(path for own in entries if OWN_FOLDERS.isdisjoint(map(os.path.basename, own)) for path in own)
 
 
 def for_students(distributions: Sequence[Installed], libraries: Iterable[str] = ()) -> list[Installed]:
-    """Return the lab's libraries and the packages installed for students, with what these need.
+    """Return the lab's `libraries` and the distributions installed for students, with what these need.
 
-    Packages that the grader itself needs are left out, unless a person installed them by name.
+    What only the grader needs is left out, unless a person installed it by name.
     """
     known: dict[str, list[Installed]] = {}
     for one in distributions:
@@ -81,7 +81,7 @@ def for_students(distributions: Sequence[Installed], libraries: Iterable[str] = 
 
 
 def _closure(names: Iterable[str], known: Mapping[str, Sequence[Installed]], *, extras: bool = False) -> set[str]:
-    """Return the names of all distributions that these need, directly or not; with `extras`, those of every extra, too."""
+    """Return these names and those of all distributions that they need, directly or not; with `extras`, those of extras, too."""
     waiting = [(name, "") for name in sorted(names)]
     done: set[tuple[str, str]] = set()
     while waiting:
@@ -99,7 +99,7 @@ def _closure(names: Iterable[str], known: Mapping[str, Sequence[Installed]], *, 
 
 
 def installed(folder: str) -> list[Installed]:
-    """Return the distributions of a package folder, from their metadata folders; empty if the folder is unreadable."""
+    """Return the distributions of a package folder, from their metadata folders; an empty list if the folder is unreadable."""
     try:
         names = sorted(os.listdir(folder))
     except OSError:
@@ -108,14 +108,14 @@ def installed(folder: str) -> list[Installed]:
 
 
 def _installed(record: str) -> Installed:
-    """Read the record of one distribution: its name, whether a person asked for it, and what it requires."""
+    """Read the metadata folder of one distribution: its name, whether a person asked for it, and what it requires."""
     name = os.path.basename(record).partition("-")[0].removesuffix(".egg")
     asked_for = os.path.exists(os.path.join(record, "REQUESTED"))
     return Installed(canonicalize_name(name), record, asked_for, tuple(_needs(Distribution.at(record))))
 
 
 def _needs(distribution: Distribution) -> Iterable[Requirement]:
-    """Yield the requirements of a distribution.
+    """Yield the requirements of a distribution; those that cannot be parsed are left out.
 
     The head of METADATA is read here: `Distribution.requires` also parses the description below it, which takes ten times as long.
     """
@@ -129,7 +129,7 @@ def _needs(distribution: Distribution) -> Iterable[Requirement]:
 
 
 def entries_of(distribution: Installed) -> tuple[str, ...]:
-    """Return the absolute paths of a distribution's entries in the package folder, its record included.
+    """Return the absolute paths of a distribution's files and folders in its package folder, its metadata folder included.
 
     Files that only point to other folders (``.pth``, ``.egg-link``) are left out.
     """

@@ -1,4 +1,4 @@
-"""Paths of the host: where they lead, link by link, and how to go round what must not be seen."""
+"""Paths of the host: follow their links, and choose what a sandbox shows so that nothing hidden is seen."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ class Step(NamedTuple):
 
 
 def is_below(path: str, folders: Iterable[str]) -> bool:
-    """Return whether `path` is one of the folders or lies in one; none of the paths contains a link."""
+    """Return whether `path` is one of the folders or lies below one; links are not followed, so that no path may contain one."""
     return any(path == folder or path.startswith(folder.rstrip("/") + "/") for folder in folders)
 
 
 def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
-    """Follow an absolute path below `root` component by component: /lib is a link to usr/lib here, a folder there.
+    """Follow the links in an absolute path of the system below `root`: /lib may be a link to usr/lib, or a folder.
 
     Returns
     -------
@@ -53,9 +53,9 @@ def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
 
 
 def mount_steps(visible: Iterable[str], hidden: Iterable[str], root: str = "") -> list[Step]:
-    """Return the mounts of a root that shows `visible` without `hidden`, outer folders first.
+    """Return the steps by which a sandbox's root shows `visible` without `hidden`, outer folders first.
 
-    What is visible below something hidden is shown in its place. Paths that do not exist below `root` are left out.
+    A visible path below a hidden one is shown. Paths that do not exist below `root` are left out.
     """
     wanted = [("hide", path) for path in hidden] + [("show", path) for path in visible]
     done: dict[str, str] = {}
@@ -71,14 +71,17 @@ def mount_steps(visible: Iterable[str], hidden: Iterable[str], root: str = "") -
 
 
 def _kind_over(path: str, done: Mapping[str, str]) -> str:
-    """Return the mount of the path itself, or of the nearest folder that holds it."""
+    """Return the kind of step ("show", "hide") for a path or the nearest folder around it; "" if there is none yet."""
     while path not in done and path != "/":
         path = os.path.dirname(path)
     return done.get(path, "")
 
 
 def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
-    """Return the paths that are shown whole and the folders that may only be listed, as Landlock rules cannot exclude paths."""
+    """Return the paths that a sandbox shows whole, and the folders around hidden ones, which it may only list.
+
+    Landlock needs both lists, because its rules allow paths and cannot exclude any.
+    """
     steps = list(steps)
     hidden = [step.place for step in steps if step.kind == "hide"]
     whole: list[str] = []
@@ -97,7 +100,7 @@ def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
 
 
 def empty_folder(folder: str) -> None:
-    """Remove what a hostile program left in `folder`: however deep, whatever its modes; links are never followed."""
+    """Remove all that a hostile program left in `folder`, however deep and whatever its modes; links are never followed."""
     fresh = 0
     while entries := list(os.scandir(folder)):
         for entry in entries:

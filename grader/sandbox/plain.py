@@ -1,6 +1,6 @@
-"""The lowest isolation level: a new process for every worker, with time limits and no isolation, for any system.
+"""The lowest isolation level: a new process for every worker, with time limits and no isolation, on any system.
 
-It is for one's own code on one's own machine. Written so that it needs nothing of POSIX that Windows lacks.
+It is for one's own code on one's own machine, and needs nothing of POSIX that Windows lacks.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _READY_WITHIN_S = 300.0
 
 
 class PlainProcess:
-    """Handle of a worker process of the level `none`, which has time limits only; see `process.Process`."""
+    """Handle of a worker process of the level `none`, which has time limits only; its methods are those of `process.Process`."""
 
     def __init__(self, contents: Contents, printed: Printed) -> None:
         self._code: int | None = None
@@ -89,7 +89,7 @@ class PlainProcess:
         self.line.setblocking(False)
 
     def _clock(self) -> float:
-        """CPU time of the process where the system tells it of another one (Linux), else wall time."""
+        """Return the process's CPU seconds on Linux; other systems do not tell them, so there the wall-clock seconds."""
         if sys.platform == "linux":
             return time.clock_gettime((~self._popen.pid << 3) | 2)
         return time.monotonic() - self._started
@@ -127,7 +127,7 @@ class PlainProcess:
 
 
 def _wait_without_reaping(popen: subprocess.Popen[bytes], seconds: float) -> None:
-    """Let the process end, but keep its number, by which its group is known, from being given away."""
+    """Wait until the process has ended, at most `seconds`, and keep its pid from being given away: its group is killed by it."""
     deadline = time.monotonic() + seconds
     if not hasattr(os, "waitid"):  # macOS and Windows: a moment must do
         time.sleep(min(seconds, 0.05))
@@ -145,14 +145,14 @@ def _kill_group(popen: subprocess.Popen[bytes]) -> None:
 
 
 def _shared(theirs: socket.socket, pid: int) -> bytes:
-    """Return the bytes from which a child on Windows opens the socket; elsewhere it inherits the socket and reads nothing."""
+    """Return the bytes from which a child on Windows opens the socket; b"" elsewhere, where the child inherits the socket."""
     if sys.platform == "win32":
         return theirs.share(pid)
     return b""
 
 
 def _link_font_lists(folder: str) -> None:
-    """Copies of matplotlib's lists of fonts: to search for fonts takes many seconds where there are hundreds."""
+    """Copy matplotlib's lists of fonts to a new folder; without them it searches the fonts, which may take many seconds."""
     os.mkdir(folder)
     with contextlib.suppress(OSError):
         for path in surroundings.font_lists():

@@ -1,4 +1,4 @@
-"""The worker's side of the lowest isolation level: one process without isolation, and the same loop."""
+"""The worker's side of the isolation level `none`: a process without isolation that answers requests as all workers do."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from typing import Any
 
 
 def start(arguments: Sequence[str]) -> Callable[[], None]:
-    """Set up a worker without isolation: socket, limits and worker code; return the function that answers questions."""
+    """Set up a worker without isolation (socket, limits, worker code), and return the function that answers its requests."""
     line, plan = _line(int(arguments[0])), json.loads(arguments[1])
     sys.argv[:] = [""]
     sys.path[:] = plan["search"]  # packages may lie where only the grader's own environment says

@@ -1,4 +1,4 @@
-"""The grader's first message to a zygote: isolation level, visible files, imports."""
+"""What the grader asks of a sandbox (`Contents`), and its first message to a zygote, the warm parent of the workers (`Plan`)."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from .isolation_levels import LEVELS, IsolationLevel
 
 @dataclass(frozen=True)
 class Contents:
-    """The code that runs in a sandbox, and what it needs.
+    """The code that runs in a sandbox beside student code, and what it needs; whoever opens a sandbox fills it in.
 
     Attributes
     ----------
     worker_code
         A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
     questions
-        The package folder of a lab's questions, if it has one; the worker code gets it as the second argument of `warm_up`.
+        The folder of a lab's own package of requests, if it has one; the worker code gets it as the second argument of `warm_up`.
     readable
         Further paths that the sandbox shows read-only.
     packages
-        Distributions that the sandbox shows although the grader needs them, too, with what they need.
+        Distributions that the sandbox shows, with what they need, although they are needed by the grader, too.
     warm
         Modules that are imported once for all workers; `Sandbox.warm` adds some later. On the lowest level each worker
         imports what it needs.
     thorough
-        Whether the worker code also uses each part once before the first worker: it pays where many of them follow.
+        Whether the worker code also uses each library once before the first worker: it pays if many workers follow.
     """
 
     worker_code: Path
@@ -42,7 +42,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a zygote has to set up. Paths are absolute and, but for `visible`, free of links.
+    """What a zygote (the warm parent) has to set up, sent by `launch`. Paths are absolute and, but for `visible`, free of links.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Plan:
     cache
         The zygote's own writable folder.
     decoy
-        A file that no sandbox may read: the isolation is tried against it.
+        A file of the grader that no sandbox may read: the isolation is tried against it.
     end_with_parent
         Whether the kernel kills the zygote with the thread that started it; it ends anyway when the grader hangs up.
     """
@@ -86,7 +86,7 @@ class Plan:
     end_with_parent: bool
 
     def packed(self) -> bytes:
-        """Return the plan as one compressed message, which has to fit into a socket's buffer even with thousands of packages."""
+        """Return the plan as one compressed message, which fits into a socket's buffer even with thousands of packages."""
         return zlib.compress(
             json.dumps({**asdict(self), "isolation_level": LEVELS.index(self.isolation_level)}).encode(), 1
         )

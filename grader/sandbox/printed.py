@@ -1,4 +1,4 @@
-"""Capture a worker's stdout and stderr in a file in memory of fixed size, so that a flood costs nothing."""
+"""Capture a worker's stdout and stderr in a memory file of fixed size, so that a flood of output costs nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PLACE_AT, PLACE_BYTES = MAX_BYTES, 1 << 10
 
 
 class Printed:
-    """The standard streams of one worker, in the order in which they were written.
+    """The output of one worker: its stdout and stderr in the order in which they were written, and the statement it noted last.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return the statement that the worker noted last, to find one that killed it; untrusted, and "" if it cannot be read."""
+        """Return the statement that the worker noted last, to find one that killed it; untrusted; "" if closed, or on Windows."""
         if self._file.closed or not hasattr(os, "pread"):
             return ""
         return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")
@@ -44,7 +44,7 @@ class Printed:
 
 
 def _sealed_memory() -> Any:
-    """Return a memory file of fixed size; writing beyond its end fails."""
+    """Return a memory file of fixed size, so that a worker that writes too much gets an error and fills nothing."""
     import fcntl  # noqa: PLC0415 - not on every system
 
     fd = os.memfd_create("printed", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)

@@ -1,4 +1,4 @@
-"""The interface of a worker's process, independent of how it was started."""
+"""The interface of a worker's process, whichever isolation level started it, and the errors of starting one."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Return whether this is the main thread, to which the kernel may tie a child's end: other threads may end earlier."""
+    """Return whether this is the main thread, with which the kernel may end a child: any other thread may end too early."""
     return threading.current_thread() is threading.main_thread()
 
 
 class IsolationRefusedError(Exception):
-    """Exception: the kernel refuses an isolation step of this level; the message is the reason."""
+    """Exception: this machine does not allow an isolation level, so that another one must be used; the message is the reason."""
 
 
 class ZygoteGoneError(Exception):
-    """Exception: the zygote (the warm parent) died, or was killed before it was isolated."""
+    """Exception: the zygote (the warm parent of the workers) has died, so that a new one must be started."""
 
 
 class WallClock:
-    """Wall clock of a process that, on Linux, leaves out the time in which the process waits for a CPU.
+    """Wall clock of another process that, on Linux, leaves out the time in which the process waits for a CPU.
 
-    So a busy machine does not use up the time limit, and code that sleeps does.
+    So code that sleeps uses up its time limit, and a busy machine does not use it up.
     """
 
     def __init__(self, pid: int) -> None:
@@ -40,7 +40,7 @@ class WallClock:
         return time.monotonic() - self._waited_s
 
     def read(self) -> float:
-        """Return the seconds since the clock was created. It never runs backwards, although the kernel reports a wait late."""
+        """Return the seconds since this clock was created. It never runs backwards, although the kernel reports a wait late."""
         self._read_s = max(self._read_s, self._now() - self._began)
         return self._read_s
 
@@ -55,7 +55,7 @@ def _small_file(path: str) -> bytes:
 
 
 class Process(Protocol):
-    """Handle of a worker process that runs untrusted code.
+    """Handle of a worker process that runs untrusted code, of which `Sandbox` needs no more than this.
 
     Attributes
     ----------
@@ -69,15 +69,10 @@ class Process(Protocol):
         """Return the CPU seconds used since the process was ready (wall-clock seconds if the system does not report them)."""
 
     def wall_s(self) -> float:
-        """Return the seconds of its `WallClock` since the process was ready."""
+        """Return the seconds since the process was ready, without those in which it waited for a CPU (see `WallClock`)."""
 
     def end(self, grace_s: float = 0.0) -> int:
         """Wait `grace_s` seconds for the process to end by itself, kill it and its children, and return its exit code.
 
-        The exit code is that of `subprocess.Popen`: negative for a signal.
-
-        Raises
-        ------
-        GraderError
-            If the exit code cannot be found out any more.
+        The exit code is that of `subprocess.Popen`: negative for a signal. Raise GraderError if it cannot be found out any more.
         """

@@ -1,7 +1,7 @@
 """The file system of a sandbox: a read-only root with Python and its packages; no /proc, no /dev/shm, no /tmp, no /home.
 
-After pivot_root the host lies under /old for as long as the binds are made, so that no path of it is hidden by a mount
-of ours: Python itself may live below /tmp or /root.
+After pivot_root the host lies under /old for as long as the binds are made, so that no path of the host is hidden by a mount of
+ours: Python itself may lie below /tmp or /root.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _SCRATCH_OPTIONS = "size=64m,nr_inodes=4096,mode=700"
 
 
 def enter_new_root() -> None:
-    """Make an empty tmpfs the root, with the host's below /old; needs a mount namespace of one's own."""
+    """Make an empty file system in memory the root, with the host's below /old; the process must have its own mount namespace."""
     linux.mount("none", "/", flags=linux.MS_REC | linux.MS_PRIVATE)
     base = "/tmp" if os.path.isdir("/tmp") else "/dev"
     linux.mount("tmpfs", base, "tmpfs", linux.MS_NOSUID | linux.MS_NODEV, "size=16m,mode=755")
@@ -36,14 +36,14 @@ def enter_new_root() -> None:
 
 
 def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], folders: Mapping[str, str]) -> None:
-    """Mount what a sandbox may see, and leave the host behind.
+    """Mount what a sandbox may see at its new root; the host's files lie below /old until `close_root`.
 
     Parameters
     ----------
     visible
         Absolute paths of the host, shown read-only at the same place; those that do not exist are left out.
     hidden
-        Files and folders below them that appear empty.
+        Files and folders below the visible ones that appear empty.
     code
         Modules of the sandbox, copied to `SANDBOX`.
     folders
@@ -63,12 +63,12 @@ def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str]
 
 
 def copies(plan: Plan) -> Mapping[str, str]:
-    """Return the host's folders of worker code by path in the sandbox, where they are copied because the host is unmounted."""
+    """Return the host's folders of worker code by their path in the sandbox; they are copied, as the host is unmounted."""
     return {WORKER_CODE: plan.worker_code, **({QUESTIONS: plan.questions} if plan.questions else {})}
 
 
 def close_root() -> None:
-    """Unmount the host and make the root read-only."""
+    """Unmount the host and make the root read-only, so that no worker sees the one or changes the other."""
     linux.umount(OLD)
     os.rmdir(OLD)
     linux.mount_setattr("/", _READ_ONLY, recursive=False)
@@ -86,7 +86,7 @@ def freeze_cache() -> None:
 
 
 def mount_scratch() -> None:
-    """Mount an empty folder of the worker's own, which ends with its mount namespace."""
+    """Mount an empty folder in memory that only this worker can write; it ends with the worker's mount namespace."""
     flags = linux.MS_NOSUID | linux.MS_NODEV | linux.MS_NOEXEC
     linux.mount("tmpfs", SCRATCH, "tmpfs", flags, _SCRATCH_OPTIONS)
 
@@ -109,14 +109,14 @@ def _show_all(visible: Sequence[str], hidden: Sequence[str]) -> None:
 
 
 def _link(target: str, here: str) -> None:
-    """Repeat a link of the host, unless something shown already holds it."""
+    """Repeat a symbolic link of the host in the sandbox, unless its path exists there already."""
     if not os.path.lexists(here):
         os.makedirs(os.path.dirname(here), exist_ok=True)
         os.symlink(target, here)
 
 
 def _cover(place: str) -> None:
-    """Hide a path: mount an empty tmpfs over a folder, or /dev/null over a file."""
+    """Hide a path: mount an empty file system over a folder, or /dev/null over a file."""
     if os.path.isdir(place):
         linux.mount("tmpfs", place, "tmpfs", options="size=4k,mode=755")
     else:

@@ -3,8 +3,8 @@
     with Sandbox(Contents(worker_code)) as sandbox, sandbox.worker() as worker:
         frame = worker.ask("read", {"seed": 1}, {"state": state}, cpu_s=10.0)
 
-Whatever the code in the sandbox does, `ask` ends in a frame, in a `NoAnswer`, or, if the grader itself is at fault, in a
-`GraderError`.
+Whatever the code in the sandbox does, `ask` ends in a frame (the answer), in a `NoAnswer`, or, if the grader itself is at fault, in
+a `GraderError`.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ _GRACE_S = 1.0  # for a process that hung up to end by itself, so that we learn 
 
 
 class Sandbox:
-    """One isolated zygote; workers are forked from it in milliseconds.
+    """A place for untrusted code: one isolated zygote (warm parent), from which workers are forked in milliseconds.
 
     Parameters
     ----------
     contents
-        What it is opened for; its worker code answers the questions.
+        What the sandbox is opened for; its worker code answers the requests.
     isolation_level
         The name of one of `LEVELS`; None for the best that this machine allows.
 
@@ -89,10 +89,7 @@ class Sandbox:
     def worker(self) -> Worker:
         """Return a new worker without any state of the earlier ones. The middle isolation levels allow four at a time.
 
-        Raises
-        ------
-        GraderError
-            If none can be had, even from a new zygote.
+        Raise GraderError if none can be had, even from a new zygote (the warm parent).
         """
         if self._closed:
             raise GraderError("the sandbox is closed")
@@ -106,12 +103,12 @@ class Sandbox:
         return worker
 
     def warm(self, modules: Sequence[str]) -> None:
-        """Import these modules in the zygote, so that later workers start with them."""
+        """Import these modules in the zygote (the warm parent) with the next worker, so that later workers start with them."""
         new = [name for name in modules if name not in self._contents.warm]
         self._contents = replace(self._contents, warm=(*self._contents.warm, *new))
 
     def close(self) -> None:
-        """End every worker and the zygote."""
+        """End every worker, and the zygote (the warm parent) with its folders."""
         self._closed = True
         for worker in self._workers:
             worker.close()
@@ -156,7 +153,7 @@ class Sandbox:
 
 
 class Worker:
-    """A process of untrusted code that answers questions until it fails once or is closed."""
+    """A process in the sandbox that runs untrusted code and answers requests until it fails once or is closed."""
 
     def __init__(self, process: Process, printed: Printed) -> None:
         self._process = process
@@ -192,12 +189,12 @@ class Worker:
         wall_s: float | None = None,
         most_s: float = math.inf,
     ) -> wire.Frame:
-        """Ask one question and wait for its answer.
+        """Send one request to the worker and return its answer.
 
         Parameters
         ----------
         op, fields, arrays
-            What the worker code's `answer` gets.
+            What the worker code's `answer` gets: the request's name, its plain data and its arrays.
         cpu_s
             CPU seconds that the answer may take, all threads together.
         wall_s
@@ -210,7 +207,7 @@ class Worker:
         TimedOut, Crashed, Malformed
             What the code in the sandbox may do instead of answering; the worker is dead afterwards.
         GraderError
-            If the question itself cannot be sent, or the sandbox failed us.
+            If the request itself cannot be sent, or the sandbox failed us.
         """
         if not self.alive:
             raise Crashed("the process had already ended")
@@ -236,7 +233,7 @@ class Worker:
         raise failure
 
     def printed(self) -> str:
-        """Return the worker's stdout and stderr so far, at most 256 KB."""
+        """Return what the worker printed so far (stdout and stderr), at most 256 KB; after `close`, what it printed in all."""
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:
@@ -244,7 +241,7 @@ class Worker:
         return self._printed.place()
 
     def close(self) -> None:
-        """Kill everything that the worker started."""
+        """Kill the worker and all that it started; what it printed can still be read."""
         self._end()
         if self._text is None:
             self._text = self._printed.read()
@@ -275,7 +272,7 @@ def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[st
 
 
 def _answered(frame: wire.Frame) -> wire.Frame:
-    """Take the worker code's fields out of the worker's envelope."""
+    """Return the frame without the wrapping of the worker's loop; raise Malformed if it holds an error or is no answer."""
     if set(frame.fields) == {"worker_error"}:
         raise Malformed(str(frame.fields["worker_error"]))
     fields = frame.fields.get("fields")
@@ -295,7 +292,7 @@ def _exit_in_words(code: int) -> str:
 
 
 def _make_undumpable() -> None:
-    """Keep others of the same user out of the grader's memory: no ptrace, no /proc/PID/mem."""
+    """Keep other processes of the same user out of the grader's memory, where hidden data lies: no ptrace, no /proc/PID/mem."""
     if sys.platform == "linux":
         from . import linux  # noqa: PLC0415 - of Linux only
 

@@ -1,8 +1,7 @@
-"""seccomp: which system calls a worker may make. What is not on the list fails with EPERM, as if it were forbidden.
+"""seccomp: which system calls a worker may make. A call that is not on the list fails with EPERM, as if it were forbidden.
 
-The list is what a broad sound workload needs (simulation, plots, threads, sqlite, archives, asyncio), with room to
-spare, and none of what starts a process, opens a socket or reaches another process. See seccomp(2); the program is
-classic BPF.
+The list is what a broad sound workload needs (simulation, plots, threads, sqlite, archives, asyncio), with room to spare, and none
+of what starts a process, opens a socket or reaches another process. See seccomp(2); the program is classic BPF.
 """
 
 from __future__ import annotations
@@ -94,7 +93,7 @@ def program(machine: Machine, pid: int, *, own_files_only: bool) -> bytes:
 
 
 def _guarded(pid: int) -> list[tuple[str, list[Instruction]]]:
-    """Calls that depend on an argument."""
+    """Return the calls that are allowed for some values of an argument alone, each with its part of the filter program."""
     myself = (0, pid)
     return [
         ("clone", _thread_only()),
@@ -118,7 +117,7 @@ def _one_of(argument: int, allowed: tuple[int, ...]) -> list[Instruction]:
 
 
 def _thread_only() -> list[Instruction]:
-    """clone() may start threads, never a process or a namespace."""
+    """Return filter instructions by which clone() may start threads, but no process and no namespace."""
     return [
         (_LOAD, 0, 0, _ARGUMENTS_AT),
         (_ANY_BIT, 2, 0, _NEW_NAMESPACE),
@@ -129,7 +128,7 @@ def _thread_only() -> list[Instruction]:
 
 
 def enforce(filter_program: bytes) -> None:
-    """Install a seccomp filter in this process for ever; needs no_new_privs."""
+    """Install a seccomp filter in this process for ever; `no_new_privs` must have been set, or the kernel refuses."""
     code = ctypes.create_string_buffer(filter_program, len(filter_program))
     header = struct.pack("@HP", len(filter_program) // 8, ctypes.addressof(code))
     linux.syscall("seccomp", _SET_MODE_FILTER, 0, ctypes.c_char_p(header))

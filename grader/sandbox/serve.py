@@ -1,4 +1,4 @@
-"""A zygote: isolates itself, imports everything once, then forks a worker whenever the grader asks for one.
+"""A zygote (the warm parent): isolates itself, imports everything once, then forks a worker whenever the grader asks for one.
 
 The control socket keeps message boundaries. Its other end is the grader's; when that closes, the zygote and its workers end.
 """
@@ -32,11 +32,14 @@ _GC_THRESHOLDS = (20_000, 5, 10)
 
 
 class _GraderGoneError(Exception):
-    """The other end of the control socket is closed: everything that the grader started has to end."""
+    """Exception: the other end of the control socket is closed, so everything that the grader started has to end."""
 
 
 def main(control_fd: int) -> Callable[[], None] | None:
-    """Run the zygote: fork workers until the grader closes the socket. In a forked worker, return the function that it runs."""
+    """Run the zygote: fork workers until the grader closes the socket. In a forked worker, return the function that it runs.
+
+    Return None in the zygote if it could not be isolated or an import failed; the grader was told why.
+    """
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.unpacked(control.recv(_MAX_MESSAGE))
     try:
@@ -92,7 +95,10 @@ def _reason(error: BaseException) -> str:
 
 
 def _enter(plan: Plan, control: socket.socket) -> confine.Confinement:
-    """Isolate the zygote itself. If workers get namespaces, the process forks and the child continues as pid 1."""
+    """Isolate the zygote, and return what each worker needs for its own isolation; raise OSError if the kernel refuses.
+
+    If workers get namespaces, the process forks and the child continues as pid 1.
+    """
     if plan.isolation_level.own_namespaces:
         return _enter_full(plan, control)
     version = landlock.abi()
@@ -104,13 +110,13 @@ def _enter(plan: Plan, control: socket.socket) -> confine.Confinement:
 
 
 def _landlock_paths(plan: Plan) -> tuple[list[str], list[str]]:
-    """Return the paths that Landlock allows where the host's root stays the root, and the folders that may only be listed."""
+    """Return what Landlock lets workers read, and which folders it lets them list, where the host's root stays the root."""
     whole, split = paths.shown_and_listed(paths.mount_steps(plan.visible, plan.hidden))
     return [*whole, *plan.code, *rootfs.copies(plan).values()], split
 
 
 def _open_proc() -> int:
-    """Return a descriptor of /proc that stays valid without the mount; -1 without /proc."""
+    """Return a descriptor of /proc that stays valid after /proc is unmounted; -1 if there is no /proc."""
     try:
         return _move_up(os.open("/proc", os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC))
     except OSError:
@@ -154,7 +160,7 @@ def _contents(files: tuple[str, ...]) -> list[tuple[str, bytes]]:
 
 
 def _become_first(control: socket.socket) -> None:
-    """Fork into the new pid namespace; this process only waits for the child and ends as it does."""
+    """Fork into the new pid namespace; the child goes on, and this process only waits for it and ends as it does."""
     pid = os.fork()
     if pid == 0:
         namespaces.die_with_parent()
@@ -165,7 +171,7 @@ def _become_first(control: socket.socket) -> None:
 
 
 def _check_confinement(confinement: confine.Confinement, plan: Plan) -> None:
-    """Confine a child process as a worker and check the isolation from inside; raise OSError with the part that failed."""
+    """Confine a child process as a worker and check the isolation from inside; raise OSError with what did not hold."""
     reader, writer = os.pipe()
     own = _own_pid_namespace(confinement)
     pid = namespaces.fork_as_first(own) if own >= 0 else os.fork()
@@ -179,9 +185,7 @@ def _check_confinement(confinement: confine.Confinement, plan: Plan) -> None:
     if own >= 0:
         os.close(own)
     if not reason and os.waitstatus_to_exitcode(status) == -signal.SIGKILL:
-        os._exit(
-            128 + signal.SIGKILL
-        )  # the isolation kills nothing; as if it had been this process: the same level is tried again
+        os._exit(128 + signal.SIGKILL)  # the isolation kills nothing; the grader tries the same level again
     if reason != b"held":
         raise OSError(reason.decode(errors="replace") or "an isolated worker ended without a word")
 
@@ -205,7 +209,7 @@ def _own_pid_namespace(confinement: confine.Confinement) -> int:
 
 
 def _warm_up(plan: Plan) -> Any:
-    """Import everything once, freeze it, and return the worker code's `answer`."""
+    """Import everything once, so that workers need not, and return the worker code's function that answers requests."""
     sys.path[:] = plan.search  # packages may lie where only the grader's own environment says
     copies = rootfs.copies(plan)
     folders = list(copies if plan.isolation_level.own_root else copies.values())
@@ -224,7 +228,7 @@ def _warm_up(plan: Plan) -> Any:
 def _imports_frozen() -> Iterator[None]:
     """Disable garbage collection during imports and keep what they created out of later collections.
 
-    Nearly all of it is permanent; searching for the rest takes a tenth of the imports' time.
+    Nearly all of it is permanent; searching it for garbage takes a tenth of the imports' time.
     """
     gc.disable()
     yield
@@ -287,7 +291,7 @@ class _Zygote:
         return message, list(fds)
 
     def _import(self, modules: list[str]) -> None:
-        """Import modules before the first worker that needs them; all later workers have them, too."""
+        """Import those of `modules` that are new, before the first worker that needs them; all later workers have them, too."""
         from .imports import import_where_they_are  # noqa: PLC0415 - see _warm_up
 
         if new := [name for name in modules if name not in self._warm]:
@@ -296,7 +300,7 @@ class _Zygote:
             self._warm.update(new)
 
     def _spawn(self, number: int, fds: list[int]) -> Callable[[], None] | None:
-        """Fork a worker. Return its work in the child, None in the zygote."""
+        """Fork worker `number`. Return its work in the child, None in the zygote; a failure is told to the grader."""
         scratch = self._free_scratch()
         try:
             if scratch is None:
@@ -321,7 +325,7 @@ class _Zygote:
         return next((folder for folder in self._plan.scratch if folder not in taken), None)
 
     def _track(self, child: _Child) -> None:
-        """Watch a worker's process, and tell the grader that it has started."""
+        """Watch a worker's process for its end, and tell the grader that it has started."""
         self._children[child.pidfd] = child
         self._poll.register(child.pidfd, select.POLLIN)
         _tell(self._control, child.pidfd, spawned=child.number)
@@ -344,7 +348,7 @@ class _Zygote:
 
 
 def _work(line_fd: int, printed_fd: int, confinement: confine.Confinement, scratch: str, answer: Any) -> None:
-    """Run a worker in a forked child: attach its socket and output, confine it, answer questions, and exit. Never returns."""
+    """Run a worker in a forked child: attach its socket and output, confine it, answer requests, and exit. Never returns."""
     from . import worker  # noqa: PLC0415 - see _warm_up
 
     os.dup2(printed_fd, 1)

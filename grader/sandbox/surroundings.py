@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
+from grader.base import errors
+
 from . import packages
 from .paths import is_below
 
@@ -50,32 +52,32 @@ _HERE = Path(__file__).resolve().parent
 
 
 def visible(extra: Sequence[Path] = (), libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the paths that a sandbox shows read-only: libraries of the system and of Python, and packages, entry by entry."""
+    """Return the paths that a sandbox shows read-only: libraries of the system and of Python, packages one by one, and `extra`."""
     entries = packages.shown(packages.folders(), libraries)
     return tuple(sorted({*_libraries(), *SYSTEM, *_standard(), *entries, *(os.path.abspath(path) for path in extra)}))
 
 
 def _libraries() -> tuple[str, ...]:
-    """Return the folders of shared libraries: of the system, of Python, and those that the environment names."""
+    """Return the folders of shared libraries: of the system, of Python, and those in LD_LIBRARY_PATH."""
     prefixes = {sys.base_prefix, sys.base_exec_prefix}
     named = filter(os.path.isabs, os.environ.get("LD_LIBRARY_PATH", "").split(":"))
     return (*LIBRARIES, *(os.path.join(prefix, name) for prefix in prefixes for name in ("lib", "lib64")), *named)
 
 
 def _standard() -> tuple[str, ...]:
-    """Return the standard library: its folder, two if C modules have their own, or an archive."""
+    """Return the paths of the standard library: its folder, two if C modules have their own, and an archive if there is one."""
     folders = {os.path.dirname(path) for path in sys.path if os.path.basename(path) == "lib-dynload"}
     archives = {path for path in sys.path if path.endswith(".zip") and os.path.basename(path).startswith("python")}
     return tuple(sorted({sysconfig.get_path("stdlib"), os.path.dirname(os.__file__), *folders, *archives}))
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """Return the entries of `sys.path` that a sandbox shows, and the folders of the packages that it shows."""
+    """Return `sys.path` for a sandbox: the entries of ours that it shows, and the folders of installed packages."""
     return (*_search_whole(shown), *packages.folders())
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """Return `search` with the folder of links made by `link_packages` for the packages: some levels hide package folders."""
+    """Return `sys.path` for a sandbox that hides package folders: as `search`, with the folder `links` in their place."""
     return (*_search_whole(shown), links)
 
 
@@ -86,7 +88,7 @@ def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def link_packages(folder: str, libraries: tuple[str, ...]) -> None:
-    """Make a folder of links to the entries that a sandbox shows of the package folders; the first of a name counts."""
+    """Make a folder of links to the packages that a sandbox shows, where package folders are hidden; the first of a name counts."""
     os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
     for path in packages.shown(packages.folders(), libraries):
         parent, name = os.path.split(path)
@@ -108,7 +110,7 @@ def search_without_isolation() -> tuple[str, ...]:
 def hidden() -> tuple[str, ...]:
     """Return the folders that a sandbox shows empty: the grader, the reference, and the packages of every Python that it shows.
 
-    The packages that a sandbox shows stand in `visible` one by one.
+    The packages that it does show stand in `visible` one by one.
     """
     grader = _HERE.parent
     return str(grader), str(grader.parent / "reference"), *packages.folders(), *_package_folders(_libraries())
@@ -116,15 +118,15 @@ def hidden() -> tuple[str, ...]:
 
 @lru_cache(maxsize=2)
 def _package_folders(libraries: Sequence[str]) -> list[str]:
-    """Return the folders of installed packages of any Python below these folders of libraries."""
+    """Return the folders of installed packages, of whichever Python, below these folders of libraries."""
     patterns = [pattern.format(name) for pattern in _PACKAGE_FOLDERS for name in packages.FOLDER_NAMES]
     found = (glob.glob(f"{glob.escape(folder)}/{pattern}") for folder in libraries for pattern in patterns)
     return sorted(path for paths in found for path in paths)
 
 
 def decoy() -> str:
-    """Return a file of the grader that no sandbox may read; the isolation is tested with it."""
-    return str(_HERE.parent / "errors.py")
+    """Return the path of a module of the grader that no sandbox may read: the isolation is tested by opening it."""
+    return str(Path(errors.__file__).resolve())
 
 
 def code() -> tuple[str, ...]:
@@ -133,7 +135,7 @@ def code() -> tuple[str, ...]:
 
 
 def compile_once(folders: Sequence[str]) -> None:
-    """Compile the modules of these folders and of the sandbox, and store the bytecode in ``__pycache__``.
+    """Compile the modules in these folders and in this package, and store the bytecode in ``__pycache__``.
 
     A sandbox may not write, and nothing else imports these modules, so otherwise each sandbox would compile them again.
     """
@@ -147,12 +149,12 @@ def compile_once(folders: Sequence[str]) -> None:
 
 
 def zygote() -> str:
-    """Return the path of the script with which a zygote (the warm parent) is started."""
+    """Return the path of the script with which a zygote (the warm parent of workers) is started."""
     return str(_HERE / "zygote.py")
 
 
 def font_lists() -> tuple[str, ...]:
-    """Return matplotlib's cached lists of fonts, which a sandbox would need 150 ms to make."""
+    """Return the files with matplotlib's lists of fonts, at most eight, which a sandbox would need 150 ms to make."""
     folder = os.path.expanduser("~/.matplotlib")
     if sys.platform == "linux":
         folder = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "matplotlib")
@@ -161,7 +163,7 @@ def font_lists() -> tuple[str, ...]:
 
 
 def environment(scratch: str, cache: str) -> dict[str, str]:
-    """Return the complete environment of a sandboxed process, without any variable of the grader's."""
+    """Return all environment variables of a sandboxed process: none of the grader's own, but LD_LIBRARY_PATH if Python needs it."""
     literal = {
         "PATH": "/usr/bin:/bin",
         "HOME": scratch,

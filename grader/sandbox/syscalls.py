@@ -1,7 +1,7 @@
 """System call numbers of the machine types that the isolation supports.
 
-x86_64 has its own table (arch/x86/entry/syscalls/syscall_64.tbl), aarch64 uses the generic one
-(include/uapi/asm-generic/unistd.h), which leaves out what a newer call replaces ("-").
+x86_64 has its own table (arch/x86/entry/syscalls/syscall_64.tbl), aarch64 uses the generic one (include/uapi/asm-generic/unistd.h),
+which leaves out what a newer call replaces ("-").
 """
 
 from __future__ import annotations
@@ -189,7 +189,7 @@ _COLUMNS = {"x86_64": 1, "aarch64": 2}
 
 
 class Machine(NamedTuple):
-    """The constants that seccomp needs for a machine: `audit` is its AUDIT_ARCH_* of linux/audit.h."""
+    """A processor architecture as seccomp knows it: its name, and the AUDIT_ARCH_* constant of linux/audit.h (`audit`)."""
 
     name: str
     audit: int
@@ -199,7 +199,7 @@ _MACHINES = {"x86_64": Machine("x86_64", 0xC000003E), "aarch64": Machine("aarch6
 
 
 def machine() -> Machine:
-    """Return the processor architecture of this process; OSError if it has no system call table or Python is 32-bit."""
+    """Return the processor architecture of this process; raise OSError if it has no system call table or Python is 32-bit."""
     name = os.uname().machine
     if name not in _MACHINES or sys.maxsize < 1 << 32:  # a 32-bit Python has another table on the same machine
         raise OSError(f"no system call table for {name}")
@@ -207,7 +207,7 @@ def machine() -> Machine:
 
 
 def numbers(name: str) -> dict[str, int]:
-    """Return the system call numbers by name for a processor architecture; empty if it is unknown."""
+    """Return the system call numbers of a processor architecture, by name; an empty dict if it is unknown."""
     column = _COLUMNS.get(name)
     if column is None:
         return {}

@@ -1,8 +1,8 @@
-"""Frames: what crosses the line between the grader and a sandbox, in both directions.
+"""Frames: the messages between the grader and a sandbox, in both directions.
 
-A frame is a header (two sizes and a nonce), strict JSON, and raw little-endian arrays. Sizes are checked against caps
-before anything is allocated, and shapes and dtypes are rebuilt and checked (`arrays`): nothing is unpickled, nothing that the
-other side says about itself is believed. The module is pure, so that both sides use the same code.
+A frame is a header (two sizes and a nonce), strict JSON, and raw little-endian arrays. Sizes are checked against caps before
+anything is allocated, and shapes and dtypes are rebuilt and checked (`arrays`): nothing is unpickled, nothing that the other side
+says about itself is believed. The module is pure, so that both sides use the same code.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MAX_INTEGER_DIGITS = 40
 
 @dataclass(frozen=True)
 class Caps:
-    """Limits of a frame: bytes of JSON, bytes of arrays, and number of arrays."""
+    """Limits of a frame (message), so that no side runs out of memory: bytes of JSON, bytes of arrays, and number of arrays."""
 
     text: int
     body: int
@@ -41,12 +41,12 @@ each under a path of 1,000 characters, with 24 MB in all."""
 
 
 class WireError(ValueError):
-    """Exception: received bytes are no frame, or values do not fit into one."""
+    """Exception: received bytes are no frame (message of the protocol), or values do not fit into one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One message: fields and arrays.
+    """One message between the grader and a worker: plain data and arrays.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Frame:
 
 @cache
 def _arrays() -> ModuleType:
-    """Import the part that needs NumPy with the first frame: a sandbox opens before and warms up meanwhile."""
+    """Import the module that needs NumPy with the first frame, so that a sandbox can open, and import NumPy itself, meanwhile."""
     from . import arrays  # noqa: PLC0415
 
     return arrays
@@ -75,12 +75,9 @@ def pack(
     caps: Caps = ANSWER,
     errors: str = "strict",
 ) -> bytes:
-    """Write a frame; `errors` says what becomes of lone surrogates, as for `str.encode`.
+    """Return the bytes of a frame (message); `errors` says what becomes of lone surrogates, as for `str.encode`.
 
-    Raises
-    ------
-    WireError
-        If a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or a cap is passed.
+    Raise WireError if a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or a cap is passed.
     """
     try:
         layout, chunks = _arrays().pack(arrays, caps.body)
@@ -97,12 +94,9 @@ def pack(
 
 
 def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER) -> Frame:
-    """Return the frame in its two parts, JSON and array bytes.
+    """Return the frame (message) that consists of `text`, its JSON, and `body`, the bytes of its arrays.
 
-    Raises
-    ------
-    WireError
-        If they are not exactly what `pack` could have written.
+    Raise WireError if they are not exactly what `pack` could have written.
     """
     message = _parse(bytes(text))
     if not isinstance(message, dict) or set(message) != {"fields", "arrays"}:
@@ -117,7 +111,7 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER
 
 
 class Incoming:
-    """Receiver of one frame, whose bytes arrive in pieces."""
+    """Receiver of one frame (message), whose bytes arrive in pieces."""
 
     def __init__(self, caps: Caps = ANSWER) -> None:
         self._caps = caps
@@ -131,7 +125,7 @@ class Incoming:
         return self._total - len(self._data)
 
     def feed(self, chunk: bytes) -> None:
-        """Add bytes, at most `wanted` of them; raises WireError as soon as the header announces too much."""
+        """Add bytes; raise WireError if they are more than `wanted`, or as soon as the header announces a frame above the caps."""
         if len(chunk) > self.wanted:
             raise WireError("more bytes than the frame announced")
         self._data += chunk
@@ -142,7 +136,7 @@ class Incoming:
             self._total += text_bytes + body_bytes
 
     def finish(self) -> tuple[bytes, Frame]:
-        """Return the nonce and the frame when all bytes have arrived."""
+        """Return the nonce (which request is answered) and the frame; raise WireError if bytes are missing or wrong."""
         if self._sizes is None or self.wanted:
             raise WireError("the frame is incomplete")
         start, stop = HEADER.size, HEADER.size + self._sizes[0]
@@ -189,7 +183,7 @@ def _refuse_constant(name: str) -> float:
 
 
 def _finite(digits: str) -> float:
-    """Parse a number; refuse one that would become infinity."""
+    """Parse a number of a JSON text; raise WireError if it is so large that it would become infinity."""
     number = float(digits)
     if not math.isfinite(number):
         raise WireError("a number is too large")  # 1e400 would silently become infinity
@@ -203,7 +197,7 @@ def _short_integer(digits: str) -> int:
 
 
 def _check_depth(value: Any) -> None:
-    """Refuse what json accepts and what would fail later."""
+    """Raise WireError if a value is nested deeper than `MAX_DEPTH`: `json` accepts it, and later code would fail."""
     layer = [value]
     for _ in range(MAX_DEPTH):
         layer = [

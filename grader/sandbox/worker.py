@@ -1,7 +1,7 @@
-"""The loop of a worker: read a question from the socket, let the worker code answer it, until the socket is closed.
+"""The loop of a worker: read a request from the socket, let the worker code answer it, until the socket is closed.
 
-The same on every isolation level and every system. It runs in one process with the student's code: nothing here is a secret, and
-what it sends is believed by nobody.
+The loop is the same on every isolation level and every system. It runs in one process with the student's code: nothing here is a
+secret, and nobody believes what it sends.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _CHUNK_BYTES = 1 << 18
 
 
 def run(line: socket.socket, answer: Answer) -> None:
-    """Report that the worker is ready, then answer questions until the grader closes the socket."""
+    """Report that the worker is ready, then answer requests until the grader closes the socket."""
     line.sendall(wire.pack(NO_NONCE, {"ready": True}, {}))
     while (question := _receive(line)) is not None:
         nonce, frame = question
@@ -55,7 +55,7 @@ def _reply(nonce: bytes, frame: wire.Frame, answer: Answer) -> bytes:
 
 
 def _described(error: BaseException) -> str:
-    """Return the error as text, also if its `__repr__` fails."""
+    """Return an error as text for the grader; only its type if `__repr__`, which may be student code, fails."""
     try:
         text = str(repr(error))
     except BaseException:
@@ -64,7 +64,7 @@ def _described(error: BaseException) -> str:
 
 
 class _Printed(io.RawIOBase):
-    """Standard output that takes everything and keeps the first 256 KB: a full file is no error of the student's."""
+    """Standard output that takes everything and keeps the first 256 KB, because a full file is no error of the student's."""
 
     def __init__(self, fd: int, budget: list[int]) -> None:
         self._fd = fd
@@ -89,7 +89,7 @@ class _Printed(io.RawIOBase):
 
 
 def take_streams() -> None:
-    """Make print() write to descriptors 1 and 2 at once, for the grader reads them after a crash too."""
+    """Make print() write to descriptors 1 and 2 at once, because the grader reads them after a crash, too."""
     budget = [MAX_PRINTED_BYTES]
     sys.stdout, sys.stderr = _stream(1, budget), _stream(2, budget)
     vars(sys).update(__stdout__=sys.stdout, __stderr__=sys.stderr)

@@ -1,10 +1,10 @@
-"""The process that workers come from: started by path, with nothing of the grader in it.
+"""The script of a zygote, the warm parent process from which workers are forked; it starts with nothing of the grader in it.
 
     python -B -s zygote.py CONTROL_FD             a zygote on Linux: waits for a plan, then serves workers
     python -B -s zygote.py --plain LINE_FD PLAN   one worker without isolation, on any system
 
-It must not import the grader's package, so it makes a private one of the folder that it lies in, and takes the folder
-off `sys.path` before it imports anything.
+It must not import the grader's package, so it makes a private one of the folder that it lies in, and takes the folder off
+`sys.path` before it imports anything.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""Worker code: it runs in the sandbox beside a student's code, loads files, runs experiments and reports the outcome.
+"""Worker code: our code that runs in the sandbox beside a student's code, loads its files, runs experiments and reports results.
 
-Nothing here decides a grade, and nothing here is trusted. Questions come over a socket, answers are plain arrays and facts, and the
-grader judges them in another process. So this package holds no check, trace, rubric or seed, and imports nothing of the grader.
+Nothing here decides a grade, and the grader trusts nothing that comes from here. The grader sends requests over a socket, the
+worker answers with arrays and facts (plain data), and a check in another process judges them. So this package holds no check,
+trace, rubric or seed, and imports nothing of the grader.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ _guard: Guard | None = None
 
 
 def warm_up(thorough: bool, questions: Any = None) -> None:
-    """Import what every submission needs, once, before the first worker is forked.
+    """Import what every submission needs, once, before the first worker is forked, so that no worker waits for it.
 
     Parameters
     ----------
     thorough
-        Whether to use each library once, too.
+        Whether to use each library once, too, because its first use is slow.
     questions
-        A lab's questions: a module with `HANDLERS`, with `sheet_names` if the sheet's code passes names on by ``import *``, with
-        `warm_up(thorough)` if it needs libraries of its own, and with `install(lab_configuration)` if it prepares each worker.
+        The lab's module that answers its own requests: `HANDLERS` by name; `sheet_names`, if the sheet's code passes names on by
+        ``import *``; `warm_up(thorough)`, if it needs further libraries; `install(lab_configuration)`, if it prepares each worker.
     """
     global _guard  # noqa: PLW0603 - there is one worker code in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
@@ -51,7 +52,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
 
 def answer(op: str, fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer one question of the grader; raise ChangedError if student code has rewritten the worker code."""
+    """Answer the grader's request `op`; raise ChangedError if student code has replaced our code, as no answer counts then."""
     reply = _HANDLERS[op](fields, arrays)
     if _guard is not None:
         _guard.check()

@@ -1,7 +1,7 @@
-"""Facts of artists that matplotlib itself answers for: the place of a panel, and the text that can be read.
+"""Facts about matplotlib artists that matplotlib itself must tell, not student code: a panel's place, and text that can be read.
 
-Student code could make `get_ylabel` return a label that is not drawn. So matplotlib's classes are restored while facts are taken,
-and an artist whose own class answers is rejected.
+Student code could make `get_ylabel` return a label that is not drawn. So matplotlib's own methods are restored while facts are
+taken, and an artist of a class that overrides such a method is rejected.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _ASKED |= {"__class__", "__getattr__", "__getattribute__"}
 
 
 class OverriddenArtistError(ValueError):
-    """Exception: student code overrides a method of a matplotlib artist, so that its answers cannot be believed."""
+    """Exception: student code overrides a method of a matplotlib artist, so what the artist tells may not be what it draws."""
 
 
 # --- matplotlib as it was ------------------------------------------------------------------------------------------------
@@ -30,7 +30,7 @@ _CLASSES: dict[type, dict[str, Any]] = {}
 
 
 def remember_classes() -> None:
-    """Record the members of every class of artists, axes and canvases, before any student code runs."""
+    """Record the members of matplotlib's classes before student code runs, so that `original_classes` can restore them."""
     from matplotlib.artist import Artist
     from matplotlib.backend_bases import FigureCanvasBase
     from matplotlib.transforms import TransformNode
@@ -44,13 +44,13 @@ def remember_classes() -> None:
 
 
 def remember(*kinds: type) -> None:
-    """Record the present members of these classes anew, so that replacements by the worker code are no change."""
+    """Record the present members of these classes anew, so that our own replacements of their methods do not count as changes."""
     _CLASSES.update((kind, dict(vars(kind))) for kind in kinds)
 
 
 @contextlib.contextmanager
 def original_classes() -> Iterator[None]:
-    """Undo what student code changed in matplotlib's classes while the grader asks them; change it back on exit."""
+    """Give matplotlib's classes their own methods back while a figure is read; on exit put the student's changes in again."""
     changed: list[tuple[type, str, Any]] = []
     for kind, members in _CLASSES.items():
         now = vars(kind)
@@ -66,7 +66,7 @@ def original_classes() -> Iterator[None]:
 
 
 def reject_overrides(*artists: Any) -> None:
-    """Raise OverriddenArtistError if an artist, or a class of the student's, overrides a member that the grader asks for."""
+    """Raise OverriddenArtistError if student code overrides, in an artist or its class, a member that the grader reads."""
     for artist in artists:
         strange = [kind for kind in type(artist).__mro__ if kind not in _CLASSES and kind.__module__ != "builtins"]
         own = [name for kind in strange if not _generated(kind) for name in vars(kind) if _is_asked(name)]
@@ -76,12 +76,12 @@ def reject_overrides(*artists: Any) -> None:
 
 
 def _is_asked(name: str) -> bool:
-    """Return whether the grader asks an artist for a member of this name."""
+    """Return whether the grader reads members of this name from artists: all getters, and a few others such as `lines`."""
     return name.startswith("get_") or name in _ASKED
 
 
 def _generated(kind: type) -> bool:
-    """Return whether matplotlib defines the class itself, and does not inherit it from elsewhere."""
+    """Return whether a class is matplotlib's own, loaded after `remember_classes`, and not one that student code derived."""
     return kind.__module__.startswith(("matplotlib.", "mpl_toolkits.")) and "<locals>" not in kind.__qualname__
 
 
@@ -89,12 +89,12 @@ def _generated(kind: type) -> bool:
 
 
 def place(axes: Any) -> Any:
-    """Return a panel's position as fractions of the whole figure; `axes` itself has the position in its subfigure."""
+    """Return a panel's position as fractions of the whole figure; `axes.get_position()` gives it within its subfigure."""
     return axes.bbox.transformed(axes.get_figure().canvas.figure.transFigure.inverted())
 
 
 def readable_text(text: Any, behind: Any) -> str:
-    """Return a text if it can be read: visible, large enough, and not in the colour of the background; else ""."""
+    """Return the first 200 characters of a text; "" if it is None, hidden, tiny or has the colour of the background `behind`."""
     from matplotlib.colors import to_rgba
 
     if text is None or not text.get_visible() or float(text.get_fontsize()) < _SMALLEST_FONT:

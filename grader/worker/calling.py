@@ -1,7 +1,7 @@
-"""Call a student's function with the promised arguments, matched to its own parameters by name, meaning or position.
+"""Call a student's function with the lab sheet's arguments, matched to its own parameters by name, meaning or position.
 
-A function whose parameters have other names, another order or one parameter more still does its job. It is called as its signature
-asks. What it departs in is reported beside its result, as one fault for all of its calls.
+A function whose parameters have other names, another order or one parameter more still does its job. So it is called as its own
+signature asks. Where it differs from the sheet is reported beside its result, as one fault for all of its calls.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ _POSITIONAL = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_O
 
 @dataclass(frozen=True)
 class Slot:
-    """An argument that the grader passes to a function.
+    """One argument that the grader has for a student's function, and the rules by which a parameter is found for it.
 
     Attributes
     ----------
-    name : its name on the sheet
-    meaning : pattern of other names for the parameter
+    name : the parameter's name on the lab sheet
+    meaning : pattern of other parameter names that mean the same
     passed : ``position``, as on the sheet; ``option``: by keyword, left out if no parameter takes it; ``spare``: not on the sheet,
         passed only if a parameter asks for it
     replaces : a spare is also passed to a parameter whose default is of one of these types
-    free : whether a function may differ from the sheet here without a fault
-    anywhere : whether it may go to any parameter that is left
+    free : whether a function may differ from the sheet in this argument without a fault
+    anywhere : whether the argument may go to any parameter that is left over
     """
 
     name: str
@@ -39,7 +39,7 @@ class Slot:
     anywhere: bool = False
 
     def suits(self, parameter: inspect.Parameter) -> bool:
-        """Return whether a parameter takes this argument, by its name and its default."""
+        """Return whether a parameter can take this argument, by its name and, for a spare, its default (none or of `replaces`)."""
         if parameter.name != self.name and not self.meaning.search(parameter.name):
             return False
         needed = parameter.default is parameter.empty
@@ -48,13 +48,13 @@ class Slot:
 
 @dataclass(frozen=True)
 class CallPlan:
-    """Assignment of slots to the parameters of one function, and the slots in which the function departs from the sheet.
+    """How to call one student's function: which slot (argument of the grader) each parameter gets, and where the function differs.
 
     Attributes
     ----------
-    positions : slots that are passed by position, in order
-    names : parameter name -> slot passed to it by keyword
-    departs : slots in which the function differs from the sheet
+    positions : names of the slots that are passed by position, in order
+    names : parameter name -> name of the slot passed to it by keyword
+    departs : names of the slots in which the function differs from the lab sheet
     as_promised : whether the function is called exactly as on the sheet
     """
 
@@ -64,13 +64,13 @@ class CallPlan:
     as_promised: bool = False
 
     def __call__(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
-        """Call the function. `values` holds a value for each slot; parameters without one keep their default."""
+        """Call the function. `values` maps slot names to arguments; a parameter whose slot has no value keeps its default."""
         named = {own: values[slot] for own, slot in self.names.items() if slot in values}
         return function(*(values[slot] for slot in self.positions if slot in values), **named)
 
 
 def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
-    """Return how to call a function with these slots: as on the sheet if its signature allows, or if no other way is found."""
+    """Return how to call a function with these slots (arguments): as on the lab sheet if the function allows, or as last resort."""
     promised = CallPlan(
         tuple(slot.name for slot in slots if slot.passed == "position"),
         {slot.name: slot.name for slot in slots if slot.passed == "option"},
@@ -95,7 +95,7 @@ def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
 
 
 def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
-    """Return whether a function has a parameter for a slot, or takes any keyword."""
+    """Return whether a function has a parameter for a slot (argument) or takes any keyword; True if its signature is unknown."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
@@ -106,7 +106,10 @@ def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
 def adapt(
     function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return a function that is called with the sheet's positional arguments, and the slots in which the original departs."""
+    """Return a function to call with the sheet's positional arguments, and the names of slots in which the student's own differs.
+
+    `spares` holds values of arguments beyond the sheet. A function that can be called as on the sheet is returned unchanged.
+    """
     way = plan_call(function, slots)
     if way.as_promised:
         return function, []
@@ -115,7 +118,7 @@ def adapt(
 
 
 def _accepts(signature: inspect.Signature, promised: CallPlan) -> bool:
-    """Return whether the function can be called as on the sheet, with each slot in the parameter of its name if there is one."""
+    """Return whether the sheet's call fits a signature, and each positional argument meets the parameter of its name, if any."""
     try:
         bound = signature.bind(*promised.positions, **promised.names).arguments
     except TypeError:
@@ -124,7 +127,7 @@ def _accepts(signature: inspect.Signature, promised: CallPlan) -> bool:
 
 
 def _assign_slots(parameters: Sequence[inspect.Parameter], slots: Sequence[Slot]) -> dict[str, Slot]:
-    """Assign parameters to slots: by name, by meaning, then required ones by position, then the rest."""
+    """Return the slot (argument) for each parameter name: by name, by meaning, by position if required, then by `Slot.anywhere`."""
     claims: dict[str, Slot] = {}
     for suits in (_by_name, Slot.suits, _by_position, _by_leftover):
         for parameter in parameters:
@@ -147,7 +150,7 @@ def _by_leftover(slot: Slot, parameter: inspect.Parameter) -> bool:
 
 
 def _departures(claims: Mapping[str, Slot], slots: Sequence[Slot]) -> tuple[str, ...]:
-    """Return the slots that the function takes in another place, under another name or beyond the sheet.
+    """Return the names of the slots (arguments) that a function takes out of order, renamed, beyond the lab sheet, or not at all.
 
     An option that no parameter takes is not listed: its effect shows in the results.
     """

@@ -1,7 +1,7 @@
-"""Compatibility names: what other releases of NumPy, SciPy and matplotlib have, for code that was written with one of them.
+"""Compatibility names: what other releases of NumPy, SciPy and matplotlib have, so that code written for one of them runs.
 
-Names can be added, but no method of an array, and no conversion: `int` of an array of one element raises from NumPy 2.4 on,
-which is why the package requires an earlier one.
+Names can be added, but no method of an array, and no conversion: `int` of an array of one element raises from NumPy 2.4 on, which
+is why the package requires an earlier one.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 
 def install() -> None:
-    """Add names that NumPy, SciPy and matplotlib removed, with the replacement that the release notes recommend."""
+    """Add names that NumPy, SciPy and matplotlib removed, each with the replacement that the release notes recommend."""
     _restore_numpy_names()
     _restore_matplotlib_names()
     for name in _SCIPY_NAMES:
@@ -26,9 +26,9 @@ def install() -> None:
 
 
 def _restore_numpy_names() -> None:
-    """Add the names that NumPy removed: aliases of built-in types (1.24), of numbers and functions (2.0), and the rest (2.4).
+    """Add the names that NumPy removed: aliases of built-in types (1.24), of numbers and functions (2.0), `trapz` and others (2.4).
 
-    Add the names that NumPy 2.0 brought, too, where an earlier release is installed.
+    Add the names that NumPy 2.0 brought, such as `concat`, where an earlier release is installed.
     """
     types: dict[str, Any] = {
         "float": float,
@@ -72,7 +72,7 @@ def _display(text: Any, device: Any = None, linefeed: bool = True) -> None:
 
 
 def _restore_matplotlib_names() -> None:
-    """Add the names that matplotlib removed.
+    """Add the names that matplotlib removed, so that plots written for an earlier release are drawn.
 
     These are `set_window_title` (3.6), seaborn's styles (3.8), `cm.get_cmap` and `legendHandles` (3.9), `tostring_rgb` (3.10).
     """
@@ -106,7 +106,7 @@ _SCIPY_NAMES = {
 
 
 class _ScipyFinder:
-    """Import finder that adds the removed names to a module of SciPy once it is imported, as importing all takes long."""
+    """Import finder that adds removed names to a SciPy module when student code imports it; to import all of SciPy takes long."""
 
     @staticmethod
     def find_spec(name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
@@ -131,7 +131,7 @@ def _restore_scipy_names(module: ModuleType) -> None:
 
 
 def _fill(owner: Any, names: dict[str, Any]) -> None:
-    """Add the names that `owner` lacks; a name that it has keeps its meaning in this release."""
+    """Add those of `names` that a module or class lacks; a name that it has keeps its meaning in the installed release."""
     for name, value in names.items():
         if name not in vars(owner):
             setattr(owner, name, value)

@@ -1,4 +1,4 @@
-"""Compile the source text of a file or notebook cell to statements, and find the names that they define."""
+"""Compile the source text of a student's file or notebook cell to single statements, and find the names that they define."""
 
 from __future__ import annotations
 
@@ -13,16 +13,15 @@ from . import faults, fuzzy_names, notebooks, packages, statements
 from .submission import STATE
 
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
-_MOST_LEFT_OUT = (
-    8  # most statements of a file that are blanked because they do not parse; each costs a parse of the file
-)
+# Most statements of a file that are blanked because they do not parse; each costs a parse of the file.
+_MOST_LEFT_OUT = 8
 _CONTINUES = re.compile(r"[\s)\]}#]|(?:elif|else|except|finally)\b")  # a line that does not begin a statement
 _CONFLICT = ("<<<<<<< ", "=======", ">>>>>>> ")  # the lines that `git merge` leaves begin with these
 _DEFINES = re.compile(r"^(?:async[ \t]+)?(?:def|class)[ \t]+(\w+)", re.MULTILINE)
 
 
 def units_in(source: bytes, path: str, *, flags: int = 0) -> list[statements.Unit] | None:
-    """Return the statements of a file or a cell. If it does not parse, return None and keep the error in `STATE.unreadable`."""
+    """Return the compiled statements of a file or a cell; None if it does not parse, with the error in `STATE.unreadable[path]`."""
     try:
         return _units(_decoded(source), path, flags)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as refused:
@@ -31,7 +30,7 @@ def units_in(source: bytes, path: str, *, flags: int = 0) -> list[statements.Uni
 
 
 def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
-    """Return the facts of the first unresolved merge conflict in a file, in the form of `faults.describe`; empty without one."""
+    """Return a file's first unresolved merge conflict as an error, in the form of `faults.describe`; an empty dict without one."""
     lines = source.decode("utf-8", "replace").splitlines()
     at = [next((n for n, line in enumerate(lines) if line.startswith(marker)), -1) for marker in _CONFLICT]
     if not -1 < at[0] < at[1] < at[2]:
@@ -41,7 +40,7 @@ def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
 
 
 def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:
-    """Return the top-level statements that parse of a file that does not as a whole; empty if no part can be saved."""
+    """Return the top-level statements that parse of a file with syntax errors, so that its plots are drawn; [] if none are left."""
     own = faults.own_name(path)
     try:
         lines = _decoded(source).splitlines()
@@ -56,7 +55,7 @@ def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:
 
 
 def _leave_out(lines: list[str], refused: SyntaxError) -> None:
-    """Blank the top-level statement that does not parse, with its decorators."""
+    """Blank in `lines` the top-level statement that does not parse, with its decorators; the error `refused` says where it is."""
     at = min(refused.lineno or 1, len(lines)) - 1
     starts = [n for n, line in enumerate(lines) if line and not _CONTINUES.match(line)]
     if isinstance(refused, IndentationError) and at in starts:
@@ -80,7 +79,7 @@ def _units(text: str, path: str, flags: int) -> list[statements.Unit]:
 
 
 def _make_ndarrays_empty(tree: ast.Module) -> None:
-    """Call `np.empty` in place of `np.ndarray` with a shape alone: neither writes to the memory, and `np.empty` marks it."""
+    """Replace calls `np.ndarray(shape)` by `np.empty(shape)`, which `repeatability` fills, so that unwritten values are found."""
     for call in ast.walk(tree):
         if isinstance(call, ast.Call) and ast.unparse(call.func) in ("np.ndarray", "numpy.ndarray"):
             named = {keyword.arg for keyword in call.keywords}
@@ -89,7 +88,7 @@ def _make_ndarrays_empty(tree: ast.Module) -> None:
 
 
 def _decoded(source: bytes) -> str:
-    """Decode source text by its declared encoding; bytes that are not UTF-8 and declare nothing are read as Latin-1."""
+    """Decode source text as declared, as UTF-8, or else as Latin-1; raise SyntaxError for UTF-16, which Python cannot read."""
     try:
         return importlib.util.decode_source(source)
     except (UnicodeDecodeError, SyntaxError):
@@ -99,9 +98,10 @@ def _decoded(source: bytes) -> str:
 
 
 def defined(path: str) -> set[str]:
-    """Return the names that a file or a notebook defines at its top level. The text is parsed, not run.
+    """Return the names that a file or notebook defines at its top level, and required names that it nearly spells. No code runs.
 
-    If it does not parse, the names are taken from lines that begin with ``def`` or ``class``.
+    Of text that does not parse, these are the names after ``def`` or ``class`` at the start of a line; of an undecodable file,
+    none.
     """
     content = Path(STATE.folder, path).read_bytes()
     try:

@@ -1,6 +1,6 @@
 """Stubs of what a student's computer has and the sandbox lacks: windows, a notebook shell, a debugger's prompt.
 
-With a stub, a function that uses it runs on. A failing statement at module level needs no stub: `statements` skips it.
+With a stub, a function that uses such a thing runs on. A failing statement at module level needs no stub: `statements` skips it.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ RunMagic = Callable[[str, dict[str, Any]], None]
 
 
 class Stub(types.ModuleType):
-    """A module, window or device that accepts every call, answers with itself and shows nothing.
+    """Stand-in for a module, window or device of a desktop: it accepts every call, answers with itself and shows nothing.
 
     Parameters
     ----------
-    members : its real attributes
+    members : attributes that have a value of their own
     """
 
     def __init__(self, name: str, **members: Any) -> None:
@@ -46,11 +46,11 @@ class Stub(types.ModuleType):
         return self
 
     def __exit__(self, *args: object) -> None:
-        """Do nothing: nothing is held."""
+        """Leave a ``with`` block: there is nothing to close, and an exception goes on."""
 
 
 def install(run_magic: RunMagic) -> None:
-    """Install stubs of desktop packages (tqdm, seaborn styles, IPython), so that code which imports them runs."""
+    """Install the stubs (IPython, debuggers, Windows console), so that code which uses them runs; `run_magic` does ``%run``."""
     for name in _MODULES:
         sys.modules[name] = Stub(name)
     vars(sys.modules["msvcrt"])["kbhit"] = lambda: False
@@ -62,7 +62,7 @@ def install(run_magic: RunMagic) -> None:
 
 
 def _use_headless_backends() -> None:
-    """Replace GUI back ends by Agg, TeX by matplotlib's own text, and windows by a stub that accepts any call."""
+    """Replace GUI back ends by Agg, TeX by matplotlib's own text, and windows by a stub, because the sandbox has none of them."""
     import matplotlib
     import matplotlib.pyplot as plt
     from matplotlib.backend_bases import FigureManagerBase
@@ -87,7 +87,7 @@ def _use_headless_backends() -> None:
 
 
 def _install_notebook_names(run_magic: RunMagic) -> None:
-    """Provide `display`, `get_ipython` and `IPython`, which notebook code uses without an import."""
+    """Provide `display`, `get_ipython` and `IPython`, which notebook code uses without an import; `run_magic` does ``%run``."""
     display, shell = sys.modules["IPython.display"], _Shell(run_magic)
     # matplotlib asks for a shell, and for the version, which says what it need not repair
     sys.modules["IPython"] = Stub("IPython", display=display, get_ipython=lambda: None, version_info=(9, 0, 0))
@@ -95,7 +95,7 @@ def _install_notebook_names(run_magic: RunMagic) -> None:
 
 
 class _Shell(Stub):
-    """Stub of the IPython shell: magics do nothing, except `%run`, `%%time` and others that run code."""
+    """Stub of the IPython shell: magics do nothing, except `%run` and those that run a cell, such as `%%time`."""
 
     def __init__(self, run_magic: RunMagic) -> None:
         super().__init__("shell")
@@ -114,7 +114,7 @@ class _Shell(Stub):
 
 
 def _disable_debuggers() -> None:
-    """Make breakpoints do nothing, as nobody can type `c` during grading."""
+    """Make breakpoints do nothing, because nobody can type at a debugger's prompt during grading."""
     go_on = Stub("debugger")
     vars(sys)["breakpointhook"] = vars(sys)["__breakpointhook__"] = go_on
     vars(pdb)["set_trace"] = go_on

@@ -1,8 +1,8 @@
-"""Draw a figure as a small picture, fast; what would raise in a full drawing raises here, too.
+"""Draw a figure as a small picture, fast, so that the grader sees which curves are visible; errors are those of a full drawing.
 
-The picture shows which curves can be seen, so matplotlib itself draws each artist that may be a curve or cover one. Other artists
-are not drawn but examined: ticks are located, their labels formatted, mathematical text parsed. If a submission reads its saved
-pictures back, they are drawn in full.
+matplotlib itself draws each artist that may be a curve or cover one. Other artists are not drawn but examined, so that what would
+raise in a full drawing raises here, too: ticks are located, their labels formatted, mathematical text parsed. If a submission reads
+its saved pictures back, they are drawn in full.
 
 `tight_layout` moves panels and hides nothing, so it is skipped.
 """
@@ -41,7 +41,7 @@ _READS_BACK = re.compile(
 
 @dataclass(frozen=True)
 class Preview:
-    """Small picture of a figure: pixels (h, w, 3), the exact width and height that they represent, and dots per inch."""
+    """Small picture of a figure, to find visible curves: pixels (h, w, 3), unrounded width and height in pixels, dots per inch."""
 
     pixels: np.ndarray
     extent: tuple[float, float]
@@ -49,7 +49,7 @@ class Preview:
 
 
 def reads_pictures_back(sources: Iterable[bytes]) -> bool:
-    """Return whether a submission may read a picture that it drew (pixels, file size), so that it must be drawn in full."""
+    """Return whether source files may read a picture that they drew (pixels, file size), so that it must be drawn in full."""
     return any(_READS_BACK.search(source) for source in sources)
 
 
@@ -57,7 +57,7 @@ def reads_pictures_back(sources: Iterable[bytes]) -> bool:
 
 
 def draw_preview(figure: Any) -> Preview:
-    """Draw a figure as a small picture; raise what drawing it in full would raise."""
+    """Return a figure as a small picture, drawn now; raise what drawing it in full would raise, such as an invalid formula."""
     from matplotlib.backends.backend_agg import RendererAgg
 
     before, dots, canvas = figure.dpi, _preview_dpi(figure), figure.canvas
@@ -73,14 +73,14 @@ def draw_preview(figure: Any) -> Preview:
 
 
 def _preview_dpi(figure: Any) -> float:
-    """Return the dots per inch of the small picture: the longer side has 500 pixels, within bounds."""
+    """Return the dots per inch of the small picture: its longer side has 500 pixels, unless texts or memory need more or fewer."""
     width, height = figure.get_size_inches()
     fewest = min(_FEWEST_DOTS, np.sqrt(_MOST_PIXELS / (width * height)))
     return float(min(_MOST_DOTS, max(_SIDE / max(width, height), fewest)))
 
 
 def _pixels_of(figure: Any, renderer: Any, dots: float) -> Preview:
-    """Return the renderer's pixels over a white background."""
+    """Return a renderer's pixels as a small picture over white; `dots` are its dots per inch. A very long picture is thinned."""
     drawn = np.asarray(renderer.buffer_rgba())
     pixels = drawn[:, :, :3]
     if drawn[:, :, 3].min() < 255:
@@ -92,7 +92,7 @@ def _pixels_of(figure: Any, renderer: Any, dots: float) -> Preview:
 
 
 def _draw_small(figure: Any, renderer: Any) -> None:
-    """Draw a figure without snapping to pixels, which would make a small marker vanish."""
+    """Draw a figure without snapping lines and markers to whole pixels, which would make a small marker vanish."""
     from matplotlib import rcParams
 
     before = rcParams["path.snap"]
@@ -104,7 +104,7 @@ def _draw_small(figure: Any, renderer: Any) -> None:
 
 
 def _draw_figure(figure: Any, renderer: Any) -> None:
-    """Draw a figure or subfigure with all its artists."""
+    """Draw a figure or subfigure with all its artists, the panels without what hides no curve (`_draw_panel`)."""
     from matplotlib.axes import Axes
     from matplotlib.figure import SubFigure
 
@@ -122,7 +122,7 @@ def _draw_figure(figure: Any, renderer: Any) -> None:
 
 
 def _draw_panel(axes: Any, renderer: Any) -> None:
-    """Draw a panel as `Axes.draw` does, except for ordinary titles, axes, ticks and legends."""
+    """Draw a panel as `Axes.draw` does, but without ordinary titles, axes, ticks and legends, which take time and hide no curve."""
     from matplotlib.axes import Axes
 
     if not axes.get_visible():
@@ -148,7 +148,7 @@ def _zorder(artist: Any) -> float:
 
 
 def _undrawn_artists(axes: Any) -> Iterator[Any]:
-    """Yield the artists too small to hide a curve, which need not be drawn; raise what drawing one would raise."""
+    """Yield a panel's artists too small to hide a curve, which need not be drawn; raise what drawing one would raise."""
     for title in (axes.title, axes._left_title, axes._right_title):
         if _is_small(title, _HEADING):
             _parse_mathematics(title)
@@ -165,11 +165,8 @@ def _undrawn_artists(axes: Any) -> Iterator[Any]:
 
 
 def _is_ordinary_axis(axis: Any) -> bool:
-    """Return whether ticks and grid are few and thin; raise what the formatter of the tick labels raises."""
-    ticks = [
-        *axis.majorTicks,
-        *axis.minorTicks,
-    ]  # one is made by asking where there is none; those that follow are alike
+    """Return whether an axis has few, thin ticks with plain labels, which hide no curve; raise what formatting them raises."""
+    ticks = [*axis.majorTicks, *axis.minorTicks]  # matplotlib makes one if there is none; all are alike
     places, said = _tick_labels(axis)
     mathematics = any("$" in text for text in said)
     thin = all(tick.gridline.get_linewidth() <= _THIN for tick in ticks)
@@ -188,7 +185,7 @@ def _is_ordinary_axis(axis: Any) -> bool:
 
 
 def _tick_labels(axis: Any) -> tuple[int, list[str]]:
-    """Return the number of an axis's ticks and their labels, from its locators and formatters; no Tick object is created."""
+    """Return the number of an axis's ticks and their labels, without creating Tick objects, which is slow."""
     places, between = axis.get_majorticklocs(), axis.get_minorticklocs()
     said = [*axis.get_major_formatter().format_ticks(places), axis.get_major_formatter().get_offset()]
     said += axis.get_minor_formatter().format_ticks(between)
@@ -205,13 +202,13 @@ def _is_ordinary_legend(legend: Any) -> bool:
 
 
 def _is_small(text: Any, size: float) -> bool:
-    """Return whether a text has at most this font size, is short and has no frame."""
+    """Return whether a text is short, without a frame, and at most `size` points high, so that it hides no curve."""
     bare = text.get_bbox_patch() is None and not text.get_path_effects()
     return bool(bare and text.get_fontsize() <= size and len(text.get_text()) <= _FEW_LETTERS)
 
 
 def _parse_mathematics(text: Any) -> None:
-    """Parse a text's mathematics if it has any, which raises for an invalid formula."""
+    """Parse the mathematics in a visible text, if there is any, so that an invalid formula raises as in a full drawing."""
     said = text.get_text()
     if text.get_visible() and ("$" in said or text.get_usetex()) and not _PLAIN_MATHEMATICS.fullmatch(said):
         text.get_window_extent()  # parses mathematics
@@ -221,7 +218,10 @@ def _parse_mathematics(text: Any) -> None:
 
 
 def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> Preview:
-    """Save a figure as its small picture and return that; raise what saving it in full would raise."""
+    """Save a figure as its small picture, and return that; raise what saving it in full would raise.
+
+    `really` is matplotlib's own method, `asked` the `dpi` that the submission gave, None for the default.
+    """
     figure = canvas.figure
     drawn: list[Any] = []
     _dpi(asked, figure.dpi)
@@ -247,7 +247,7 @@ def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, optio
 
 
 def _crop_to_saved_part(seen: Preview, part: Any) -> Preview:
-    """Return the picture with white outside of `part`, the rectangle in inches that is saved (`bbox_inches`)."""
+    """Return the picture with white outside of `part`, the rectangle in inches that is saved; unchanged for any other `part`."""
     from matplotlib.transforms import BboxBase
 
     if isinstance(part, BboxBase):
@@ -260,7 +260,7 @@ def _crop_to_saved_part(seen: Preview, part: Any) -> Preview:
 
 
 def _holds_whole_figure(figure: Any, renderer: Any, dots: float) -> bool:
-    """Return whether a renderer has a pixel buffer of the whole figure; PDF and SVG have none."""
+    """Return whether a renderer has the pixels of the whole figure, so that it need not be drawn again; PDF and SVG have none."""
     try:
         shape = np.asarray(renderer.buffer_rgba()).shape[:2]
     except (AttributeError, ValueError):  # of a PDF, an SVG
@@ -269,7 +269,7 @@ def _holds_whole_figure(figure: Any, renderer: Any, dots: float) -> bool:
 
 
 def _send_draw_event(figure: Any, renderer: Any) -> None:
-    """Call the functions that the submission connected to ``draw_event``."""
+    """Call the functions that the submission connected to ``draw_event``, as a full drawing does."""
     from matplotlib.backend_bases import DrawEvent
 
     if figure.canvas.callbacks.callbacks.get("draw_event"):
@@ -277,11 +277,11 @@ def _send_draw_event(figure: Any, renderer: Any) -> None:
 
 
 def _draw_nothing(*args: Any, **kwargs: Any) -> None:
-    """Replace `canvas.draw_idle` during a small drawing: a redraw at full size would be wasted."""
+    """Stand in for `canvas.draw_idle` during a small drawing: nobody would see its redraw at full size."""
 
 
 def _whole_figure_bbox(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
-    """Return an option of `savefig` for the whole figure in place of "tight", whose margin would have to be measured."""
+    """Return the option that saves the whole figure where "tight" is asked for, whose margin is slow to measure; {} otherwise."""
     from matplotlib import rcParams
     from matplotlib.transforms import Bbox
 
@@ -295,32 +295,32 @@ def _whole_figure_bbox(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any = None, rect: Any = None) -> None:
-    """Replace `Figure.tight_layout` by a function that checks its arguments and does nothing."""
+    """Stand in for `Figure.tight_layout`: accept the same arguments and do nothing, as it is slow and hides no curve."""
 
 
 def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """Save a figure in full, for a submission that reads its pictures back; very large pictures get a lower resolution."""
+    """Save a figure in full by `really`, for a submission that reads its pictures back; very large ones get a lower resolution."""
     figure = canvas.figure
     dots = min(_dpi(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
     really(canvas, target, dots, **options)
 
 
 def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """Save raw pixels, as a frame of a film, as the right number of zero bytes; nothing is drawn."""
+    """Save as many zero bytes as the raw pixels would be, for a film's frame, which nobody looks at; nothing is drawn."""
     del really, options
     content = blank(canvas.figure, asked)
     target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)
 
 
 def blank(figure: Any, asked: Any) -> bytes:
-    """Return zero bytes in place of the figure's raw pixels at this `dpi`, for animations, whose frames nobody looks at."""
+    """Return zero bytes in place of the figure's raw pixels at the dpi `asked`, for the frames of a film, which nobody looks at."""
     dots = _dpi(asked, figure.dpi)
     width, height = (int(size * dots) for size in figure.get_size_inches())
     return bytes(4 * width * height)
 
 
 def _dpi(asked: Any, own: float) -> float:
-    """Return the dots per inch that the `dpi` of `savefig` means; raise ValueError if it is not positive and finite."""
+    """Return the dots per inch that the `dpi` of `savefig` means, `own` for None or "figure"; ValueError if not positive."""
     dots = own if asked is None or asked == "figure" else float(asked)
     if not np.isfinite(dots) or dots <= 0:
         raise ValueError("dpi must be positive")

@@ -1,4 +1,4 @@
-"""Runtime environment of student code: the files of the lab where the sheet has them, empty answers to `input`, no waiting."""
+"""Runtime environment of student code: lab files where the sheet has them, empty answers to `input`, no waiting, no hooks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MAX_INPUTS = 100
 
 
 def import_libraries() -> None:
-    """Import the libraries of every submission and pyplot's back end in the zygote, so that no worker pays for them."""
+    """Import the libraries of every submission in the zygote (the warm parent of all workers), so that no worker waits for them."""
     with contextlib.suppress(ImportError):
         import _ssl  # noqa: F401 - see `repeatability`
 
@@ -30,7 +30,7 @@ def import_libraries() -> None:
 
 
 def use_libraries() -> None:
-    """Use each library once, so that no forked worker pays for its first use."""
+    """Use each library once in the zygote (the warm parent of all workers), because the first use is slow."""
     import matplotlib.pyplot as plt
     import PIL.Image
 
@@ -45,13 +45,7 @@ def use_libraries() -> None:
 
 
 def install(*, run_magic: desktop_stubs.RunMagic) -> None:
-    """Make the worker's process look like the machine that the lab sheet assumes.
-
-    Parameters
-    ----------
-    run_magic
-        Runs the file of a notebook's ``%run``.
-    """
+    """Make the worker's process look like the machine that the lab sheet assumes; `run_magic` runs the file of ``%run``."""
     _answer_input()
     compat.install()
     desktop_stubs.install(run_magic)
@@ -65,12 +59,12 @@ _INSTEAD: dict[str, str] = {}
 
 
 def redirect_missing(ending: str, place: str) -> None:
-    """Redirect missing paths that end with `ending` to the file `place` of the scratch folder, such as the model's."""
+    """Let missing paths that end with `ending`, such as the model's, lead to the file `place` of the scratch folder."""
     _INSTEAD[ending] = place
 
 
 def is_redirected(path: Any) -> bool:
-    """Return whether a path has an ending that `redirect_missing` redirects."""
+    """Return whether a path, if it is missing, leads to another file: `redirect_missing` was called for its ending."""
     return _ending(path) in _INSTEAD
 
 
@@ -94,7 +88,7 @@ _REAL_STAT, _REAL_OPEN = os.stat, builtins.open
 
 
 def _replace_open() -> None:
-    """Let `open` and `os.stat` find redirected files, and `open` create the folder of a file that it writes."""
+    """Let `open` and `os.stat` find files under redirected paths, and `open` create the folder of a file that it writes."""
 
     def stat(path: Any, **options: Any) -> os.stat_result:
         return _REAL_STAT(redirected(path), **options)
@@ -112,7 +106,7 @@ def _replace_open() -> None:
 
 
 def _make_parent_folder(file: Any) -> None:
-    """Create the folder of a file that student code writes. It may exist on the student's computer; archives lack empty folders."""
+    """Create the folder of a file that student code writes: it may exist on the student's computer; archives lack empty folders."""
     if isinstance(file, str | os.PathLike):
         with contextlib.suppress(OSError, ValueError, TypeError, RecursionError):
             os.makedirs(os.path.dirname(os.fspath(file)) or ".", exist_ok=True)
@@ -122,13 +116,13 @@ _HOME = "."
 
 
 def remember_folder(folder: str) -> None:
-    """Remember the scratch folder, because student code may change the working directory."""
+    """Remember the scratch folder, which holds the submission's files, because student code may change the working directory."""
     global _HOME  # noqa: PLW0603 - one process, one submission
     _HOME = folder
 
 
 def _answer_input() -> None:
-    """Make `input` print its prompt and return an empty line, a hundred times at most."""
+    """Make `input` print its prompt and return "", as nobody types during grading; raise EOFError after a hundred calls."""
     asked = 0
 
     def answer(prompt: object = "") -> str:
@@ -143,7 +137,7 @@ def _answer_input() -> None:
 
 
 def _disable_hooks() -> None:
-    """Ignore trace, profile and audit hooks of student code: an error in one would end a statement of the grader's."""
+    """Ignore trace, profile and audit hooks of student code: an error in such a hook would end a statement of the worker code."""
     vars(sys).update(settrace=_no_hook, setprofile=_no_hook, addaudithook=_no_hook)
     monitoring = getattr(sys, "monitoring", None)  # since Python 3.12
     if monitoring is not None:
@@ -151,11 +145,11 @@ def _disable_hooks() -> None:
 
 
 def _no_hook(*args: Any) -> None:
-    """Stand in for a function that registers a hook."""
+    """Stand in for a function that registers a hook, such as `sys.settrace`, and do nothing."""
 
 
 def _exit_on_own_signals() -> None:
-    """Make a process that signals itself exit: the first process of a PID namespace would ignore its own signals."""
+    """Make a process that signals itself exit: as the first process of a PID namespace it would ignore its own signals."""
 
     def kill(pid: int, number: int) -> None:
         default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
@@ -171,7 +165,7 @@ def _exit_on_own_signals() -> None:
 
 @contextlib.contextmanager
 def in_scratch_folder(folder: str) -> Iterator[None]:
-    """Run with the scratch folder as the working directory, whatever an earlier call changed it to."""
+    """Run a block in the scratch folder, which holds the submission's files, and return there, wherever student code went."""
     os.chdir(folder)
     try:
         yield

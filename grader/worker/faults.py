@@ -1,4 +1,4 @@
-"""Describe an exception of the student's code: type, message, and the place in the student's own file."""
+"""Describe an exception of the student's code as plain data: type, message, and the place in the student's own file."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ _OWN_PREFIX = "<submission>/"  # the file name that compiled student code carrie
 
 
 def own_name(path: str) -> str:
-    """Return the file name that compiled student code carries: a fixed prefix and the path in the submission."""
+    """Return the file name under which student code is compiled: a fixed prefix, by which it is recognised, and its path."""
     return _OWN_PREFIX + path
 
 
 def is_own(name: str) -> bool:
-    """Return whether a file name is that of a student's code."""
+    """Return whether a file name, such as that of a stack frame, belongs to student code; see `own_name`."""
     return name.startswith(_OWN_PREFIX)
 
 
 def fault_at(path: str, line: int, message: str) -> dict[str, Any]:
-    """Return facts in the form of `describe` for a line that is reported although it did not raise."""
+    """Describe a fault at a line that did not raise, such as a merge conflict, in the form of `describe`."""
     return {"type": "", "message": message, "file": path[:200], "line": line, "text": None, "name": None}
 
 
 def describe(error: BaseException) -> dict[str, Any]:
-    """Return the facts of an exception: what was raised, and the innermost line of the student's code that was running.
+    """Describe an exception as plain data: what was raised, and the innermost line of the student's code that was running.
 
     Returns
     -------
     dict
-        ``type``, ``message`` (first 400 characters, memory addresses removed so that a regrade reads the same), ``file``,
-        ``line``, ``text`` (None where no student frame is on the stack), ``name`` (of a missing module, name or attribute).
+        ``type``, ``message`` (at most 400 characters, memory addresses masked so that a regrade reads the same); ``file``, ``line``
+        and ``text`` (None without student code on the stack); ``name`` (of a missing module, name or attribute, else None).
     """
     found: dict[str, Any] = {
         "type": type_name(error),
@@ -74,7 +74,7 @@ def describe(error: BaseException) -> dict[str, Any]:
 
 
 def type_name(error: BaseException) -> str:
-    """Return the name of an exception's type, even if its metaclass defines `__name__`."""
+    """Return the name of an exception's type as `type` stores it, because a student's metaclass may define another `__name__`."""
     return str(_NAME_OF_TYPE(type(error)))[:100]
 
 
@@ -84,7 +84,7 @@ def is_a(error: BaseException, kind: type[BaseException]) -> bool:
 
 
 def attribute_of(error: BaseException, name: str, kind: type[T]) -> T | None:
-    """Return an attribute of an exception; None if it is of another type, or if student code computes it and raises."""
+    """Return an exception's attribute if its value is exactly of type `kind`; None if it is not, is missing, or cannot be read."""
     try:
         value = getattr(error, name, None)
     except BaseException:
@@ -93,7 +93,7 @@ def attribute_of(error: BaseException, name: str, kind: type[T]) -> T | None:
 
 
 def _line_with_caret(error: BaseException) -> str:
-    """Return the line with the syntax error, and below it a caret at the column that Python names."""
+    """Return the line with the syntax error, and below it a caret at the column that Python names; no caret below a long line."""
     filename, lineno = attribute_of(error, "filename", str) or "", attribute_of(error, "lineno", int) or 0
     whole = (attribute_of(error, "text", str) or linecache.getline(filename, lineno)).rstrip()
     line = whole.lstrip()
@@ -102,7 +102,7 @@ def _line_with_caret(error: BaseException) -> str:
 
 
 def message_of(error: BaseException) -> str:
-    """Return an exception's message with addresses masked, at most 400 characters."""
+    """Return an exception's message, at most 400 characters, with addresses masked; "" if the student's `__str__` raises."""
     try:
         text = str(error)
     except BaseException:  # __str__ is the student's code
@@ -111,5 +111,5 @@ def message_of(error: BaseException) -> str:
 
 
 def mask_addresses(text: str) -> str:
-    """Mask memory addresses and other long integers, which differ from run to run, so that two runs give equal texts."""
+    """Mask memory addresses and integers of ten digits or more, which differ from run to run, so that two runs give equal texts."""
     return _LONG_INTEGER.sub("…", _ADDRESS.sub("0x…", text))

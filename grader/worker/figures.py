@@ -1,6 +1,6 @@
-"""Extract facts from a live matplotlib figure at the moment when it is saved or shown. Nothing is judged here.
+"""Extract plain data (facts) from a live matplotlib figure at the moment when it is saved or shown. Nothing is judged here.
 
-The facts are axes with labels, titles, legends and texts, and every curve with its data and colour.
+The facts are panels with labels, titles, legends and texts, and every curve with its data and colour.
 """
 
 from __future__ import annotations
@@ -19,20 +19,16 @@ _MAX_AXES = 16
 _MAX_CURVES = 48
 _MAX_CURVES_IN_ALL = 200
 _MAX_POINTS = 6000
-_MAX_PIECES = (
-    20_000  # artists of a panel that are looked at: six curves of the lab's 1,500 samples, a call for each point
-)
+# Artists of a panel that are looked at: six curves of the lab's 1,500 samples, drawn by a call for each point.
+_MAX_PIECES = 20_000
 _MAX_TEXTS = 40
 _MAX_INKS = 8
 
 
 def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
-    """Return the facts of a matplotlib figure that the grader judges; arrays go into the packer.
+    """Return the facts of a figure that the grader judges, as plain data; `packer` takes the arrays, and the facts name them.
 
-    Raises
-    ------
-    OverriddenArtistError
-        If student code answers in place of an artist.
+    Raise OverriddenArtistError if student code answers in place of one of matplotlib's artists.
     """
     artist_facts.reject_overrides(figure, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
@@ -50,7 +46,7 @@ def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
 
 
 def _subfigures(figure: Any) -> Iterator[Any]:
-    """Yield all subfigures, nested ones included."""
+    """Yield all subfigures of a figure, nested ones included, as their texts count, too."""
     for part in figure.subfigs:
         yield part
         yield from _subfigures(part)
@@ -94,7 +90,7 @@ def _axes(axes: Any, packer: Packer) -> dict[str, Any]:
 
 
 def _subfigure_texts(axes: Any, behind: Any) -> dict[str, str]:
-    """Return the texts of the subfigure that holds a panel; empty for the whole figure, whose texts are reported by themselves."""
+    """Return title and axis labels of the subfigure that holds a panel; each "" in no subfigure, as the figure reports its own."""
     part = axes.get_figure()
     whole = part is part.canvas.figure
     artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
@@ -103,7 +99,7 @@ def _subfigure_texts(axes: Any, behind: Any) -> dict[str, str]:
 
 
 def _legends(axes: Any, behind: Any) -> list[dict[str, Any]] | None:
-    """Return the legend entries of a panel and of the subfigure that holds it; None without a legend."""
+    """Return the entries of the legends of a panel and of the subfigure that holds it; None if no legend is visible."""
     own, part = axes.get_legend(), axes.get_figure()
     around = [] if part is part.canvas.figure else list(part.legends[:4])
     artist_facts.reject_overrides(*around)
@@ -132,24 +128,24 @@ def _points_on(line: Any) -> int:
 
 
 def _style_of_line(line: Any) -> tuple[str, ...]:
-    """Return what distinguishes a line for a reader: colour, line style, marker, width."""
+    """Return what distinguishes a line for a reader (colour, line style, marker, width); pieces of one style are one curve."""
     return _colour(line.get_color()), str(line.get_linestyle()), str(line.get_marker()), _stroke(line)
 
 
 def _points_in(artist: Any) -> int:
-    """Return the number of scattered points; of any other artist, more than a piece of a curve has."""
+    """Return the number of scattered points; for any other artist a number too large for a piece of a curve."""
     from matplotlib.collections import PathCollection
 
     return int(np.shape(artist.get_offsets())[0]) if isinstance(artist, PathCollection) else MAX_PIECE + 1
 
 
 def _style_of_points(points: Any) -> tuple[str, str]:
-    """Return what distinguishes scattered points for a reader: colour and size."""
+    """Return what distinguishes scattered points for a reader (colour and size); pieces of one style are one curve."""
     return _colour(_face(points)), _masked_text(points.get_sizes()[:1])
 
 
 def _curves_drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
-    """Yield points and colour of each curve in artists that are not lines: line collections, stairs, scattered points."""
+    """Yield x, y and colour of each curve in joined artists that are not lines: line collections, stairs, scattered points."""
     from matplotlib.collections import Collection, LineCollection
     from matplotlib.patches import StepPatch
 
@@ -173,7 +169,7 @@ def _curves_drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray
 
 
 def _plain_floats(values: Any) -> np.ndarray:
-    """Return an artist's numbers as floats, with NaN for masked ones."""
+    """Return an artist's numbers as floats, with NaN for masked ones, which are not drawn."""
     filled: np.ndarray = np.ma.asarray(values, dtype=float).filled(np.nan)
     return filled
 
@@ -205,12 +201,12 @@ def _line(pieces: list[Any], packer: Packer) -> dict[str, Any]:
 
 
 def _points_of(line: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return x and y as they are drawn: dates and names as numbers."""
+    """Return x and y of a line as they are drawn: dates and category names as numbers."""
     return _plain_floats(line.get_xdata(orig=False)), _plain_floats(line.get_ydata(orig=False))
 
 
 def _stroke(line: Any) -> str:
-    """Return what distinguishes lines of one colour: dashes, width and opacity."""
+    """Return as text what distinguishes lines of one colour for a reader: dashes, width and opacity."""
     dashes = getattr(line, "_unscaled_dash_pattern", None)  # matplotlib has no getter for it
     return _masked_text((dashes, line.get_linewidth(), line.get_alpha()))
 
@@ -233,7 +229,7 @@ def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str
 
 
 def _bounded(value: Any) -> float:
-    """Return a coordinate as a finite, bounded number: an unstable filter makes infinite axis limits."""
+    """Return a coordinate as a finite, bounded number, which JSON can hold: an unstable filter makes infinite axis limits."""
     return float(np.clip(np.nan_to_num(float(value)), -_FARTHEST, _FARTHEST))
 
 
@@ -243,7 +239,7 @@ def _opacity(artist: Any) -> float:
 
 
 def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
-    """Return the colours of a collection's points or lines, and the width that it draws."""
+    """Return the colours and the width in which a collection's points or lines are drawn, to find its curve in the picture."""
     from matplotlib.collections import Collection, LineCollection
 
     if isinstance(artist, Collection) and not isinstance(artist, LineCollection):
@@ -257,7 +253,7 @@ def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
 
 
 def _inks(colours: Iterable[Any]) -> list[str]:
-    """Return each colour once, with its opacity; an empty list if there are too many to tell which is meant."""
+    """Return each colour once, as hex with its opacity; an empty list if there are too many to tell which one is meant."""
     from matplotlib.colors import to_hex
 
     inks: dict[str, None] = {}
@@ -284,7 +280,7 @@ def _colour(colour: Any) -> str:
 
 
 def _legend(legend: Any, behind: Any) -> list[dict[str, Any]]:
-    """Return the entries of a legend: text, and colour and stroke of the sample beside it."""
+    """Return the entries of a legend: text, and colour and stroke of the sample beside it; `behind` is the background colour."""
     handles = getattr(legend, "legend_handles", None) or getattr(legend, "legendHandles", [])
     pairs = list(zip(legend.get_texts()[:_MAX_CURVES], handles, strict=False))
     artist_facts.reject_overrides(*(artist for pair in pairs for artist in pair))
@@ -306,7 +302,7 @@ def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
 
 
 def _text_with_place(text: Any) -> dict[str, Any]:
-    """Return a text with its position and colour; for an annotation the position of the point that it names."""
+    """Return a text with its colour and position; for an annotation the position of the point that it points at."""
     from matplotlib.text import Annotation
 
     where = text.xy if isinstance(text, Annotation) else text.get_position()  # an annotation may stand beside its point
@@ -319,5 +315,5 @@ def _text_with_place(text: Any) -> dict[str, Any]:
 
 
 def _masked_text(text: object) -> str:
-    """Return at most 200 characters of a text, with memory addresses masked."""
+    """Return at most 200 characters of a text, with memory addresses masked, so that a regrade gives equal facts."""
     return faults.mask_addresses(str(text))[:200]

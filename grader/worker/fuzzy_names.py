@@ -1,4 +1,4 @@
-"""Required names that a file spells differently: in other case, without underscores, or one letter off."""
+"""Recognise names that the lab sheet requires and a file spells differently: in other case, without underscores, one letter off."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from . import statements
 
 
 def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield each required name that the statements do not define, with the one definition whose name is nearly the same."""
+    """Yield each required name that the statements do not define, with their one definition whose name is nearly the same."""
     missed = set(wanted).difference(*map(statements.bound, nodes))
     for name in sorted(missed):
         kind = ast.ClassDef if name[0].isupper() else ast.FunctionDef
@@ -20,7 +20,7 @@ def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[t
 
 
 def is_near(own: str, name: str) -> bool:
-    """Return whether two names differ only in case, underscores and at most one letter.
+    """Return whether two names differ only in case, underscores and at most one letter, so that one counts as the other misspelled.
 
     The letter may be different, missing, additional or exchanged with its neighbour.
     """
@@ -40,7 +40,10 @@ members_of = type.__dict__["__dict__"].__get__
 
 
 def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:
-    """Give a class's method the required name if exactly one method has nearly that name; record the alias in `known`."""
+    """Give class `own` the required method under its right name if exactly one method is nearly called so; record both in `known`.
+
+    `wanted` lists required methods as ``Class.method``; `name` is the class's name in it.
+    """
     for each in wanted:
         kind, _, method = each.partition(".")
         if kind == name:
@@ -53,6 +56,6 @@ def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known:
 
 
 def _members(own: Any) -> set[str]:
-    """Return the names that a class and its bases define; empty for anything that is no class."""
+    """Return the names that a class and its bases define; an empty set for anything that is no class."""
     kinds = type.mro(own) if issubclass(type(own), type) else ()
     return {member for kind in kinds for member in members_of(kind) if type(member) is str}

@@ -1,8 +1,8 @@
-"""Guard the worker code against changes by student code: a private copy of NumPy and of the built-ins, and a check for changes.
+"""Guard the worker code (ours) against student code in its process: a private copy of NumPy, and a search for replaced functions.
 
-Student code runs in the same process, so this is no security boundary. A patch of NumPy or of a built-in function, intended or not,
-does not change what is measured. If a submission rewrites the worker code through frames or memory, none of its answers is
-accepted. Where possible, decisions rest on measurements outside this process.
+This is no security boundary. A student's patch of NumPy, intended or not, does not change what is measured. If a submission
+rewrites the worker code through frames or memory, none of its answers is accepted. Where possible, decisions rest on measurements
+outside this process.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from typing import Any
 
 
 class ChangedError(RuntimeError):
-    """Exception: student code has replaced a part of the worker code, so that the answer cannot be believed."""
+    """Exception: student code has replaced a part of the worker code (ours, in the same process), so its answer proves nothing."""
 
 
 class Guard:
-    """Record of the worker code's functions and classes before any student code ran, to notice changes before each answer."""
+    """Record of the worker code's functions and classes, made before student code runs; `check` compares it before each answer."""
 
     def __init__(self, package: str) -> None:
         self._modules = [
@@ -28,7 +28,7 @@ class Guard:
         self._known = [member for module in self._modules for member in _members(module)]
 
     def _keep_numpy(self) -> None:
-        """Give each worker module a copy of the numpy module that student code cannot reach."""
+        """Give the worker code's modules a copy of the numpy module, so that a student's patch of NumPy changes nothing there."""
         import numpy
 
         own = types.ModuleType("numpy")
@@ -43,7 +43,7 @@ class Guard:
             sys.modules.pop(module.__name__, None)
 
     def check(self) -> None:
-        """Raise ChangedError if a function or a method was replaced."""
+        """Raise ChangedError if a function, class or method of the worker code was replaced since this guard was made."""
         for names, name, value, code in self._known:
             now = names.get(name)
             if now is not value or (code is not None and now.__code__ is not code):
@@ -55,7 +55,7 @@ Member = tuple[Mapping[str, Any], str, Any, types.CodeType | None]
 
 
 def _members(module: types.ModuleType) -> Iterator[Member]:
-    """Yield the functions and classes of a module, and the methods of its own classes."""
+    """Yield what the guard compares of a module: its functions, classes and modules, and the methods of its own classes."""
     for name, value in vars(module).items():
         if isinstance(value, types.FunctionType | type | types.ModuleType):
             yield vars(module), name, value, getattr(value, "__code__", None)

@@ -1,4 +1,4 @@
-"""Join curves that were drawn piece by piece: one point or segment per call, or one segment per shade."""
+"""Join curves that were drawn piece by piece (a point or segment per call, or per shade), so that each is judged as one curve."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MIN_PIECES = 8
 def joined(
     artists: Iterable[Artist], size: Callable[[Artist], int], look: Callable[[Artist], Hashable]
 ) -> list[list[Artist]]:
-    """Group the pieces of each curve, in the order in which they were drawn; any other artist is a group of its own.
+    """Group the artists that are pieces of one curve; any other artist is a group of its own. Groups are in drawing order.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def joined(
     size
         Returns the number of points of an artist.
     look
-        Returns what a reader sees of it (colour, style, marker): pieces of one look are one curve.
+        Returns what a reader sees of an artist (colour, style, marker). Enough pieces of one look are one curve.
     """
     artists = list(artists)
     pieces: dict[Hashable, list[Artist]] = {}
@@ -48,7 +48,7 @@ def joined(
 
 
 def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
-    """Concatenate pieces (k, 2) of one curve; a point that ends one piece and begins the next is kept once."""
+    """Concatenate the points (k, 2) of a curve's pieces; of equal neighbours, such as end and next beginning, one is kept."""
     points = np.concatenate([np.asarray(part, dtype=float) for part in parts])
     repeated = np.zeros(len(points), dtype=bool)
     repeated[1:] = (points[1:] == points[:-1]).all(axis=1)
@@ -56,7 +56,7 @@ def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def is_chain(segments: list[Any]) -> bool:
-    """Return whether each segment begins where the one before it ends, as those of a curve whose shade changes do."""
+    """Return whether segments are one curve whose shade changes: each begins where the one before it ends, and they are many."""
     if len(segments) < MIN_PIECES or any(len(segment) < 2 for segment in segments):
         return False
     return all(np.array_equal(before[-1], after[0]) for before, after in itertools.pairwise(segments))

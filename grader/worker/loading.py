@@ -1,7 +1,7 @@
-"""Load a submission: write its files into the scratch folder, import them, and report what failed in each.
+"""Load a submission: write its files into the scratch folder, run them, and report what failed in each.
 
 All definitions of a file or notebook count: module-level statements that fail are skipped, see `statements`. If the grader sends
-working stand-ins for broken parts, they replace the student's own definitions, see `standins`.
+stand-ins (working definitions in place of broken ones), they replace the student's own, see `standins`.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ _LEVELS = 1 + _ABOVE.count("/")
 
 
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Write the submission's files and prepare the environment and the stand-ins; no student code runs yet.
+    """Write the submission's files into the scratch folder and prepare the process; no student code runs yet.
 
-    Return the paths of the files that a notebook writes with ``%%writefile``.
+    Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
     STATE.stepper = statements.StatementRunner(skipped, tuple(fields["place"]), list(fields["homes"]))
@@ -71,7 +71,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Import a file of the submission, or run a notebook; return the required names that it defines and the skipped statements."""
+    """Import a file of the submission, or run a notebook, and report its required names, skipped statements, figures and errors."""
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -84,7 +84,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Run one file as `python FILE` does, and return the figures that it saved and its first error."""
+    """Run one file as `python FILE` does, for its plots; return the figures that it made and its first error (None without one)."""
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -105,7 +105,7 @@ def _main_module(path: str) -> types.ModuleType:
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the required names that each file or notebook defines at module level. The text is parsed, not run."""
+    """Return the required names that each file or notebook defines at module level. The text is parsed; no code runs."""
     del fields, arrays
     found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in STATE.code())
     return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}
@@ -121,7 +121,7 @@ def _write(path: str, content: bytes) -> None:
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
-    """Loader of a student's file that keeps the definitions of a file with errors, so that other files can import them."""
+    """Loader of a student's file: a file with errors keeps the definitions that work, so that other files can import them."""
 
     def exec_module(self, module: types.ModuleType) -> None:
         path = Path(self.path).relative_to(STATE.folder).as_posix()
@@ -134,7 +134,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 def _absent_names(home: str) -> Any:
-    """Return the ``__getattr__`` of a broken module: missing names can be imported from it and raise NameError when used."""
+    """Return ``__getattr__`` for a file with errors: a name that it lacks can be imported, and raises NameError when it is used."""
 
     def __getattr__(name: str) -> Any:  # noqa: N807 - PEP 562
         if name.startswith("__"):
@@ -145,7 +145,7 @@ def _absent_names(home: str) -> Any:
 
 
 class _MissingPartner(importlib.machinery.SourceFileLoader):
-    """Loader of an empty module with the stand-ins, in place of a required file that was not submitted."""
+    """Loader of the stand-ins (working definitions by the grader) in place of a required file that was not submitted."""
 
     def get_code(self, fullname: str) -> types.CodeType:
         return compile("", self.path, "exec")
@@ -165,7 +165,7 @@ class _UnderAnotherName(_MissingPartner):
 
 
 class _PartnerFinder:
-    """Import finder for required files that were not submitted under their names."""
+    """Import finder for required files that were not submitted under their names, so that other files can import them."""
 
     @staticmethod
     def find_spec(name: str, path: Any = None, target: Any = None) -> Any:
@@ -192,7 +192,7 @@ def _prepare_imports() -> None:
 
 
 def _original_of(place: str) -> str:
-    """Return the folder of the submission that is meant by a copy above its own, as ``../step5`` is; ImportError if none is."""
+    """Return the submission's folder to which a copy above it belongs, as for ``../step5``; ImportError if there is none."""
     for above in Path(STATE.folder).parents[:_LEVELS]:
         if Path(place).is_relative_to(above) and (own := Path(STATE.folder, Path(place).relative_to(above))).is_dir():
             return str(own)
@@ -231,7 +231,7 @@ def _import_file(path: str) -> types.ModuleType | None:
 
 
 def _run_file(path: str, names: dict[str, Any]) -> bool:
-    """Run a file's statements in the namespace `names`; return whether it parses and no statement failed."""
+    """Run a file's statements in the namespace `names`; return True if the file parses and no statement failed."""
     standins.fill(path, names)  # what a file misspells, its own lines may call by the right name
     units = compiling.units_in(Path(STATE.folder, path).read_bytes(), path)
     if units is None:
@@ -245,13 +245,13 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
 
 
 def _run_what_parses(path: str, names: dict[str, Any]) -> None:
-    """Run those statements of a file with a syntax error that parse, so that its figures are drawn with stand-ins."""
+    """Run the statements that parse of a file with a syntax error, with stand-ins for the others, so that its figures are drawn."""
     units = compiling.units_that_parse(Path(STATE.folder, path).read_bytes(), path)
     _run_units(units, path, names, _missing_imports(path, units, names), standins.misspelled(path, units))
 
 
 def _library_or_partner(name: str) -> Any:
-    """Return the value of a name that a file forgot to import: from another required file, or a library; None if unknown."""
+    """Return what a name stands for that a file forgot to import: of another required file, or a library; None if unknown."""
     if name not in STATE.homes:
         return STATE.sheet_names(STATE.lab_configuration, {}).get(name)
     try:
@@ -261,7 +261,7 @@ def _library_or_partner(name: str) -> Any:
 
 
 def _unreadable(path: str) -> dict[str, Any] | None:
-    """Return the syntax error of a file, or of the first notebook cell that has one; None if all parses."""
+    """Return the syntax error of a file, or of a notebook's first cell that has one; None if all of it parses."""
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 
@@ -316,7 +316,7 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:
-    """Do what ``%run FILE`` does: run a notebook's cells in the namespace `names`, or a program whose names are added to it."""
+    """Do what ``%run FILE`` does: run the file, a notebook in the namespace `names`, a program before its names are put there."""
     path = next(Path(word).as_posix() for word in shlex.split(line) if not word.startswith("-"))
     if path.endswith(".ipynb"):
         _run_cells(path, names)
@@ -327,7 +327,7 @@ def _run_magic(line: str, names: dict[str, Any]) -> None:
 
 
 def _write_cells_to_files(path: str, withheld: list[str]) -> None:
-    """Do what ``%%writefile NAME.py`` cells do, so that the files are there before anything is imported."""
+    """Write the files of ``%%writefile NAME.py`` cells before anything is imported, except existing and `withheld` ones."""
     try:
         files = notebooks.files_written(Path(STATE.folder, path).read_bytes())
     except (ValueError, RecursionError):

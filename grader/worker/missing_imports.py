@@ -1,7 +1,7 @@
-"""Supply names that a file of the submission uses and forgot to import: libraries of the sheet, and what a partner file defines.
+"""Supply names that a file uses and forgot to import: libraries of the lab sheet, and what another required file defines.
 
 On the sheet all code stands in one program, so a file that was cut out of it lacks both. The names are put among its globals;
-nothing in the student's text is edited. The grader is told which names were supplied, and notes them.
+nothing in the student's text is edited. The grader is told which names were supplied, and notes them in the report.
 """
 
 from __future__ import annotations
@@ -14,27 +14,21 @@ from typing import Any
 
 from . import name_analysis, statements
 
-_BRING_NAMES = (
-    "exec",
-    "globals",
-    "vars",
-    "locals",
-    "setattr",
-    "get_ipython",
-)  # may define names that the analysis misses
+# Calls that may define names which the analysis misses.
+_BRING_NAMES = ("exec", "globals", "vars", "locals", "setattr", "get_ipython")
 
 
 class MissingImports:
-    """The names that one file or notebook lacks, and when each is supplied.
+    """The names that one file or notebook uses and forgot to import, and when each is supplied.
 
-    A library is supplied before the first statement runs, or after the last star import, which may bring it along. What a partner
-    defines is supplied after the last definition, as the partner may import this file.
+    A library is supplied before the first statement runs, or after the last star import, which may bring it along. What another
+    required file (a partner) defines is supplied after the last definition, as the partner may import this file.
 
     Parameters
     ----------
     units : the file's statements
     libraries : those of the sheet, by the names that it imports them under
-    wanted : the names that the sheet asks for, some of which partner files define
+    wanted : the names that the sheet asks for, some of which partners define
     find : returns the object that a name stands for; None if there is no such object
     """
 
@@ -63,12 +57,12 @@ class MissingImports:
         self.supplied: list[str] = []
 
     def before(self, names: dict[str, Any]) -> None:
-        """Supply libraries before a file without star imports runs."""
+        """Supply libraries before a file's first statement runs, unless a star import of the file may bring them."""
         if self._last_star is None:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Supply the names that become due after this statement, such as after the last star import."""
+        """Supply what is due after this statement: libraries after the last star import, partner names after all definitions."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:
@@ -78,14 +72,14 @@ class MissingImports:
             self._supply([name for name in self._renamed if name in names], names)
 
     def at_end(self, names: dict[str, Any]) -> None:
-        """Restore wanted definitions that later lines deleted, or replaced by what nobody can call."""
+        """Put back required definitions that later lines of the file deleted, or replaced by something that cannot be called."""
         for name, made in self._defined.items():
             if isinstance(made, type | FunctionType) and not callable(names.get(name)):
                 names[name] = made
                 self.supplied.append(name)
 
     def _supply(self, missed: Sequence[str], names: dict[str, Any]) -> None:
-        """Supply the names that are not there, or were imported from where they are not."""
+        """Supply those of the `missed` names that are still not there, or whose import failed, and note them in `supplied`."""
         for name in missed:
             lacking = name not in names or isinstance(names[name], statements.MissingName)
             if lacking and (found := self._find(name)) is not None:

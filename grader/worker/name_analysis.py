@@ -1,4 +1,4 @@
-"""Static name analysis: which names statements read, bind and import."""
+"""Static name analysis: which names statements read, bind and import, to find those that a file forgot to import."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ _PASSED_OVER = frozenset(("annotation", "returns", "type_params", "ctx", "op", "
 
 
 def imported(node: ast.AST) -> list[str]:
-    """Return the names that an import statement binds; none for other statements."""
+    """Return the names that an import statement binds; an empty list for any other statement."""
     if not isinstance(node, ast.Import | ast.ImportFrom):
         return []
     return [(alias.asname or alias.name).split(".")[0] for alias in node.names]
 
 
 def used(nodes: Sequence[ast.AST]) -> set[str]:
-    """Return the names that are read in these nodes, outside of type hints."""
+    """Return the names that these nodes read when they run; type hints do not count."""
     names, left = set(), list(nodes)
     while left:  # every file is analysed in every process: `ast.walk` takes ten times as long
         node = left.pop()
@@ -38,7 +38,7 @@ def used(nodes: Sequence[ast.AST]) -> set[str]:
 
 
 def bound(node: ast.AST) -> Iterator[str]:
-    """Yield all names that a statement assigns, defines or imports, also in nested statements."""
+    """Yield all names that a statement assigns, defines or imports, at any depth, inside functions, too."""
     for each in ast.walk(node):
         if isinstance(each, ast.Name) and not isinstance(each.ctx, ast.Load):
             yield each.id

@@ -1,4 +1,4 @@
-"""Read notebooks: their code cells as plain Python, with magics and shell lines removed."""
+"""Read notebooks: their code cells as plain Python, with magics and shell lines removed, so that they run without IPython."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def code_cells(content: bytes) -> list[str]:
 
 
 def raw_cells(content: bytes) -> list[str]:
-    """Return the code cells of a notebook (format 3 or 4) unchanged; raise ValueError if it is no notebook."""
+    """Return the code cells of a notebook (format 3 or 4) with their magics; raise ValueError if it is no notebook."""
     book = json.loads(content.decode("utf-8-sig"))
     if not isinstance(book, dict):
         raise ValueError("a notebook is a JSON object")
@@ -39,7 +39,7 @@ def _source(cell: dict[str, Any]) -> str:
 
 
 def files_written(content: bytes) -> dict[str, str]:
-    """Return the Python files that ``%%writefile`` cells write, by path; raise ValueError if it is no notebook."""
+    """Return the text of the Python files that ``%%writefile`` cells write, by path; raise ValueError if it is no notebook."""
     files: dict[str, str] = {}
     for source in raw_cells(content):
         head, _, body = source.lstrip().partition("\n")
@@ -50,7 +50,7 @@ def files_written(content: bytes) -> dict[str, str]:
 
 
 def plain_python(cell: str) -> str:
-    """Return a cell without magics, shell lines and ``?`` marks, with the same line numbers; "" for a cell in another language.
+    """Return a cell as plain Python of as many lines, without magics, shell lines and ``?``; "" for a cell in another language.
 
     A line is replaced only if the parser rejects it, because a valid line may begin with ``%`` inside brackets.
     """
@@ -66,7 +66,7 @@ def plain_python(cell: str) -> str:
 
 
 def _rejected_line(lines: list[str]) -> int | None:
-    """Return the index of the line that the parser rejects, or of the first line that it continues; None if the cell parses."""
+    """Return the index of the line that the parser rejects, or of the line that it continues; None if there is none to replace."""
     try:
         ast.parse("\n".join(lines))
     except SyntaxError as error:
@@ -84,7 +84,7 @@ def _continues(line: str) -> bool:
 
 
 def _replace_magic(lines: list[str], at: int) -> bool:
-    """Replace a magic and its continuation lines by plain Python, in place; return False if the line at `at` is no magic."""
+    """Replace the magic at line `at`, with its continuation lines, by plain Python in `lines`; return False if it is no magic."""
     plain = _plain_line(lines[at])
     if plain == lines[at]:
         return False
@@ -96,7 +96,7 @@ def _replace_magic(lines: list[str], at: int) -> bool:
 
 
 def _plain_line(line: str) -> str:
-    """Return plain Python in place of a magic or shell line; any other line unchanged."""
+    """Return plain Python in place of a magic or shell line; any other line comes back unchanged."""
     start = line.lstrip()
     indent = line[: len(line) - len(start)]
     if timed := _TIMED.match(start):

@@ -1,6 +1,6 @@
 """Import finder for submissions written as a package, whose files import each other by the package's name or from a dot.
 
-The lab's files lie in the scratch folder itself, whatever folder they were submitted in. So the package is made here, and
+The lab's files lie in the scratch folder itself, whatever folder they were submitted in. So the finder makes up the package, and
 `package.filters` is the module `filters`.
 """
 
@@ -21,7 +21,7 @@ _AMBIGUOUS = "filters"  # not used to recognize a package: scipy, scikit-image a
 
 
 def imported_packages(sources: Iterable[str], paths: Iterable[str], required: Iterable[str]) -> set[str]:
-    """Return the package names under which these sources import files of the submission, or required files that are missing."""
+    """Return the package names from which sources import files of the submission (`paths`), or required files that are missing."""
     modules = {*required, *(path.split("/")[0].removesuffix(".py") for path in paths)} - {_AMBIGUOUS}
     imports = re.compile(
         r"^[ \t]*(?:from|import)[ \t]+\.*([^\W\d][\w.]*?)(?:\.|[ \t]+import\b[ \t]*(?:\(\s*)?(?:\w+\s*,\s*)*)"
@@ -32,18 +32,18 @@ def imported_packages(sources: Iterable[str], paths: Iterable[str], required: It
 
 
 def make_imports_absolute(tree: ast.Module, path: str) -> None:
-    """Replace relative imports that leave the file's folder by imports of plain names."""
+    """Replace relative imports that reach the top folder of the submission, where there is no package, by absolute imports."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level > path.count("/"):
             node.level, node.module = 0, node.module or _OWN
 
 
 class PackageFinder:
-    """Import finder for the submission as a package. It is asked last, after everything that is installed.
+    """Import finder for the submission as a package. Python asks it last, after everything that is installed.
 
     Parameters
     ----------
-    names : returns the names of the package, as `imported_packages` does; called once, when an import finds nothing else
+    names : returns the package's names, as `imported_packages` does; called once, when an import finds nothing else
     load_init : returns the loader of the package's ``__init__.py``; None if there is none
     """
 
@@ -69,9 +69,9 @@ class PackageFinder:
         return importlib.machinery.ModuleSpec(name, _Alias(module)) if package else None
 
     def _package(self, name: str) -> Any:
-        """Return the loader of the package under the name that is imported first; an alias for its other names.
+        """Return the loader of the package under the name that is imported first, and an alias of it for its other names.
 
-        Return None for an outer package, which has no file.
+        Return None for an outer package (``a`` of ``a.b``), which has no file.
         """
         if name in self._around:
             return None
@@ -80,7 +80,7 @@ class PackageFinder:
 
 
 class _Alias(importlib.abc.Loader):
-    """Loader of a submission's module under its name in the package; the module runs once."""
+    """Loader that gives a module of the submission its second name, in the package, so that the module runs only once."""
 
     def __init__(self, name: str) -> None:
         self._name = name

@@ -1,4 +1,4 @@
-"""Decode a submitted picture inside the sandbox: its size, amount of ink and a preview, or why it cannot be read."""
+"""Decode a submitted picture inside the sandbox, where a hostile file does no harm: its size, amount of ink and a preview."""
 
 from __future__ import annotations
 
@@ -13,14 +13,12 @@ _THUMBNAIL = 160
 _PREVIEW = 640
 _COLOURS = 256
 _MANY = 65_536  # colours of a photograph; a figure has 20,000, as a JPEG 35,000
-_GROUNDS, _SHADES = (
-    4,
-    16,
-)  # number of background colours, and the step in which colours are rounded before they are counted
+# Number of background colours, and the step in which colours are rounded before they are counted.
+_GROUNDS, _SHADES = 4, 16
 
 
 def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Decode the picture in ``arrays["bytes"]``. A file that cannot be decoded is reported, and raises nothing.
+    """Decode the picture in ``arrays["bytes"]``. A file that cannot be decoded is answered with the reason, and raises nothing.
 
     Returns
     -------
@@ -57,14 +55,14 @@ def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def _reduction(picture: Any) -> Any:
-    """Return the quantization method: one that keeps the colours of thin curves, or a fast one for pictures of many colours."""
+    """Return Pillow's method to reduce colours: one that keeps thin curves, or a fast one for pictures of very many colours."""
     from PIL import Image
 
     return Image.Quantize.MEDIANCUT if picture.getcolors(_MANY) is None else Image.Quantize.MAXCOVERAGE
 
 
 def _on_white(picture: Any, longest: int) -> Any:
-    """Return a small version of the picture on a white background, which transparent pixels show."""
+    """Return the picture with at most `longest` pixels a side, on a white background, which transparent pixels show."""
     from PIL import Image
 
     small = picture.convert("RGBA")

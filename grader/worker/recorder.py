@@ -1,4 +1,4 @@
-"""Record the figures that a submission saves and shows: the facts of each at that moment."""
+"""Record the figures that a submission saves or shows: the facts (plain data) of each at that moment, before it changes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _RAW = ("raw", "rgba")
 
 
 class Recorder:
-    """Figures saved and shown since the last `take`."""
+    """Recorder of the figures that a submission saves, shows, closes or clears; `take` hands them over with each answer."""
 
     def __init__(self) -> None:
         self._drawn: list[saved.RecordedFigure] = []
@@ -30,7 +30,7 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return the recorded ``figures``, including those that are still open and were never saved, and start anew."""
+        """Return the figures recorded since the last `take`, and their arrays; with `with_open` also those open and never saved."""
         import matplotlib.pyplot as plt
 
         if with_open:
@@ -56,7 +56,11 @@ class Recorder:
         kind: str = "",
         seen: drawing.Preview | None = None,
     ) -> None:
-        """Record the facts of a figure; `seen` is its small picture if it was drawn already."""
+        """Record the facts of a figure at an `event`, unless it is known or twelve are; `seen` is its small picture, if one exists.
+
+        A figure that was empty, or is saved again, is recorded again. `target`, `dpi` and `kind` (the format) are those of
+        `savefig`.
+        """
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
         again = known and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
@@ -79,7 +83,7 @@ class Recorder:
     def _with_artists(
         self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Preview | None
     ) -> saved.RecordedFigure:
-        """Return a figure's facts, with its artists added, and its pixels, which the facts name `name`."""
+        """Return the figure's record: facts with its artists, and a small picture called `name`; neither if an artist raises."""
         try:
             with artist_facts.original_classes():
                 seen = seen or drawing.draw_preview(figure)
@@ -95,7 +99,7 @@ RECORDER = Recorder()
 
 
 def watch(*, read_back: bool) -> None:
-    """Record every figure that is saved or shown from now on; where pictures are read back, save them as asked."""
+    """Record every figure that is saved, shown, closed or cleared from now on; with `read_back`, save pictures in full size."""
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backend_bases import FigureCanvasBase

@@ -1,4 +1,4 @@
-"""Replace randomness and time by repeatable sources, so that the same bytes get the same grade on a busy machine.
+"""Replace randomness and time by repeatable sources, so that the same bytes get the same grade, also on a busy machine.
 
 Libraries keep the real clocks and process id, because a wait or a lock depends on them: each source checks who calls it.
 """
@@ -35,7 +35,7 @@ So a loop that runs for some seconds makes the same number of rounds in every ru
 
 
 class _Bytes:
-    """Random bytes from SHAKE-128 over a counter: statistically like the kernel's, and the same in each run."""
+    """Source of random bytes, SHAKE-128 over a counter: statistically like the kernel's, and the same in each run."""
 
     def __init__(self) -> None:
         self.restart(0)
@@ -53,7 +53,7 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Replace sources of chance by repeatable ones, so that a regrade gives the same; `folder` holds the student's code."""
+    """Replace clocks, process id and random bytes by repeatable ones; code in `folder` is the student's, other code a library's."""
     _LIBRARY.own_folder = folder
     virtual_time.install(CLOCK)
     _replace_clocks()
@@ -64,7 +64,7 @@ def install(folder: str) -> None:
 
 
 def seed(number: int) -> None:
-    """Seed every generator, so that a regrade draws the same numbers. No grade depends on the seed."""
+    """Seed every random generator, so that a regrade draws the same numbers. No grade depends on which seed it is."""
     _BYTES.restart(number)
     random.seed(number)
     np.random.seed(number)
@@ -78,7 +78,7 @@ _EVENT_LOOP = os.path.join("asyncio", "base_events.py")  # its pauses pass by th
 
 
 class _Library:
-    """Test whether a library calls. Library code has an absolute file name; the student's code has none."""
+    """Test whether a library calls, which needs the real clock, or student code: library code has an absolute file name."""
 
     own_folder = "/"
 
@@ -93,7 +93,7 @@ _LIBRARY = _Library()
 
 
 def _replace_clocks() -> None:
-    """Let a pause advance the clocks instead of waiting. `monotonic` stays real for libraries, whose waits depend on it."""
+    """Let `sleep` advance all clocks instead of waiting. `monotonic` stays real for libraries, whose waits depend on it."""
 
     def sleep(seconds: float) -> None:
         if seconds < 0:
@@ -130,7 +130,7 @@ def _replace_clocks() -> None:
 
 
 def _replace_dates() -> None:
-    """Make dates and broken-down times follow the clock of student code."""
+    """Make dates and broken-down times (`datetime.now`, `localtime`) follow the repeatable clock of student code."""
 
     def at(convert: Callable[..., Any]) -> Callable[..., Any]:
         return lambda seconds=None: convert(time.time() if seconds is None else seconds)
@@ -169,13 +169,13 @@ def _replace_dates() -> None:
 
 
 def _replace_process() -> None:
-    """Give student code the same process id on every isolation level."""
+    """Give student code the process id 1 on every isolation level, so that no grade depends on it; libraries get the real one."""
     really = os.getpid
     vars(os)["getpid"] = lambda: really() if _LIBRARY.calls() else PID
 
 
 def _replace_random_bytes() -> None:
-    """Replace the system's random bytes by our stream: in `os.urandom`, `secrets` and unseeded generators."""
+    """Replace the system's random bytes by `_BYTES`, which repeat: in `os.urandom`, `secrets` and unseeded generators."""
     seed_by = random.Random.seed
 
     def seeded(self: random.Random, a: Any = None, version: int = 2) -> None:
@@ -194,7 +194,7 @@ copies and a conversion to float32 and back."""
 
 
 def _fill_empty_arrays() -> None:
-    """Let `np.empty` and `np.empty_like` return arrays of `NEVER_WRITTEN`, in place of what was in that memory before."""
+    """Let `np.empty` and `np.empty_like` return arrays of `NEVER_WRITTEN`, so that values never written repeat and are found."""
     numpy = sys.modules["numpy"]  # the student's; the worker code has a copy of the module
     for name in ("empty", "empty_like"):
         setattr(numpy, name, _filled(getattr(numpy, name)))

@@ -1,4 +1,4 @@
-"""Find which figure each picture file holds at the end, whichever call wrote it.
+"""Find which figure each picture file holds when the code has run, whichever call wrote the file.
 
 A file with the bytes that saving a figure wrote holds that figure. Any other picture, such as one that Pillow or `imsave` made from
 the canvas or a buffer, is compared with the figures: it holds the most similar one.
@@ -28,7 +28,7 @@ with its own full canvas and at most 0.55 with the canvas of another."""
 
 @dataclass
 class RecordedFigure:
-    """A figure with its facts, its small picture, and the bytes and path of the file that saving it wrote."""
+    """A recorded figure: its facts (plain data), its small picture, and bytes and path that saving it wrote; None where unknown."""
 
     facts: dict[str, Any]
     seen: Preview | None
@@ -37,7 +37,7 @@ class RecordedFigure:
 
 
 def written_pictures(folder: str) -> list[str]:
-    """Return the picture files that a submission has written below the scratch folder, as relative paths."""
+    """Return the picture files that a submission wrote below the scratch folder, as relative paths; no links, no empty files."""
     found = []
     for above, _, names in os.walk(folder):
         for path in (Path(above, name) for name in names if os.path.splitext(name)[1].lower() in PICTURES):
@@ -47,7 +47,7 @@ def written_pictures(folder: str) -> list[str]:
 
 
 def content_of(target: Any) -> tuple[bytes | None, str | None]:
-    """Return the bytes that `savefig` wrote to a path or a buffer, and the path; None for what is unreadable or has no path."""
+    """Return what `savefig` wrote to a file or buffer: its bytes (None if unreadable), and its path (None for a buffer)."""
     if isinstance(target, str | os.PathLike):
         place = os.path.abspath(os.fspath(target))
         return _read(place if os.path.exists(place) else f"{place}.png"), place
@@ -58,11 +58,11 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
 
 
 def match_files_to_figures(drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]) -> None:
-    """Set the event of each recorded figure: whether a file still shows it in the end, or was overwritten.
+    """Correct each figure's ``event``: saved if a file shows the figure in the end, overwritten or forgotten if none does.
 
     Parameters
     ----------
-    known : the picture files that were there before, with their content; updated to the present ones
+    known : the picture files below `folder` that were there before, with their content; updated to the present ones
     """
     files = {name: _read(os.path.join(folder, name)) for name in written_pictures(folder)[:_MOST_READ]}
     held = {content for content in files.values() if content is not None}
@@ -89,7 +89,7 @@ def _read(path: str) -> bytes | None:
 
 
 def _match_picture(name: str, content: bytes | None, drawn: list[RecordedFigure]) -> None:
-    """Find the figure that a picture shows, if there is one, and record that it was saved."""
+    """Find the figure that a picture file shows, by likeness, and record the figure as saved there; do nothing if none is alike."""
     from PIL import Image
 
     if name.lower().endswith((".svg", ".pdf")) or content is None:
@@ -107,7 +107,7 @@ def _match_picture(name: str, content: bytes | None, drawn: list[RecordedFigure]
 
 
 def _cells(picture: Any) -> np.ndarray:
-    """Return the colours of a picture on a white background, averaged over a coarse grid."""
+    """Return the colours of a picture on white, averaged over a coarse grid, so that pictures of any size can be compared."""
     from PIL import Image
 
     small = picture.convert("RGBA").resize(_GRID, Image.Resampling.BOX)
@@ -116,7 +116,7 @@ def _cells(picture: Any) -> np.ndarray:
 
 
 def _correlation(cells: np.ndarray, seen: Preview) -> float:
-    """Return the correlation of a picture's grid with a figure's small picture."""
+    """Return how alike a picture, as `cells`, and a figure's small picture are: the correlation of their grids, at most 1."""
     from PIL import Image
 
     its = _cells(Image.fromarray(seen.pixels))

@@ -1,7 +1,7 @@
-"""Headless matplotlib backend that mimics a GUI backend and draws no pixels.
+"""Headless matplotlib backend that mimics a GUI backend and draws no pixels, so that a live plot can be judged.
 
-While `Screen.installed` is entered, each way of showing a figure (draw, draw_idle, flush_events, blit, pause, show, a saved
-frame, an animation) calls a callback, and timers and animations run as in the event loop of a GUI.
+While `Screen.installed` is entered, each way of showing a figure (draw, draw_idle, flush_events, blit, pause, show, a saved frame,
+an animation) calls a callback, and timers and animations run as in the event loop of a GUI.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Screen:
     Parameters
     ----------
     seen : called with the figure whenever something is shown
-    done : whether enough was seen; the event loop then ends after a few more frames
+    done : returns whether enough was seen; the event loop then ends after a few more frames
     """
 
     def __init__(self, seen: Seen, done: Done) -> None:
@@ -40,7 +40,7 @@ class Screen:
     # --- showing -------------------------------------------------------------------------------------------------------
 
     def show_figure(self, canvas: Any) -> None:
-        """Report a figure as shown and call its draw callbacks, without drawing pixels."""
+        """Report a canvas's figure as shown and call its draw callbacks, without drawing pixels; callbacks that draw may nest."""
         from matplotlib.backend_bases import DrawEvent
 
         if self._depth > 4:
@@ -55,7 +55,7 @@ class Screen:
             self._depth -= 1
 
     def show_all(self, *, block: bool) -> None:
-        """Do what `plt.show` does: show all figures; if it blocks, run the event loop to its end and close them."""
+        """Do what `plt.show` does: show all open figures; if it blocks, run the event loop to its end and close them."""
         import matplotlib.pyplot as plt
 
         for figure in open_figures():
@@ -65,7 +65,7 @@ class Screen:
             plt.close("all")
 
     def show_animations_left(self) -> None:
-        """Show the animations that the program created or returned without showing them, and run the event loop."""
+        """Show the animations that the program created and did not show itself, as a notebook does, and run the event loop."""
         for reference in self._animations:
             animation = reference()
             if animation is not None and not getattr(animation, "_draw_was_started", True):
@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Run the event loop: fire the timers in the order in which they are due, for `seconds` or until no timer is left."""
+        """Run the event loop: fire the timers in the order in which they are due, for `seconds`, or until none is left (None)."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):
@@ -105,7 +105,7 @@ class Screen:
         self._animations.append(weakref.ref(animation))
 
     def play(self, animation: Any) -> None:
-        """Report each frame of an animation that the program saves."""
+        """Report each frame of an animation that the program saves, 2,000 at most; no film is made."""
         animation._init_draw()
         for number, frame in enumerate(animation.new_saved_frame_seq()):
             animation._draw_next_frame(frame, blit=False)
@@ -117,7 +117,7 @@ class Screen:
 
     @contextlib.contextmanager
     def installed(self) -> Iterator[None]:
-        """Replace the methods of matplotlib that show or save a figure; restore them on exit."""
+        """Replace the methods of matplotlib that show or save a figure while a block runs; restore them on exit."""
         import matplotlib.pyplot as plt
         from matplotlib import animation
         from matplotlib.backend_bases import FigureCanvasBase, TimerBase
@@ -171,7 +171,7 @@ class Screen:
         return {"__init__": init, "save": save, "to_jshtml": to_text, "to_html5_video": to_text}
 
     def _show(self) -> Callable[..., None]:
-        """Return the replacement of `plt.show`: a plain function, as `plt.switch_backend` sets an attribute of it."""
+        """Return the replacement of `plt.show`: a plain function, because `plt.switch_backend` sets an attribute of it."""
         import matplotlib.pyplot as plt
 
         def show(*args: Any, block: bool | None = None, **kwargs: Any) -> None:
@@ -181,7 +181,7 @@ class Screen:
 
 
 def _method(call: Callable[[Any], None]) -> Callable[..., None]:
-    """Return a function for use as a method: it calls `call` with the instance and ignores all other arguments."""
+    """Return a method that passes its instance alone to `call` and ignores other arguments, to replace one of matplotlib's."""
 
     def method(instance: Any, *args: Any, **kwargs: Any) -> None:
         call(instance)
@@ -190,7 +190,7 @@ def _method(call: Callable[[Any], None]) -> Callable[..., None]:
 
 
 def _nothing(*args: Any, **kwargs: Any) -> None:
-    """Replace `tight_layout`, which is slow and changes nothing that is reported, by a function without effect."""
+    """Stand in for `tight_layout`, which is slow and changes nothing that is reported, and do nothing."""
 
 
 def open_figures() -> list[Any]:
@@ -201,7 +201,7 @@ def open_figures() -> list[Any]:
 
 
 def _one_pixel() -> bytes:
-    """Return a PNG of one pixel: a readable file for programs that read their saved picture back."""
+    """Return a PNG of one pixel, saved in place of a figure: a readable file for programs that read their picture back."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -223,7 +223,7 @@ def _write(target: Any, content: bytes) -> None:
 
 @contextlib.contextmanager
 def replaced(owner: Any, members: dict[str, Any]) -> Iterator[None]:
-    """Replace members of a class or module; restore them on exit."""
+    """Replace members of a class or module while a block runs; on exit restore them, or remove those that it did not have."""
     own = {name: vars(owner)[name] for name in members if name in vars(owner)}
     for name, member in members.items():
         setattr(owner, name, member)

@@ -1,4 +1,4 @@
-"""Replace parts of a submission: sound stand-ins that the grader sends, and aliases for misspelled names."""
+"""Replace parts of a submission by stand-ins (working definitions that the grader sends), and correct misspelled names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Create stand-ins, sound definitions of the lab's names that replace broken ones of the student's, from their source."""
+    """Create stand-ins from source text by name: working definitions by which the grader replaces broken ones of the student's."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():
@@ -22,7 +22,7 @@ def define(sources: Mapping[str, str]) -> None:
 
 
 def fill(path: str, names: dict[str, Any]) -> None:
-    """Put stand-ins where a file lacks a name: its definition failed, was deleted, or should be in this file."""
+    """Put stand-ins where a file lacks a name that it should define: the definition failed, was deleted, or its file is missing."""
     lacking = [name for name in STATE.standins if name not in names]
     own = compiling.defined(path) if lacking else set()
     for name in lacking:
@@ -37,7 +37,7 @@ def of_module(module: str) -> dict[str, Any]:
 
 
 def standin_for(own: Any, name: str) -> Any:
-    """Return the stand-in for a definition. For a class it keeps the student's additional methods, which a script may call."""
+    """Return the stand-in for the student's definition `own`; a class keeps additional methods, which a script may call."""
     standin = STATE.standins[name]
     if not (issubclass(type(own), type) and isinstance(standin, type)):
         return standin
@@ -51,19 +51,19 @@ def standin_for(own: Any, name: str) -> Any:
 
 
 def misspelled(path: str, units: list[statements.Unit]) -> dict[str, str]:
-    """Return the definitions that a file misspells, with the names that they should have."""
+    """Return the definitions that a file misspells, with the names that they should have, so that both names can be used."""
     pairs = fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path))
     return {own: name for name, own in pairs}
 
 
 def replace_defined(node: ast.stmt, meant: Mapping[str, str], names: dict[str, Any]) -> None:
-    """Replace what a statement has defined by the stand-in of that name, or of the name that was meant."""
+    """Replace what a statement has just defined by its stand-in, if there is one; `meant` maps misspelled names to right ones."""
     known = {own: meant.get(own, own) for own in statements.bound(node)}
     names.update({own: standin_for(names.get(own), n) for own, n in known.items() if n in STATE.standins})
 
 
 def alias_misspelled(meant: Mapping[str, str], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Give misspelled definitions their right names, and yield both; those that a stand-in replaced are left out."""
+    """Define misspelled definitions under their right names, too, and yield (right, misspelled), without those of stand-ins."""
     for own, name in meant.items():
         if name not in STATE.standins and own in names:
             names[name] = names[own]

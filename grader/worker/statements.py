@@ -1,8 +1,7 @@
 """Run a file statement by statement: a statement that raises, exits or does not end is skipped, and the following ones run.
 
-A statement may take half of the remaining time; then it is interrupted. The grader learns from outside which statement ended the
-process or could not be interrupted: before each statement the process writes its place down. The next process gets the list of
-statements to skip.
+A statement may take half of the remaining time; then it is interrupted. Before each statement the process writes down which one it
+runs, so that the grader learns which one ended the process or could not be interrupted. The next process is told to skip it.
 """
 
 from __future__ import annotations
@@ -36,11 +35,11 @@ DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 class OutOfTimeError(BaseException):
-    """A statement exceeded its time. It is a BaseException, so that `except Exception` in student code does not catch it."""
+    """Exception: a statement exceeded its time. As a BaseException it passes `except Exception` in student code."""
 
 
 class MissingName:
-    """Placeholder for a name that could not be imported or defined. Using it raises the original error."""
+    """Placeholder for a name that could not be imported or defined, so that other code runs. Using it raises the original error."""
 
     def __init__(self, error: Callable[[], BaseException]) -> None:
         self._error = error
@@ -56,7 +55,7 @@ class MissingName:
 
 @dataclass(frozen=True)
 class Unit:
-    """Piece of code that is run as a whole: a statement, or a notebook cell with a top-level `await`."""
+    """Piece of code that is run and skipped as a whole: a statement, or a notebook cell with a top-level `await`."""
 
     number: int
     node: ast.stmt
@@ -67,7 +66,7 @@ class Unit:
 
 
 class _Clock:
-    """Time limit of statements: CPU time and idle time since `start`. A statement may use half of what is left."""
+    """Time limit of the statements that run since `start`: CPU time and idle time. A statement may use half of what is left."""
 
     def __init__(self) -> None:
         self._end_s = self._until_s = self._idle_s = 0.0
@@ -88,7 +87,7 @@ class _Clock:
                 signal.signal(signal.SIGALRM, self._before)
 
     def allow(self) -> None:
-        """Give the statement that runs next half of the remaining time."""
+        """Give the statement that runs next half of the remaining time, so that those after it have some, too."""
         now_s = _CPU_CLOCK() + self._idle_s
         self._until_s = now_s + (self._end_s - now_s) / 2
 
@@ -105,7 +104,7 @@ _CLOCK = _Clock()
 
 
 def _in_student_statement(frame: types.FrameType | None) -> bool:
-    """Return whether a student's statement is running, not the grader's code between two statements."""
+    """Return whether a student's statement is running, which may be interrupted, and not the worker code between two statements."""
     while frame is not None and frame.f_code is not StatementRunner._run_unit.__code__:
         if faults.is_own(frame.f_code.co_filename):
             return True
@@ -115,7 +114,7 @@ def _in_student_statement(frame: types.FrameType | None) -> bool:
 
 @contextlib.contextmanager
 def time_limit(within_s: float) -> Iterator[None]:
-    """Limit the time of all statements that run in this context together."""
+    """Limit the time of all statements that run in this context together to `within_s` seconds."""
     _CLOCK.start(within_s)
     try:
         yield
@@ -127,11 +126,11 @@ def time_limit(within_s: float) -> Iterator[None]:
 
 
 class StatementRunner:
-    """Runner of a file's statements one by one, so that a failing one does not cost those after it; records the skipped ones.
+    """Runs a file's statements one by one, so that a failing one does not cost those after it, and notes the skipped ones.
 
     Parameters
     ----------
-    skipped : (file, number of the statement) -> reason why it is not run again
+    skipped : (file, number of a statement that ended an earlier process) -> the reason why it is not run again
     place : offset and size of the space in descriptor 1 where the running statement is noted, to find one that kills the worker
     wanted : the required names; a failed statement is recorded with those that it would have defined
     """
@@ -143,7 +142,7 @@ class StatementRunner:
         self.noted: list[dict[str, Any]] = []
 
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
-        """Run the statements of a file in the namespace `names`; call `after` when each has run."""
+        """Run the statements of a file in the namespace `names`, but for those to skip; call `after` with each, run or skipped."""
         names["__builtins__"] = vars(builtins)  # those that all modules share: the worker's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
             if why := self._skipped.get((path, unit.number)):
@@ -175,8 +174,8 @@ class StatementRunner:
     def _step_over(self, path: str, unit: Unit, names: dict[str, Any], raised: BaseException) -> None:
         """Record a statement that raised, and keep what did not depend on the failure.
 
-        That is the other names of an import, and a definition without its type hints. From Python 3.14 on, hints are evaluated on
-        demand anyway.
+        Kept are the other names of an import, and a definition without its type hints (from Python 3.14 on, hints are evaluated on
+        demand anyway). A name that needs a failed import becomes a `MissingName`.
         """
         if isinstance(unit.node, _IMPORTS) and faults.is_a(raised, ImportError):
             self._import_the_rest(path, unit, names, raised)
@@ -209,7 +208,7 @@ class StatementRunner:
             self._run_unit(path, Unit(unit.number, single, _compiled(single, unit.code.co_filename)), names)
 
     def _note(self, path: str, unit: Unit, how: str, why: str | BaseException, within: Collection[str] = ()) -> None:
-        """Record a skipped statement, the required names that it would have defined, and those whose code was running."""
+        """Record a skipped statement, the required names that it would have defined, and those whose code ran then (`within`)."""
         if len(self.noted) >= _MAX_NOTED:
             return
         line = _first_line(unit.node)
@@ -219,11 +218,11 @@ class StatementRunner:
         self.noted.append(told | about | {"within": sorted(within)})
 
     def defined(self, names: dict[str, Any]) -> list[str]:
-        """Return the required names that are defined."""
+        """Return the required names that are defined in the namespace `names`, not as placeholders."""
         return [name for name in self.wanted if name in names and not isinstance(names[name], MissingName)]
 
     def _write_place(self) -> None:
-        """Write the running statement down in case this process ends; the file may be closed or full."""
+        """Write down the running statement, so that the grader finds it if it ends this process; a failed write is ignored."""
         at, room = self._place
         said = json.dumps(self._running[-1:]).encode()
         if hasattr(os, "pwrite") and len(said) <= room:
@@ -232,7 +231,7 @@ class StatementRunner:
 
 
 def _as_run(unit: Unit, names: dict[str, Any]) -> list[Unit]:
-    """Return the unit; for a main guard in a program, the statements below it, which run one by one."""
+    """Return a unit alone, or, for a program's ``if __name__ == "__main__"``, the statements below it, which run one by one."""
     node, flags = unit.node, unit.code.co_flags
     if not is_main_guard(node) or names.get("__name__") != "__main__" or flags & CO_COROUTINE:
         return [unit]
@@ -251,7 +250,7 @@ def is_main_guard(node: ast.stmt) -> TypeGuard[ast.If]:
 
 
 def _callables_on(trace: types.TracebackType | None, wanted: Collection[str]) -> set[str]:
-    """Return the required functions, and classes of methods, that were running."""
+    """Return the required functions, and classes of methods, whose code is in a traceback: they ran when time was up."""
     found: set[str] = set()
     while trace is not None:
         code, names = trace.tb_frame.f_code, trace.tb_frame.f_globals
@@ -283,7 +282,7 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 
 
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
-    """Return the statements of a file, compiled; raise SyntaxError if the file as a whole does not compile."""
+    """Return the top-level statements of a file, each compiled alone; raise SyntaxError if one does not compile."""
     flags |= _future_flags(tree)
     if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _awaits(tree) and tree.body:
         whole: types.CodeType = compile(tree, name, "exec", flags, dont_inherit=True)
@@ -318,7 +317,7 @@ def _first_line(node: ast.stmt) -> int:
 
 
 def bound(node: ast.AST) -> list[str]:
-    """Return the names that a statement defines or assigns in any of its branches, without imported names."""
+    """Return the names that a statement defines or assigns, in any of its branches; imported names are left out."""
     if isinstance(node, DEFINITIONS):
         return [node.name]
     if isinstance(node, ast.Assign | ast.AnnAssign):

@@ -1,4 +1,4 @@
-"""State of the submission that the worker holds, beside its files in the scratch folder."""
+"""State of the one submission that this worker process runs, beside its files in the scratch folder."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class _State:
         self.install_lab: Callable[[dict[str, Any]], None] = lambda configuration: None
 
     def code(self) -> list[str]:
-        """Return the files and notebooks with code, those nearest to the submission's folder first."""
+        """Return the paths of programs and notebooks, those nearest to the submission's top folder first, to search for a name."""
         code = (path for path in self.paths if path.endswith((".py", ".ipynb")))
         return sorted(code, key=lambda path: (path.count("/"), path))
 
@@ -42,5 +42,5 @@ STATE = _State()
 
 
 def find(name: str, path: str) -> Any:
-    """Return the object that a loaded file of the submission defines under a name; raise KeyError if it defines no such name."""
+    """Return the object that a loaded file defines under a name, such as a student's function; raise KeyError if there is none."""
     return vars(STATE.modules[path])[name]

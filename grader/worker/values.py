@@ -1,4 +1,4 @@
-"""Convert what a student's function returned into plain nodes and float arrays, the form that the protocol carries.
+"""Convert what a student's function returned into plain nodes and float arrays, the form in which the grader receives it.
 
 A node is a dictionary with a ``kind``: ``array``, ``number``, ``tuple``, ``list``, ``dict``, ``object``, ``text``, ``none``,
 ``other`` or ``too_large``. Numbers are sent as float64 arrays, named by ``key``.
@@ -27,7 +27,7 @@ _REAL = "fiu"
 def numbers(value: Any) -> np.ndarray:
     """Return an array, a sequence or a number as float64, with NaN for masked values; raise TypeError or ValueError for others.
 
-    This is the only rule for what counts as numbers, whatever the question. Complex numbers count if no imaginary part differs from
+    This is the only rule for what counts as numbers, whatever the lab asks. Complex numbers count if no imaginary part differs from
     zero, objects such as `Decimal` and `Fraction` if `float` accepts them. Text, booleans, dates and records are no numbers.
     """
     if isinstance(value, list | tuple):
@@ -47,12 +47,12 @@ def numbers(value: Any) -> np.ndarray:
 
 
 def _is_plain(part: Any) -> bool:
-    """Return whether NumPy converts this member of a sequence by the same rule, and much faster: a float or an array of reals."""
+    """Return whether NumPy converts a member of a sequence as `numbers` does, and much faster: a float or an array of reals."""
     return type(part) is float or (type(part) in (np.ndarray, np.float64) and part.dtype.kind in _REAL)
 
 
 def _number(value: Any) -> float:
-    """Return one member of an object array as a float; raise TypeError if it is no real number."""
+    """Return one member of an object array as a float, infinite if too large; raise TypeError if it is no real number."""
     if isinstance(value, str | bytes | bytearray | bool | np.bool_ | np.datetime64 | np.timedelta64):
         raise TypeError(f"a {type(value).__name__} is no real number")
     if isinstance(value, complex | np.complexfloating):
@@ -66,9 +66,9 @@ def _number(value: Any) -> float:
 
 
 class Packer:
-    """Describes the values of one answer as plain data, and collects their arrays by name for the frame that is sent.
+    """Describes the values of one answer as plain nodes, and collects their arrays by name for the message that is sent.
 
-    Two packers whose arrays are sent in one frame need different prefixes.
+    Two packers whose arrays are sent in one message need different prefixes.
     """
 
     def __init__(self, prefix: str = "a") -> None:
@@ -81,7 +81,7 @@ class Packer:
         return key
 
     def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
-        """Describe a value as plain data. Student code may run here (``__len__``, ``__array__``): callers catch what it raises."""
+        """Describe a value as a plain node. Student code may run here (``__len__``, ``__array__``): callers catch its errors."""
         if value is None:
             return {"kind": "none"}
         if isinstance(value, str):
@@ -127,7 +127,7 @@ class Packer:
             return self._table(value, depth) or {"kind": "other", "type": f"{kind} of unequal rows"}
 
     def _table(self, rows: Any, depth: int) -> dict[str, Any] | None:
-        """Return rows with equal keys or equal length as an object of their columns; None for any other rows."""
+        """Return a list of rows as a node of columns if their keys or lengths are equal; None for any other rows."""
         first, kinds = rows[0], {type(row) for row in rows}
         if len(kinds) > 1 or not isinstance(first, dict | tuple | list):
             return None

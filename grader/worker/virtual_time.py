@@ -24,7 +24,7 @@ _MAX_PATIENCE_S, _IMPATIENT_S = 2.0, 0.01
 
 @dataclass(eq=False)
 class _Wait:
-    """A pause, or the wait for another thread: until `lock` is released, or until the clock shows `end_s`."""
+    """A thread's pause, or its wait for another thread: until `lock` is released, or until the clock shows `end_s`."""
 
     end_s: float
     number: int
@@ -33,7 +33,7 @@ class _Wait:
 
 
 class Clock:
-    """Virtual clock of student code: the seconds that have passed for it, and the order in which its threads run."""
+    """Virtual clock of student code: the seconds that have passed for it (`passed_s`), and which of its threads runs next."""
 
     def __init__(self) -> None:
         self.passed_s = 0.0
@@ -45,11 +45,11 @@ class Clock:
         self._patience_s = _MAX_PATIENCE_S
 
     def enter(self, thread: object) -> None:
-        """Note that the calling thread is `thread`, which was added before it started."""
+        """Note that the calling thread is `thread`, which was added before it started; called first in each thread."""
         self._me[get_ident()] = thread
 
     def add(self, thread: object) -> None:
-        """Add a thread. From now on the others run only while it pauses or waits."""
+        """Add a thread that starts next. From now on the others run only while it pauses or waits."""
         with self._guard:
             self._threads[thread] = None
 
@@ -62,7 +62,7 @@ class Clock:
         self._wake_next()
 
     def advance(self, seconds: float) -> float:
-        """Let time pass for the calling thread: other threads run first if their pauses end before. Return the time."""
+        """Let time pass for the calling thread: other threads run first if their pauses end before. Return the clock's seconds."""
         if len(self._threads) <= 1 or get_ident() not in self._me:
             self.passed_s += seconds
         else:
@@ -72,7 +72,7 @@ class Clock:
         return self.passed_s
 
     def wait(self, lock: LockType, seconds: float | None = None) -> bool:
-        """Acquire a lock that another thread releases; return False if `seconds` of student time passed before."""
+        """Acquire a lock that another thread releases, by this clock; return False if `seconds` passed before (None: no limit)."""
         me = self._me.get(get_ident())
         if me is None:
             return lock.acquire(True, -1 if seconds is None else seconds)
@@ -92,7 +92,7 @@ class Clock:
         return not own.is_over
 
     def _running(self) -> list[object]:
-        """Return the threads that neither pause nor wait. One whose lock was released is running, though it may not know yet."""
+        """Return the threads that run: they do not pause, wait or compute for too long. A released lock makes its thread run."""
         return [
             thread
             for thread, wait in self._threads.items()
@@ -100,7 +100,7 @@ class Clock:
         ]
 
     def _wake_next(self) -> None:
-        """End the earliest pause if no thread is running."""
+        """End the pause that ends first, and set the clock to its end, unless a thread is running."""
         with self._guard:
             if self._running():
                 return
@@ -121,7 +121,7 @@ class Clock:
 
 
 def install(clock: Clock) -> None:
-    """Make the standard library's locks, conditions, threads and event loops go by the clock."""
+    """Make the standard library's locks, conditions, threads and event loops wait by the clock, not in real time."""
     main = object()
     clock.add(main)
     clock.enter(main)
@@ -132,7 +132,7 @@ def install(clock: Clock) -> None:
 
 
 def _replace_locks(clock: Clock) -> None:
-    """Let a lock that is released go to the thread that waits for it, whichever the machine would choose."""
+    """Let a lock that is released go to the thread that waits for it, not to one that the machine chooses at random."""
 
     class Lock:
         def __init__(self) -> None:
@@ -174,7 +174,7 @@ def _replace_locks(clock: Clock) -> None:
 
 
 def _replace_condition(clock: Clock) -> None:
-    """Let `Condition.wait` wait by the clock, and with it events, queues, semaphores, timers and futures."""
+    """Let `Condition.wait` wait by the clock, and with it all that is built on it: events, queues, semaphores, timers, futures."""
 
     def wait(condition: Any, timeout: float | None = None) -> bool:
         if not condition._is_owned():
@@ -196,7 +196,7 @@ def _replace_condition(clock: Clock) -> None:
 
 
 def _replace_threads(clock: Clock) -> None:
-    """Let a started thread run up to its first pause, and `join` wait by the clock."""
+    """Let a started thread run up to its first pause, so that the order is the same in each run, and `join` wait by the clock."""
     really_start, really_join = threading.Thread.start, threading.Thread.join
     ends: weakref.WeakKeyDictionary[threading.Thread, LockType] = weakref.WeakKeyDictionary()
 
@@ -238,7 +238,7 @@ def _replace_threads(clock: Clock) -> None:
 
 
 def _replace_select(clock: Clock) -> None:
-    """Let the pauses of an event loop, which it spends in `select`, pass by the clock."""
+    """Let the pauses of an event loop, which it spends in `select`, advance the clock instead of waiting."""
     selector: Any = selectors.DefaultSelector
     really = selector.select
 

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 
 from grader.base.errors import GraderError
-from grader.sandbox import level_choice
+from grader.sandbox import level_choice, surroundings
 from grader.sandbox.isolation_levels import LEVELS, PROMISES, IsolationLevel
 from grader.sandbox.launch import Zygote
 from grader.sandbox.level_choice import LevelResult
@@ -80,6 +80,13 @@ def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypat
     monkeypatch.setattr(level_choice, "start_zygote", refuse("full"))
     with pytest.raises(GraderError, match="does not allow the isolation level 'full': no full today"):
         Sandbox(Contents(WORKER_CODE), isolation_level="full")
+
+
+def test_the_isolation_is_tried_against_a_file_of_the_grader_that_is_there() -> None:
+    decoy = Path(surroundings.decoy())
+    assert decoy.is_file()
+    assert any(decoy.is_relative_to(folder) for folder in surroundings.hidden())
+    assert str(decoy) not in surroundings.code()
 
 
 def test_an_isolation_that_does_not_hold_when_tried_is_refused(

@@ -1,4 +1,4 @@
-"""Worker code that looks around in a sandbox as a submission could: which files can be opened, and which of them are ours."""
+"""Code that looks around in a sandbox as a submission could: which files can be opened, and which of them are the grader's."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ def warm_up(thorough: bool) -> None:
 
 
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Try to open every file below `roots`; find those with a name of the grader's, and sources that hold one of the `phrases`."""
+    """Try to open every file below `roots`; return how many could be opened, and at most 100 that are the grader's.
+
+    Such a file has a name of the grader's, or is a source that holds one of the `phrases`. Files in `own` are passed over.
+    """
     del op, arrays
     phrases = [phrase.encode() for phrase in fields["phrases"]]
     opened, found = 0, []
@@ -37,7 +40,7 @@ def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tup
 
 
 def _files(roots: list[str], own: set[str]) -> Iterator[str]:
-    """Yield the path of every regular file, without the sandbox's own mounts; a folder that is shown twice is searched once."""
+    """Yield the path of every regular file, without kernel mounts and `own` paths; a folder that is shown twice counts once."""
     seen: set[tuple[int, int]] = set()
     for root in roots:
         for top, folders, names in os.walk(root):
