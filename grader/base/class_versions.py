@@ -1,4 +1,4 @@
-"""Library versions that all students of a course should share: the instructor's, which `imugrade kit` hands out as a pip file.
+"""Library versions that all students of a course should share: the instructor's, handed out as a constraints file of pip.
 
 The same code may raise with one release of a library and not with another. So a student's versions are compared with that file.
 """

@@ -59,7 +59,7 @@ def message_of(problem: BaseException) -> str:
 
 
 class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of ours
-    """Base exception: the process that runs student code gave no usable answer to a question. The check that asked then fails."""
+    """Base exception: a question (a request to run student code in the sandbox) got no usable answer. Its check then fails."""
 
 
 class TimedOut(NoAnswer):

@@ -75,7 +75,7 @@ _DECIMAL = re.compile(r"[+-]?(\d{1,15}(\.\d{0,20})?|\.\d{1,20})(e[+-]?\d\d?)?", 
 
 
 def some(names: Sequence[str], most: int, between: str = ", ") -> str:
-    """Return the first `most` names as printable text for a message, and how many more there are: ``a, b and 3 more``."""
+    """Return the first `most` names as printable text, joined by `between`, and how many others there are: ``a, b and 3 more``."""
     shown = between.join(printable(name, 120) for name in names[:most])
     return f"{shown} and {len(names) - most:,} more" if len(names) > most else shown
 

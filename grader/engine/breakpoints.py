@@ -15,9 +15,9 @@ _CALL = re.compile(
 
 
 def breakpoints(source: bytes) -> Iterator[tuple[str, int]]:
-    """Yield name and line number of each breakpoint call in a program, ``("pdb.set_trace", 12)``, for that note. No code is run.
+    """Yield name and line number of each breakpoint call in a program, ``("pdb.set_trace", 12)``, to note it in the report.
 
-    Calls in comments and strings, and those beyond the first 400 kB, are left out.
+    No code is run. Calls in comments and strings, and those beyond the first 400 kB, are left out.
     """
     text = source[:_MOST_BYTES].decode("utf-8", "replace")
     for found in _CALL.finditer(text):

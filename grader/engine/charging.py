@@ -1,9 +1,9 @@
 """Diagnosis and deductions of one criterion: which known faults explain the deviations, and how many points each fault costs.
 
 The rule: an entry of the fault table lists every check of its criterion that the fault breaks, each with its share of points. All
-these shares are deducted. A deviation that a found fault lists costs nothing more. A deviation that no fault lists is deducted at
-its own check. A fault of the call, such as another parameter, is deducted at the checks that its entry lists; it explains no wrong
-value there. Shares on one check add up to at most one. Nothing is deducted in another criterion.
+these shares are deducted. A deviation at a check that a found fault lists costs nothing more, any other is deducted at its own
+check. A fault of the call, such as another parameter, is deducted at the checks that its entry lists; it explains no wrong value
+there. Shares on one check add up to at most one. Nothing is deducted in another criterion.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class Measurement(Protocol):
-    """Protocol of the record of what a submission's code did, which a criterion measures. The criterion's checks judge it alone."""
+    """Protocol of a record of what a submission's code did, measured for one criterion, whose checks judge this record alone."""
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
@@ -41,15 +41,15 @@ Seen = Mapping[str, Deviation[Any]]
 class Judge(Generic[Facts]):
     """Judge of one criterion: measures a submission once, finds the faults, and divides their deductions among the checks.
 
-    A lab makes one `Judge` for each criterion or extension.
+    A lab makes one `Judge` for each criterion or extension. A *property* is what one check looks at in the measured record.
 
     Attributes
     ----------
     id : id of the criterion or extension
     measure : runs the student's code and returns the record of what it did; it judges nothing
     reasons : the known faults, each with the property in which it shows
-    others : functions that measure, in that record, properties without a check of their own, such as other parameters, by name
-    checks : the checks by id, each with the function that measures its property; `check` fills it
+    others : functions that look at properties without a check of their own, such as other parameters, by name
+    checks : the checks by id, each with the function that looks at its property; `check` fills it
     """
 
     lab: Lab
@@ -62,7 +62,8 @@ class Judge(Generic[Facts]):
     def check(self, check_id: str, *, lab_step: int | None = None) -> Callable[[Measure[Facts]], Callable[..., None]]:
         """Return a decorator that makes a function a check of this criterion, and replaces it by a test that pytest can run.
 
-        The function gets the measured record and returns a deviation or None. Students read its docstring as the check's title.
+        The function gets the measured record and returns a `Deviation`, or None if all is right. Students read its docstring as the
+        title of the check. Step `lab_step` of the lab sheet teaches what it checks; None if no single step does.
         """
 
         def register(function: Measure[Facts]) -> Callable[..., None]:
@@ -125,9 +126,10 @@ class Judge(Generic[Facts]):
         return dict(found)
 
     def _deductions(self, off: Seen, faults: dict[str, Seen], table: Mapping[str, FaultRow]) -> Mapping[str, Charge]:
-        """Return the deductions of each check: every share of every fault, and each deviation in `off` that no fault lists.
+        """Return the deductions of each check: shares of the faults that list it, or its own deviation if no fault explains it.
 
-        `faults` gets an entry under the check's id for each deviation that no fault lists.
+        `off` holds all deviations. A deviation that no fault lists is added to `faults`, with the check's id as the id of its
+        fault.
         """
         shares = {fault: self._shares(table[fault], seen) for fault, seen in faults.items()}
         explaining = [

@@ -23,7 +23,7 @@ Role = Literal[
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve of a chart. `name` may come from student code; `colour` (``#rrggbb``) is "" for a curve that no student drew."""
+    """One curve of a chart. `role` is its drawing style; `colour` (``#rrggbb``) is "" for a curve that no student drew."""
 
     name: str
     role: Role

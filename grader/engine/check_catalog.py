@@ -13,7 +13,7 @@ from grader.engine.lab import Lab
 
 @dataclass(frozen=True)
 class Check:
-    """Identity of a check: id (``filtering.passes_constant``), title for students, step of the lab sheet (None: no single step)."""
+    """Identity of a check: id (``filtering.passes_constant``), title for students, and step of the lab sheet, None for no step."""
 
     id: str
     title: str

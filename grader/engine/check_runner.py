@@ -66,7 +66,7 @@ class Judgement:
 def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Return a decorator that makes a pytest function the check `check_id`, which step `lab_step` of the lab sheet teaches.
 
-    Students read the function's docstring as the title.
+    Students read the function's docstring as the title. `lab_step` is None if no single step teaches it.
     """
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
@@ -110,7 +110,7 @@ class CheckRun:
         self.student.replace_broken([name for part in lost for name in part.names])
 
     def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
-        """Record how a check ended: `ended` is the exception that it raised, None if it passed. An interrupted check is skipped."""
+        """Record how a check ended: `ended` is the exception that it raised, None if it passed. No record if it was interrupted."""
         if isinstance(ended, KeyboardInterrupt):
             return
         verdict, cause = None, ended
@@ -130,7 +130,7 @@ class CheckRun:
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, fault)
 
     def _verdict(self, this: Check, ended: BaseException | None) -> Feedback | None:
-        """Return the feedback on how a check ended: on the exception `ended`, or a pass for None. None if the grader failed."""
+        """Return the feedback on the exception that ended a check, a pass if that is None; None if the grader itself failed."""
         if ended is None:
             return Feedback("passed", 1.0, "")
         if not isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
@@ -143,7 +143,7 @@ class CheckRun:
         return verdict
 
     def _with_public_text(self, finding: BaseException) -> BaseException:
-        """Return a `Missing` of a session with hidden data as one that students may read; any other finding unchanged."""
+        """Return a finding that students may read: a `Missing` that may hold hidden data is replaced, any other is unchanged."""
         if not (self._secret and isinstance(finding, Missing)):
             return finding
         return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)

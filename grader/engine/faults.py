@@ -24,7 +24,7 @@ class FaultRow:
 
     Attributes
     ----------
-    group : the criterion of the fault; ``extensions``, ``any`` (faults of any criterion) or ``checks`` (entries of checks)
+    id, group : key of the entry, and of the table's section: a criterion, ``extensions``, ``any`` (criterion) or ``checks``
     title, hint : what the student's code does, and what to do next
     explanation, wrong, right : for `imugrade explain`; a fault without an explanation has no public name
     step : step of the lab sheet that shows the right code; None if none does

@@ -111,7 +111,7 @@ def no_more(charge: Charge) -> Feedback:
 
 
 def _feedback_on_charge(charge: Charge, rows: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a check's deductions: the message of the first fault, and the hints and public ids of all."""
+    """Return the feedback on a check's deductions: the message of the first fault, and hints and public ids of all."""
     if not charge.costs:
         return no_more(charge)
     deducted = tuple(_deducted(charge.check, cost, rows) for cost in charge.costs)

@@ -62,7 +62,7 @@ _NOT_EXAMINED = VisibleParts(np.ones(PARTS, bool), np.zeros(PARTS, bool))
 
 @dataclass(frozen=True)
 class Entry:
-    """A legend entry: its text, and the colour (``#rrggbb``), line style, marker and stroke of the sample beside it."""
+    """A legend entry: its text, and the colour (``#rrggbb``), line style, marker and stroke of the sample, to find its curve."""
 
     text: Short
     colour: Short
@@ -73,7 +73,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Placed:
-    """A text inside a panel: its position in the units of the panel's axes, and its colour (``#rrggbb``)."""
+    """A text inside a panel, which may name a curve: its position in the units of the panel's axes, its colour (``#rrggbb``)."""
 
     text: Short
     place: Pair
@@ -82,7 +82,7 @@ class Placed:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve that student code drew in a panel: a line, or points that were scattered.
+    """A curve that student code drew in a panel, a line or scattered points, for checks to compare with the data.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Axes:
-    """A panel of a figure: one pair of axes with its texts and curves.
+    """A panel of a figure that student code drew, one pair of axes with its texts and curves, for checks to judge.
 
     Attributes
     ----------
@@ -234,7 +234,7 @@ def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Fi
 
 
 def _figure_fields(told: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a `Figure` record from a reply's description; those of an unreadable figure end with its size."""
+    """Return a figure's description in the form of a `Figure`; an unreadable figure has only event, path, format and size."""
     head = {name: told[name] for name in ("event", "path", "format", "size_px")}
     if "unreadable" in told:
         return head

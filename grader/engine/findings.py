@@ -102,7 +102,7 @@ class NoNumbers(TypedDict):
 
 
 class Came(TypedDict):
-    """The `numbers` of a `Deviation` that one text describes: `came` says what the student's code returned instead."""
+    """The `numbers` of a `Deviation` whose message needs one text: `came`, what the student's code returned instead."""
 
     came: str
 

@@ -66,7 +66,7 @@ def cells(text: str) -> str:
 
 
 def _winnowed(source: str) -> set[int]:
-    """Return the smallest hash of each window of WINDOW grams (a gram is GRAM tokens in a row); none for fewer tokens."""
+    """Return few hashes of a text: the smallest of each window of WINDOW grams (GRAM tokens in a row); none for fewer tokens."""
     hashes = _hashes([_normalized(token) for token in _TOKEN.findall(source) if not token.startswith("#")])
     if not len(hashes):
         return set()

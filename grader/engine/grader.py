@@ -95,7 +95,7 @@ class Marker:
         waiting: Callable[[str], None] | None = None,
         listen: Listener | None = None,
     ) -> Result:
-        """Grade one submission. It never raises for anything that student code does.
+        """Grade one submission. It raises for nothing that student code does. An empty or unreadable submission runs no code.
 
         Parameters
         ----------
@@ -169,7 +169,10 @@ class Marker:
         waiting: Callable[[str], None] | None = None,
         cpu_s: float | None = None,
     ) -> SubmissionSession:
-        """Open the sandbox session about a submission's files, with the rubric's limits of CPU time, or `cpu_s` if that is less."""
+        """Open the sandbox session about a submission's files, with the rubric's limits of CPU time, or `cpu_s` if that is less.
+
+        `above` and `waiting` are as in `SandboxSession`.
+        """
         limits = self._rubric.limits
         most = limits.submission_cpu_s if cpu_s is None else cpu_s
         self._sandbox.warm(libraries_of(self._lab, files))

@@ -74,7 +74,7 @@ class LabFile:
 
 @dataclass(frozen=True)
 class Handout:
-    """Extra files for students beside the starter files, by path, and the names in them that replace names of the lab sheet."""
+    """Extra files for students beside the starter files, by path, and names of the lab sheet, each with its replacement."""
 
     files: Mapping[str, bytes] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)

@@ -119,7 +119,7 @@ def _stepped_over(frame: Frame) -> list[SteppedOver]:
 
 
 def not_handed_in(error: StudentError) -> str:
-    """Return an addition to an error message, if student code reads a file that does not exist: to hand it in. "" otherwise."""
+    """Return " (hand in FILE, too)" for an error message, if student code reads a file that does not exist; "" otherwise."""
     known = _NO_FILE.get(error.type)
     name = known.search(error.message) if known else None
     return f" (hand in {printable(name[name.lastindex or 0], 80)}, too)" if name else ""
@@ -152,9 +152,9 @@ class _DeadlyStatement:
     within: frozenset[str] | None = None
 
     def applies(self, beside: Collection[str]) -> bool:
-        """Return whether to skip the statement while stand-ins replace the names `beside`.
+        """Return whether to skip the statement in a process in which stand-ins replace the names `beside`.
 
-        So it is if they are the same as then, or if none of them replaces code that was running in the statement.
+        That is right if the same names were replaced when it failed, or if the code of none of them was running then.
         """
         return self.beside == frozenset(beside) or (self.within is not None and self.within.isdisjoint(beside))
 

@@ -9,10 +9,10 @@ from grader.engine.rubric import CheckWeight, Rubric
 
 
 def marked(found: Result, rubric: Rubric) -> Result:
-    """Return a recorded result with the points that a rubric gives for its outcomes, in the rubric's order.
+    """Return a recorded result with the points that a rubric gives for its outcomes, to mark it without running code again.
 
-    The rubric must fit the result (see `fits`). Criteria that the result lacks are left out, as a run may examine one alone. Each
-    check that was judged has `keeps`; points that it already has are ignored.
+    The rubric must fit the result (see `fits`) and sets the order of the criteria. Those that the result lacks are left out, as a
+    run may examine one alone. Each check that was judged has `keeps`; points that it already has are ignored.
     """
     rows = {check.id: check for part in found.parts for check in part.checks}
     before = _score_before(found, rubric) if found.repairs else 0.0
@@ -56,7 +56,7 @@ def _row(found: CheckResult, weight: CheckWeight, deductions: dict[str, float]) 
 
 
 def _score_before(found: Result, rubric: Rubric) -> float:
-    """Return the score that a submission had before its repairs; a check that was not judged counts as 0."""
+    """Return the score before the repairs, the least that a repaired submission gets; a check that was not judged counts as 0."""
     score = 0.0
     for criterion in rubric.criteria:
         open_ = dict(rubric.faults)

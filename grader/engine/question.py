@@ -45,7 +45,7 @@ _LONG = 1000
 
 
 def key_of(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
-    """Return a digest of a question: its operation, its fields, and the type, shape and numbers of its arrays."""
+    """Return a digest that equal questions share: of the operation, the fields, and the type, shape and numbers of the arrays."""
     short = {name: _digested(value) if _is_long(value) else value for name, value in fields.items()}
     digest = hashlib.sha256(_SORTED.encode([op, short]).encode("utf-8", "surrogatepass"))
     for name, array in sorted(arrays.items()):

@@ -186,7 +186,7 @@ def _move_into_cache(fresh: Path, entry: Path) -> None:
 
 
 def _cache_key(lab: Lab, name: str, seed: str, subject: Subject | None = None) -> str:
-    """Return a digest of what the numbers depend on: name, seed, subject, versions, processor and the recorder's own files."""
+    """Return a bundle's name in the cache: a digest of its name, seed, subject, versions, processor and the recorder's files."""
     digest = hashlib.sha256()
     parts = [SCHEMA, name, seed, *map(version, lab.depends_on), platform.machine(), platform.system()]
     parts += [] if subject is None else subject.identity

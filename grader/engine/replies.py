@@ -73,7 +73,13 @@ class Answer:
         return array
 
     def node(self, value: Any, depth: int = 0) -> None:
-        """Check a node: a description, by `worker.values`, of a value that student code returned; None is the node of no value."""
+        """Check a node: a description, by `worker.values`, of a value that student code returned; None is the node of no value.
+
+        Raises
+        ------
+        Wrong
+            If the node breaks a rule, such as a limit on its size.
+        """
         if value is None and not depth:
             return
         node = converted(value, _Node)
@@ -93,7 +99,7 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check a list of nodes: at most `most` of them, and as many as `exactly` says if it is not None."""
+        """Check a list of at most `most` nodes, or of as many as `exactly` says; raise `Wrong` otherwise."""
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:
@@ -174,7 +180,7 @@ class SteppedOver(ErrorReply):
 
 
 class Called(Struct):
-    """Reply to a question in which student code runs. If it raised the `error`, other fields may be missing; None if it did not."""
+    """Reply to a question that runs student code; it ends early if the code raised `error`, which is None otherwise."""
 
     error: ErrorReply | None = None
 
@@ -236,7 +242,7 @@ def _pixels(answer: Answer) -> None:
 
 
 class Points(Struct):
-    """Reply fields for points: the names of the two arrays with their coordinates, of one length."""
+    """Names of the two arrays of a reply, of one length, that hold the coordinates of points."""
 
     x: str
     y: str

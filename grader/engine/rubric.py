@@ -155,7 +155,7 @@ def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
 
 
 def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tuple[int, str]]:
-    """Return line and problem for each check that these criteria list but that does not exist, or that exists and they lack."""
+    """Return (line, problem) for each check that `parts` list but that is not in `known`, and for each that they lack."""
     listed = {check.id: check for part in parts for check in part.checks}
     problems = [
         (check.line, f"there is no check {id_}{guess_at(id_, known)}; correct the name or remove the line")

@@ -67,7 +67,8 @@ def quote(node: yaml.Node) -> str:
 class NodeReader:
     """Reads YAML nodes of a rubric as values. It collects problems in place of raising, so that one run reports all of them.
 
-    In its methods, None as a node stands for a key that the file lacks: the value is then empty, and nothing is reported.
+    In its methods, None as a node stands for a key that the file lacks: the value is then empty, and no problem is added. `what` is
+    the name of the node in a problem.
     """
 
     def __init__(self, source: str) -> None:
@@ -129,7 +130,7 @@ class NodeReader:
     def fields(
         self, node: yaml.Node | None, what: str, required: Sequence[str], optional: Sequence[str] = ()
     ) -> dict[str, yaml.Node]:
-        """Return a mapping's value nodes by key; report missing and unknown keys, and a node that is no mapping.
+        """Return a mapping's value nodes by key; add a problem for each missing or unknown key. {} for None or for another node.
 
         A key's name in earlier versions is accepted, because the records of classes hold old rubrics.
         """
@@ -154,7 +155,7 @@ class NodeReader:
         return {name: value for name, (_, value) in given.items() if name in keys}
 
     def pairs(self, node: yaml.MappingNode, what: str) -> dict[str, tuple[yaml.Node, yaml.Node]]:
-        """Return the (key, value) nodes of a mapping by the key's text; report a key that is itself a list, or appears twice."""
+        """Return (key node, value node) of a mapping by the key's text; add a problem for a key that is a list or appears twice."""
         found: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         for key, value in node.value:
             if not isinstance(key, yaml.ScalarNode):
@@ -167,7 +168,7 @@ class NodeReader:
         return found
 
     def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
-        """Return one line of text, or "" after a report; `like` is how the report describes what `pattern` accepts."""
+        """Return the one line of text of a node; "" for None or after adding a problem. `like` describes `pattern` in a problem."""
         if node is None:
             return ""
         if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
@@ -181,7 +182,7 @@ class NodeReader:
         return ""
 
     def number(self, node: yaml.Node | None, what: str, low: float = 0.0, high: float = LARGEST) -> float | None:
-        """Return a decimal number; None after reporting another value or one out of bounds. (YAML 1.1 would read 1:30 as 90.)"""
+        """Return the decimal number of a node; None for None or after adding a problem. (YAML 1.1 would read 1:30 as 90.)"""
         if node is None:
             return None
         plain = isinstance(node, yaml.ScalarNode) and not node.style and _NUMBER.fullmatch(node.value)
@@ -192,14 +193,14 @@ class NodeReader:
         return None
 
     def points(self, node: yaml.Node | None, what: str) -> float | None:
-        """Return a number of points, None if it is no number; report more than two decimals, so that sums are exact."""
+        """Return the points of a node, None if it is no number; more than two decimals add a problem, as sums have to be exact."""
         value = self.number(node, what)
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
         return value
 
     def share(self, node: yaml.Node | None, what: str, of: float) -> float | None:
-        """Return a number of points, given as such or as a percentage of `of` points, to two decimals; None after a report."""
+        """Return points to two decimals, from a number or a percentage of `of` points; None for None or after adding a problem."""
         if isinstance(node, yaml.ScalarNode) and node.value.endswith("%"):
             number = node.value[:-1].strip()
             if _NUMBER.fullmatch(number) and 0 <= float(number) <= 100:
@@ -209,7 +210,7 @@ class NodeReader:
         return self.points(node, what)
 
     def stamp(self, node: yaml.Node | None, what: str, zone: tzinfo | None = None) -> datetime | None:
-        """Return a date and time in UTC; None after a report. Unless the `zone` is given, it needs an offset from UTC."""
+        """Return a date and time in UTC; None for None or after adding a problem. Without a `zone` the text needs an offset."""
         when = read_stamp(node.value, zone) if isinstance(node, yaml.ScalarNode) else None
         if node is not None and when is None:
             example = "2026-11-20T23:59+01:00"
@@ -221,7 +222,10 @@ class NodeReader:
     def records(
         self, node: yaml.Node | None, what: str, known: Sequence[str], required: Sequence[str], optional: Sequence[str]
     ) -> dict[str, tuple[yaml.Node, dict[str, yaml.Node]]]:
-        """Return the items of a list by id, in the order of `known`, each with its fields; report wrong, missing, repeated ids."""
+        """Return node and fields of each item of a list by the item's id, in the order of `known` ids.
+
+        Unknown, missing and repeated ids add problems, and so does an item with other keys than `required` and `optional`.
+        """
         if node is None:
             return {}
         if not isinstance(node, yaml.SequenceNode):
@@ -242,7 +246,7 @@ class NodeReader:
         return {name: found[name] for name in known if name in found}
 
     def _known_id(self, node: yaml.Node | None, what: str, known: Sequence[str]) -> str:
-        """Return the id; report a misspelt one and return the nearest known one, so that it is not reported as missing as well."""
+        """Return the id in a node; for a misspelt one add a problem and return the nearest, so that it is not missed as well."""
         name = self.text(node, "an id")
         if node is None or not name or name in known:
             return name

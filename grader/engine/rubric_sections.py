@@ -22,7 +22,7 @@ _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
 
 def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
-    """Return the criteria in the order of the lab's `ids`; report problems, also if all criteria together are worth 0 points."""
+    """Read the criteria, in the order of the lab's `ids`; `reader` collects problems, such as no points in any criterion."""
     criteria = []
     for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
         title = reader.text(keys.get("title"), f"the title of {name}")
@@ -46,7 +46,7 @@ def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float
 def read_extensions(
     reader: NodeReader, node: yaml.Node | None, ids: Sequence[str], each: float
 ) -> tuple[Extension, ...]:
-    """Return the extensions in the order of the lab's `ids`, each worth `each` points unless it names its own; report problems."""
+    """Read the extensions, in the order of the lab's `ids`, each worth `each` points if it names none; collect the problems."""
     extensions = []
     for name, (item, keys) in reader.records(
         node, "extension", ids, ("id", "title", "file"), ("points", "checks")
@@ -69,7 +69,7 @@ def _extension_checks(reader: NodeReader, node: yaml.Node | None, part: str, poi
 
 
 def _checks(reader: NodeReader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
-    """Return the checks of a criterion with their shares of its `points`; report problems, and return () for no checks."""
+    """Read the checks of a criterion, each with its share of the criterion's `points`; () after a problem with the whole list."""
     if node is None:
         return ()
     if not isinstance(node, yaml.MappingNode) or not node.value:
@@ -108,7 +108,7 @@ def divided(points: float, weights: Sequence[float]) -> list[float]:
 
 
 def read_limits(reader: NodeReader, node: yaml.Node | None) -> Limits:
-    """Return the limits of CPU time; report problems, also a limit per submission below that of a call."""
+    """Read the limits of CPU time; `reader` collects problems, such as less for a submission than for a call. 0 for a bad value."""
     keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
     call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
     submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
@@ -129,7 +129,7 @@ LATE_KEYS: Mapping[str, str] = {
 
 
 def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePolicy | None:
-    """Return the late policy, None if the rubric has none or no due date; a percentage is one of `of` points. Report problems."""
+    """Read the late policy; None if the rubric has none or no valid due date. A percentage in it is one of `of` points."""
     if node is None:
         return None
     keys = reader.fields(node, "late", ("due",), tuple(name for name in LATE_KEYS if name != "due"))
@@ -152,7 +152,7 @@ def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePoli
 
 
 def _read_zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
-    """Return the time zone of a late policy; None if it names none, or an unknown one, which is reported."""
+    """Return the time zone of a late policy; None if it names none, or an unknown one, which is a problem."""
     name = reader.text(node, "tz")
     if node is None or not name:
         return None
@@ -164,7 +164,7 @@ def _read_zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
 
 
 def read_faults(reader: NodeReader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
-    """Return the points that the rubric deducts for each fault, by the fault's id; report ids that the lab does not have."""
+    """Return the points that the rubric deducts for each fault, by its id; an id that the lab does not have is a problem."""
     if node is None:
         return {}
     if not isinstance(node, yaml.MappingNode):

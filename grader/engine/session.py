@@ -139,7 +139,7 @@ class SandboxSession:
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission's own definitions in place of stand-ins while this context lasts; the value is that of `beside`."""
+        """Use the submission's own definitions in place of stand-ins while this context lasts; yields what `beside` does."""
         return self.beside(())
 
     @contextmanager
@@ -276,7 +276,7 @@ class SandboxSession:
         return float(self._call_cpu_s / 2 ** self._overrun[self._part])
 
     def _left_s(self) -> float:
-        """Return the wall-clock seconds that the current criterion has left."""
+        """Return the wall-clock seconds that the current criterion has left; after that its questions count as timed out."""
         return _WALL_PER_CPU * self._share_cpu_s - self._used_wall_s[self._part]
 
     def _checked_answer(
@@ -342,7 +342,7 @@ class SandboxSession:
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Return what `ask` returns; if it gets no answer, call it again in a new process while `_may_help_to_repeat` says so."""
+        """Return what `ask` returns; after a failure call it again in a new process, as long as that may bring an answer."""
         tried = False
         while True:
             known = self._endings.count

@@ -49,8 +49,8 @@ class SubmissionSession(SandboxSession):
     def load(self, path: str) -> Loaded:
         """Load a file in the current worker, unless it is loaded there, and return the report on it.
 
-        It is loaded again in a new process if another file, or data of a question, may have affected the report, and where
-        `_may_help_to_repeat` says so.
+        It is loaded again in a new process if another file, or data of a question, may have affected the report, and if loading
+        failed by chance. If no process can load it, the NoAnswer of the last one is raised, now and at each later call.
         """
         if path in self.deadly:
             raise self.deadly[path].with_traceback(None)
@@ -166,7 +166,7 @@ class SubmissionSession(SandboxSession):
         return sorted(named, key=lambda p: (p.count("/"), p not in self._lab.files, p.endswith(".ipynb"), p))
 
     def _why_missing(self, name: str, home: str) -> Missing:
-        """Return why no file defines a required name: a failed statement, a syntax error, no file `home`, no definition in it."""
+        """Return the `Missing` for a name that no file defines: a statement failed, a syntax error, no file `home`, not in it."""
         there = [home] if home in self.paths else []
         places = (*there, *self._other_files_defining(name, home))
         for path in places:

@@ -137,7 +137,10 @@ def _scenario(name: str, about: Mapping[str, Any], arrays: Mapping[str, NDArray[
 
 
 def _fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any]) -> str:
-    """Return the digest that the recorder wrote: of the arrays, and of the manifest without ``versions`` and ``sha256``."""
+    """Return the digest of a bundle as its recorder computes it, to find out whether the bundle was changed.
+
+    It covers the arrays, and the manifest without ``versions`` and ``sha256``.
+    """
     digest = hashlib.sha256()
     for key in sorted(arrays):
         array = arrays[key]
