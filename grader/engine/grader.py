@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, cached_property, partial
 from importlib.metadata import version
-from types import TracebackType
 from typing import Any
 
 from grader import __version__
@@ -78,9 +77,7 @@ class Marker:
     def __enter__(self) -> Marker:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.close()
 
     def close(self) -> None:

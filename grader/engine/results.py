@@ -229,6 +229,7 @@ def to_dict(result: Result) -> dict[str, Any]:
         head |= {"title": value.title} if isinstance(value, CriterionResult) else {"attempted": value.attempted}
         return {**head, "points": value.points, "max_points": value.max_points, "checks": [*map(_row, value.checks)]}
 
+    cap = result.extra_credit_cap
     return {
         "schema": SCHEMA,
         "lab": asdict(result.lab),
@@ -238,7 +239,7 @@ def to_dict(result: Result) -> dict[str, Any]:
         "max_score": result.max_score,
         "criteria": [part(criterion) for criterion in result.criteria],
         "extensions": [part(extension) for extension in result.extensions],
-        **_extra_credit(result),
+        **({} if cap is None else {"extra_credit": {"points": result.extra_credit, "cap": cap}}),
         **({"repairs": [asdict(repair) for repair in result.repairs]} if result.repairs else {}),
         "misconceptions": list(result.misconceptions),
         "notes": list(result.notes),
@@ -283,13 +284,6 @@ def to_record(result: Result) -> dict[str, Any]:
     if result.repairs:
         record["unrepaired"] = dict(result.unrepaired)
     return record
-
-
-def _extra_credit(result: Result) -> dict[str, Any]:
-    """Return the field of `result.json` for extra credit; {} if the rubric gives none."""
-    if result.extra_credit_cap is None:
-        return {}
-    return {"extra_credit": {"points": result.extra_credit, "cap": result.extra_credit_cap}}
 
 
 def to_json(result: Result) -> str:

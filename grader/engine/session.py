@@ -314,7 +314,7 @@ class SandboxSession:
             timer.cancel()
 
     def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        """Ask a worker that does not hold the submission, so that student code cannot change the answer."""
+        """Ask a worker that does not hold the submission: it runs no student code, so none can change the answer."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
