@@ -32,7 +32,7 @@ def constraints(packages: Sequence[str]) -> str:
 
 
 def differences(pinned: str) -> list[tuple[str, str, str]]:
-    """Return (name, version here, version in the file) of each package that a constraints file pins to a version other than ours.
+    """Return (name, version here, version in the file) of each package that a constraints file pins to another version than here.
 
     The version here is "" if the package is not installed.
     """

@@ -47,7 +47,7 @@ class Judgement:
     feedback : what students read; None if the grader failed to judge
     trouble : message about that failure for the report; "" if judged, or if the message could hold hidden data
     ours : whether the sandbox or the request failed, which no student code can cause
-    fault : the grader's exception with its place in our code, without a message that could hold hidden data; "" if judged
+    fault : the grader's exception with its place in the grader, without a message that could hold hidden data; "" if judged
     """
 
     check: Check
@@ -149,7 +149,7 @@ class CheckRun:
         return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)
 
     def _feedback(self, finding: BaseException, earlier: str | None) -> Feedback:
-        """Return the feedback on a finding; on hidden scenarios without anything that student code could have chosen.
+        """Return the feedback on a finding, the exception that ended a check; on hidden scenarios it has no text of student code.
 
         `earlier` is the title of a check that reported the same cause before; None if this is the first.
         """

@@ -86,5 +86,5 @@ def rows(lab: Lab) -> Mapping[str, FaultRow]:
 
 @functools.cache
 def catalogue(lab: Lab) -> Mapping[str, FaultRow]:
-    """Return by id the faults that have an explanation, and so a public name for rubrics, reports and `imugrade explain`."""
+    """Return by id the faults that have an explanation, so that rubrics, reports and `imugrade explain` can name them."""
     return {id_: row for id_, row in rows(lab).items() if row.explanation}

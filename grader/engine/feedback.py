@@ -81,9 +81,10 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that findings of one cause share, so that only the first check reports the cause; None: every check reports it.
+    """Return a key that findings (exceptions that end checks) share if their cause is one, so that only one check reports it.
 
-    `part` is the id of the criterion. Its timeouts share a key, although each call has less time than the one before.
+    None if every check is to report it. `part` is the id of the criterion, whose timeouts share a key, although each call has less
+    time than the one before.
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"
@@ -153,7 +154,7 @@ def hint_of(charge: Charge, rows: Mapping[str, FaultRow]) -> str:
 
 
 def public(charge: Charge, rows: Mapping[str, FaultRow]) -> tuple[str, ...]:
-    """Return the ids of the faults in a check's deductions that have a public name, for the list of faults in the result."""
+    """Return the ids of the faults in a check's deductions that students can look up with `imugrade explain`, for the result."""
     return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 

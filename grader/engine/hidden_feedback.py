@@ -48,7 +48,10 @@ def feedback_on(
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that findings of one cause share, as `feedback.cause_key` does, but without text of the student's."""
+    """Return a key that findings (exceptions that end checks) share if their cause is one, like `feedback.cause_key`.
+
+    It holds no text of the student's.
+    """
     if isinstance(finding, Raised):
         return f"Raised: {part}: {_kind(finding)}"
     if isinstance(finding, NoAnswer):
@@ -109,7 +112,7 @@ def _deducted(cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
 
 
 def _size(cost: Cost, rows: Mapping[str, FaultRow]) -> str:
-    """Return the size of an error; "" if none, or for a fault with a public name: code could choose the size to reveal data."""
+    """Return the size of an error; "" if none, or for a fault with an explanation: code could choose the size to reveal data."""
     return str(cost.shown.size) if cost.shown.size and not rows[cost.row].explanation else ""
 
 

@@ -1,4 +1,4 @@
-"""Open the sandbox of a lab: its processes hold the worker code, the lab's own worker code and imported libraries."""
+"""Open the sandbox of a lab: its processes hold imported libraries and the code that loads and calls student code."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def open_sandbox(
     isolation_level : the best that this machine allows if None
     libraries : imported in advance, to save time. A `Marker` adds those of `Lab.libraries` once a submission may import them. A
         submission imports any other library itself; its points are the same.
-    thorough : also run each part of the worker code once in advance, so that no submission is charged for a first use
+    thorough : also run each part of the sandbox's own code once in advance, so that no submission is charged for a first use
     """
     return Sandbox(
         Contents(WORKER_CODE, lab.folder / "worker", packages=lab.packages, warm=tuple(libraries), thorough=thorough),

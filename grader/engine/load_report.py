@@ -152,7 +152,7 @@ class _DeadlyStatement:
     within: frozenset[str] | None = None
 
     def applies(self, beside: Collection[str]) -> bool:
-        """Return whether to skip the statement in a process in which stand-ins replace the names `beside`.
+        """Return whether to skip the statement in a process in which correct code (stand-ins) replaces the names `beside`.
 
         That is right if the same names were replaced when it failed, or if the code of none of them was running then.
         """
@@ -172,7 +172,7 @@ class DeadlyStatements:
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """Return file, number and reason of each statement that a new process is to skip while stand-ins replace these names."""
+        """Return (file, number, reason) of each statement that a new process must skip; correct code replaces `standins` in it."""
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
@@ -182,7 +182,7 @@ class DeadlyStatements:
         ----------
         written : the place that the process wrote down last; a text that is no place is ignored
         nothing : why the process did not answer
-        standins : the names that stand-ins replaced in that process
+        standins : the names that correct code replaced in that process
         """
         place = _statement_place(written)
         if place is None or len(self._known) >= _MOST:

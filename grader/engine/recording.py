@@ -1,7 +1,7 @@
-"""Record ground truth (trace bundles) on this machine with a lab's recorder, the reference solution's program, and cache it.
+"""Record ground truth (traces of each scenario) on this machine with the program of a lab's reference solution, and cache it.
 
-A simulator's last digits differ between versions and processors, so a bundle is valid for one machine only and is always compared
-with a tolerance.
+A simulator's last digits differ between versions and processors, so a recording is valid for one machine only and is always
+compared with a tolerance.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def stretched(secret: str) -> str:
 
 
 def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject | None = None) -> Traces:
-    """Return the bundle `name` of traces from the cache; if it is not there, or damaged, record and cache it.
+    """Return the ground truth `name` of a lab from the cache; if it is not there, or damaged, record and cache it.
 
     A cache that cannot be written is no error. Unless the name is "public", `seed` is the instructor's secret. It is stretched
     first, so that neither the numbers nor the name of the cache entry lets anybody test a guess faster.
@@ -102,12 +102,12 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
 
 
 def try_recording(lab: Lab) -> Traces | None:
-    """Record hidden traces from a random secret, as `imugrade doctor` does to test this machine; None without the lab's recorder.
+    """Record ground truth from a random secret, as `imugrade doctor` does to test this machine; None without the lab's recorder.
 
     Raises
     ------
     GraderError, RequestError
-        If they cannot be recorded or read.
+        If it cannot be recorded or read.
     """
     if folder_of(lab) is None:
         return None
@@ -154,7 +154,7 @@ def last_line(done: subprocess.CompletedProcess[str]) -> str:
 
 
 def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) -> Traces:
-    """Run the lab's recorder, which writes a bundle into the folder `out`; return the traces in it.
+    """Run the lab's recorder, which writes ground truth into the folder `out`, and return it.
 
     The seed goes through a pipe, because other users can read a command line.
     """
@@ -171,7 +171,7 @@ def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) 
 
 
 def _move_into_cache(fresh: Path, entry: Path) -> None:
-    """Move a new bundle into the cache in one step, so that no process reads half of it; a failure is ignored."""
+    """Move a new recording into the cache in one step, so that no process reads half of it; a failure is ignored."""
     try:
         entry.parent.mkdir(parents=True, exist_ok=True)
         staging = Path(tempfile.mkdtemp(prefix=".staging-", dir=entry.parent))  # mode 0700: hidden traces are secret
@@ -186,7 +186,7 @@ def _move_into_cache(fresh: Path, entry: Path) -> None:
 
 
 def _cache_key(lab: Lab, name: str, seed: str, subject: Subject | None = None) -> str:
-    """Return a bundle's name in the cache: a digest of its name, seed, subject, versions, processor and the recorder's files."""
+    """Return a recording's name in the cache: a digest of its name, seed, subject, versions, processor and the recorder's files."""
     digest = hashlib.sha256()
     parts = [SCHEMA, name, seed, *map(version, lab.depends_on), platform.machine(), platform.system()]
     parts += [] if subject is None else subject.identity

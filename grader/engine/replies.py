@@ -114,7 +114,7 @@ class Rule(NamedTuple):
 
 
 def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rules: Mapping[str, Rule]) -> Frame:
-    """Return the frame if it is a valid reply to the question `op` with these fields and arrays.
+    """Return the message `frame` if it is a valid reply to the question `op` with these fields and arrays.
 
     `rules` are those for the lab's own questions; every lab has `RULES`.
 

@@ -49,7 +49,7 @@ class CheckResult:
     keeps : share of the points that is earned, from which `marks` computes the points; None like them
     not_understood : True if the grader could not interpret the student's answer: a person has to review it
     deducted : each fault that lost points of a check that its criterion's faults decide, for the report
-    fault : the grader's exception that kept the check from being judged, with its place in our code; else ""
+    fault : the grader's exception that kept the check from being judged, with its place in the grader; else ""
     """
 
     id: str

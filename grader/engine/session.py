@@ -139,7 +139,7 @@ class SandboxSession:
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission's own definitions in place of stand-ins while this context lasts; yields what `beside` does."""
+        """Use the submission's own definitions, not correct code in their place, in this context; yields what `beside` does."""
         return self.beside(())
 
     @contextmanager
@@ -172,7 +172,7 @@ class SandboxSession:
             self.listen(self._part, self._session.new_output())
 
     def _fresh_session(self) -> _Session:
-        """Return the current worker, which holds the submission's files; start a new one if there is none or it has ended."""
+        """Return the current process with the submission's files; start a new one if there is none or it has ended."""
         if self._session is None or not self._session.worker.alive:
             self.end_session()
             self._session = _Session(self._sandbox.worker())
@@ -184,7 +184,7 @@ class SandboxSession:
         return self._session
 
     def _submit(self, worker: Worker) -> None:
-        """Send the submission's files to a new worker, with stand-ins for broken names and the statements that it must skip."""
+        """Send the submission's files to a new process, with correct code for broken names and the statements that it must skip."""
         files, arrays = self._files_to_send()
         fields = {
             "files": files,
@@ -207,7 +207,7 @@ class SandboxSession:
         return self._lab.standin(name, self._lab_configuration)
 
     def _files_to_send(self) -> tuple[list[tuple[str, str, int]], dict[str, np.ndarray]]:
-        """Return (path, key, folders above) of each file for a worker, and the files' bytes by key.
+        """Return (path, key, folders above) of each file for a sandbox process, and the files' bytes by key.
 
         These are code and data up to 24 MB together. A file that ended each process that loaded it is left out.
         """
@@ -243,12 +243,12 @@ class SandboxSession:
         self._part = part
 
     def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Frame:
-        """Ask the current worker a question, and account its time to the current criterion; use `once` to ask equal questions once.
+        """Ask the current sandbox process a question, and account its time to the current criterion; `once` asks equal ones once.
 
         Raises
         ------
         NoAnswer
-            If the worker crashed, timed out or gave no valid answer, or if the criterion has no time left.
+            If the process crashed, timed out or gave no valid answer, or if the criterion has no time left.
         """
         session = self._fresh_session()
         worker = session.worker
@@ -282,7 +282,7 @@ class SandboxSession:
     def _checked_answer(
         self, session: _Session, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray], limit_s: float
     ) -> Frame:
-        """Ask a worker; check the answer by the lab's rules, and record statements that ended the process or took too long."""
+        """Ask a process; check the answer by the lab's rules, and record statements that ended the process or took too long."""
         try:
             with self._telling_if_slow(op, fields, limit_s):
                 frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s, most_s=self._left_s())
@@ -314,7 +314,7 @@ class SandboxSession:
             timer.cancel()
 
     def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        """Ask a worker that does not hold the submission: it runs no student code, so none can change the answer."""
+        """Ask a process that does not hold the submission: it runs no student code, so none can change the answer."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 

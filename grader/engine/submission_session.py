@@ -39,7 +39,7 @@ class SubmissionSession(SandboxSession):
     withheld_note = False
 
     def answer(self, question: Question[T], called: str = "") -> T:
-        """Ask a question and return its converted answer; equal ones are asked once. Charts find it by the name `called`."""
+        """Ask student code a question and return its converted answer; equal ones are asked once. Charts find it as `called`."""
         return self.once_named(called, question.key, lambda: question.becomes(self._ask_where_defined(question)))
 
     def _ask_where_defined(self, question: Question[Any]) -> Frame:
@@ -47,10 +47,10 @@ class SubmissionSession(SandboxSession):
         return self.ask(question.op, {**place, **question.fields}, question.arrays)
 
     def load(self, path: str) -> Loaded:
-        """Load a file in the current worker, unless it is loaded there, and return the report on it.
+        """Load a file in the current sandbox process, unless it is loaded there, and return the report on it.
 
         It is loaded again in a new process if another file, or data of a question, may have affected the report, and if loading
-        failed by chance. If no process can load it, the NoAnswer of the last one is raised, now and at each later call.
+        failed by chance. If no process can load it, the NoAnswer of the last one is raised, now and later.
         """
         if path in self.deadly:
             raise self.deadly[path].with_traceback(None)
@@ -76,14 +76,14 @@ class SubmissionSession(SandboxSession):
         return self.load(path)
 
     def place_of(self, name: str) -> str:
-        """Return the path of the file that defines a required name, after loading it in the current worker.
+        """Return the path of the file that defines a required name, after loading it in the current sandbox process.
 
         Raises
         ------
         Missing
             If no file defines the name; the message says why.
         NoAnswer
-            If loading the file killed the worker or did not end.
+            If loading the file killed the process or did not end.
         """
         home = self._lab.homes[name]
         self._fresh_session()

@@ -1,4 +1,4 @@
-"""Load and verify ground truth: bundles of traces, which are arrays with a manifest.
+"""Load and verify ground truth: bundles of traces, the arrays of each scenario, with a manifest.
 
 A lab's recorder writes bundles and the grader reads them; neither imports the other.
 """
@@ -54,7 +54,7 @@ class Scenario(Mapping[str, NDArray[Any]]):
 
 @dataclass(frozen=True, eq=False)
 class Traces:
-    """A bundle of ground truth to grade with: `traces["push"].acceleration`. `arrays` has them as ``<scenario>/<array>``."""
+    """Ground truth to grade with, by scenario: `traces["push"].acceleration`. `arrays` has the same as ``<scenario>/<array>``."""
 
     name: str
     sha256: str
@@ -73,13 +73,13 @@ class Traces:
 
     @property
     def versions(self) -> Mapping[str, str]:
-        """The versions of the packages with which the bundle was recorded."""
+        """The versions of the packages with which this ground truth was recorded."""
         versions: Mapping[str, str] = self.manifest["versions"]
         return versions
 
 
 def load(path: Path) -> Traces:
-    """Read the trace bundle at `path` (``.npz``) and verify it against its manifest, the ``.json`` of the same name beside it.
+    """Read ground truth from the file `path` (``.npz``), and verify it against its manifest, the ``.json`` of the same name.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def load(path: Path) -> Traces:
 
 
 def _read_manifest(path: Path) -> dict[str, Any]:
-    """Read the manifest of a trace bundle; raise RequestError if it is missing, no JSON, of another schema or incomplete."""
+    """Read the manifest of ground truth; raise RequestError if it is missing, no JSON, of another schema or incomplete."""
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -117,7 +117,7 @@ def _read_manifest(path: Path) -> dict[str, Any]:
 
 
 def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Read the arrays of a trace bundle, read-only, as all submissions share them; raise RequestError if the file is damaged."""
+    """Read the arrays of ground truth, read-only, as all submissions share them; raise RequestError if the file is damaged."""
     try:
         # Opened here, because np.load leaves the file of a damaged archive open.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
@@ -137,7 +137,7 @@ def _scenario(name: str, about: Mapping[str, Any], arrays: Mapping[str, NDArray[
 
 
 def _fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any]) -> str:
-    """Return the digest of a bundle as its recorder computes it, to find out whether the bundle was changed.
+    """Return the digest of ground truth as the recorder computes it, to find out whether the files were changed.
 
     It covers the arrays, and the manifest without ``versions`` and ``sha256``.
     """
