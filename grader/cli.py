@@ -97,7 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _misused(problem: Exception, message: str) -> int:
-    """Print one line about a wrong request, or the help of a group called without a command; return exit code 2."""
+    """Print one line about a wrong request with the command whose --help helps, or a group's help; return exit code 2."""
     if "\n" in message:
         print(message, file=sys.stderr)
         return 2

@@ -31,12 +31,12 @@ def missing_forces(model: mujoco.MjModel) -> NDArray[np.float64]:
 
 
 def pads(model: mujoco.MjModel) -> list[int]:
-    """Return the numbers of the geoms that the robot stands on, by their names: toe and heel pads."""
+    """Return the numbers of the geoms that the robot stands on, which their names tell: toe and heel pads."""
     return [geom for geom in range(model.ngeom) if re.search("_(toe|heel)_", model.geom(geom).name or "")]
 
 
 def settle(model: mujoco.MjModel) -> None:
-    """Change a compiled model until its initial pose rests: its height, its pads and its springs' references."""
+    """Change height, sole pads and spring references of a compiled model until its initial pose rests."""
     soles, weight = pads(model), float(model.body_subtreemass[1] * -model.opt.gravity[2])
     for _ in range(ROUNDS):
         model.qpos0[2] += _sinking(model)
@@ -72,7 +72,7 @@ def _sinking(model: mujoco.MjModel) -> float:
 
 
 def _set_pos(text: str, before: str, pos: NDArray[np.float64]) -> str:
-    """Replace the numbers of the `pos` attribute that the pattern `before` ends with."""
+    """Replace the numbers in an attribute `pos` of the model's text; the pattern `before` ends where they begin."""
     return re.sub(f'({before})[^"]*', rf"\g<1>{' '.join(f'{number:.9g}' for number in pos)}", text)
 
 

@@ -84,7 +84,7 @@ class ComplementaryFilter:
         return self.roll, self.pitch
 
     def _blend(self, integrated: float, measured: float) -> float:
-        """Return the weighted mean of two angles, the short way round."""
+        """Return the weighted mean of the gyroscope's and the other sensor's angle, the short way round the circle."""
         return wrapped(integrated + (1.0 - self.alpha) * wrapped(measured - integrated))
 
     def _turn(self, rate: float, mag: ArrayLike | None) -> None:
@@ -126,7 +126,7 @@ def heading_of(mag: ArrayLike, roll: float, pitch: float) -> float:
 
 
 def wrapped(angle: float) -> float:
-    """Return the angle wrapped to [−π, π)."""
+    """Return the angle wrapped to [−π, π), so that a difference of angles is the short way round."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 

@@ -26,14 +26,14 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Wave:
-    """A smooth motion as a sum of sines: amplitudes, frequencies (Hz) and phases (rad), each (k,)."""
+    """A smooth motion of one joint as a sum of sines: amplitudes, frequencies (Hz) and phases (rad), each (k,)."""
 
     size: FloatArray
     frequency: FloatArray
     phase: FloatArray
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return value, first and second derivative, each (n,), at the times (n,) in s."""
+        """Return angle or position and two derivatives, each (n,), at the times (n,) in s, as inverse dynamics needs them."""
         omega = 2.0 * np.pi * self.frequency
         angle = time[:, None] * omega + self.phase
         return (
@@ -83,7 +83,7 @@ def _shake(rng: np.random.Generator, acceleration: float) -> Wave:
 
 
 def _drift_of(rng: np.random.Generator, size: float) -> FloatArray:
-    """Return a bias (3,) of about `size` on every axis, with random signs."""
+    """Return a random gyroscope bias (3,) of about `size` on every axis, with random signs."""
     return np.asarray(size * rng.uniform(0.8, 1.2, 3) * rng.choice([-1.0, 1.0], 3), dtype=np.float64)
 
 
@@ -102,7 +102,7 @@ def _ridden(scene: Scene, ride: Ride) -> dict[str, Any]:
 
 
 def _sensed(model: mujoco.MjModel, motion: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return sensor readings (n, 9) and true roll and pitch (n, 2) along a prescribed motion (6, 3, n)."""
+    """Return sensor readings (n, 9) and true roll and pitch (n, 2) along a prescribed motion (6, 3, n): joint, derivative, time."""
     data = mujoco.MjData(model)
     samples, tilt = np.zeros((motion.shape[2], model.nsensordata)), np.zeros((motion.shape[2], 2))
     for row in range(motion.shape[2]):
@@ -184,7 +184,7 @@ def allan(scene: Scene) -> Recording:
 
 
 def flicker(rng: np.random.Generator, n: int) -> FloatArray:
-    """Return noise (n,) whose power goes with 1 / frequency, of unit standard deviation, made by shaping white noise."""
+    """Return flicker noise (n,), whose power goes with 1 / frequency and which makes the flat part of an Allan plot."""
     spectrum = np.fft.rfft(rng.normal(0.0, 1.0, 2 * n))
     spectrum[1:] /= np.sqrt(np.arange(1, len(spectrum)))
     spectrum[0] = 0.0

@@ -42,7 +42,7 @@ class LowPassFilter:
 
 
 def plot_comparison(raw: FloatArray, filtered: FloatArray) -> None:
-    """Draw one raw and one filtered channel, both (n,) in m/s², over each other and save `filtered_imu.png`."""
+    """Draw a raw and a filtered channel, both (n,) in m/s², over each other and save `filtered_imu.png`, as Step 6 asks."""
     import matplotlib.pyplot as plt  # noqa: PLC0415 - only the demonstration draws
 
     fig, axes = plt.subplots(figsize=(10, 4))

@@ -61,7 +61,7 @@ def keeps_the_facts(model: mujoco.MjModel) -> bool:
 
 
 def _hides_its_sensors(model: mujoco.MjModel) -> bool:
-    """Return whether no IMU's address can be guessed: none is one in the students' model, an id, or beyond the generated models."""
+    """Return whether no address of an IMU is one in the students' model, the sensor's id, or beyond the generated models."""
     addresses = worlds.imu_addresses(model)
     unlike = all(int(model.sensor_adr[i]) != i for i in range(model.nsensor) if int(model.sensor_adr[i]) in addresses)
     return unlike and worlds.LAB_ADDRESSES.isdisjoint(addresses) and max(addresses) <= FARTHEST
@@ -102,7 +102,7 @@ def _channels_differ(model: mujoco.MjModel) -> bool:
 
 
 def _seems_smoothed(raw: FloatArray, smooth: FloatArray, window: int) -> bool:
-    """Return whether `smooth` follows the running mean of `raw` over the second half, at any lag of a filter."""
+    """Return whether `smooth` follows the running mean of `raw` over the second half, at any lag that a filter may have."""
     if np.std(np.diff(smooth)) > 0.85 * np.std(np.diff(raw)):
         return False
     mean = np.convolve(raw, np.ones(window) / window, mode="valid")

@@ -100,7 +100,7 @@ def _not_loaded(path: Path, error: Exception) -> str:
 
 
 def _absent_includes(path: Path, folder: Path, seen: set[Path]) -> Iterator[str]:
-    """Yield the files that a model includes, directly or not, and that are not there."""
+    """Yield the files that a model includes, directly or not, and that are not there, for a message."""
     try:
         root = ET.parse(path).getroot()
     except (OSError, ET.ParseError):
@@ -140,7 +140,7 @@ def _sensors_of(model: mujoco.MjModel, key: str) -> str:
 
 
 def sensors(model: mujoco.MjModel, kind: mujoco.mjtSensor) -> list[str]:
-    """Return the names of the sensors of one kind, in the model's order; sensors without a name are left out."""
+    """Return the names of the sensors of one kind in the model's order, for messages; sensors without a name are left out."""
     names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, i) for i in range(model.nsensor)]
     return [name for name, own in zip(names, model.sensor_type, strict=True) if name and own == kind]
 

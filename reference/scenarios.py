@@ -178,7 +178,7 @@ def _thrown(rng: np.random.Generator, model: mujoco.MjModel, imu: tuple[str, str
 
 
 def _can_be_plotted(arrays: Mapping[str, FloatArray]) -> bool:
-    """Return whether every axis moves by a share of its panel's height, and no two axes of a sensor coincide."""
+    """Return whether the six curves can be told apart in a plot: each axis moves, and no two axes of a sensor coincide."""
     for rows in (arrays["acceleration"], arrays["angular_velocity"]):
         if not np.isfinite(rows).all():
             return False
@@ -272,7 +272,7 @@ def _dirty_arrays(scene: Scene, n_steps: int) -> dict[str, Any]:
 
 
 def _left_behind(scene: Scene) -> mujoco.MjData:
-    """Return the data of a robot in the middle of another motion: lifted, and dropped with a random velocity.
+    """Return data as an earlier run leaves them: the robot lifted, and dropped with a random velocity, in mid-motion.
 
     A robot without a free joint gets random joint velocities only.
     """
@@ -317,7 +317,7 @@ def filter(scene: Scene) -> Recording:
 
 
 def _slow_motion(rng: np.random.Generator, time: FloatArray, size: float) -> FloatArray:
-    """Return a slow motion (n, 3): each axis a sine below half a hertz, and a step of its own height half-way."""
+    """Return a signal (n, 3) that a filter should preserve: each axis a sine below half a hertz, with a step half-way."""
     frequency, phase = rng.uniform(0.2, 0.5, 3), rng.uniform(0.0, 2 * np.pi, 3)
     steps = rng.uniform(0.8, 1.2, 3) * rng.choice([-1.0, 1.0], 3) * size
     wave = size * np.sin(2 * np.pi * time[:, None] * frequency + phase)
@@ -358,7 +358,7 @@ _TRIES = 500
 
 
 def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """Return a random state (qpos, qvel) whose six sensor channels are well away from zero and from each other.
+    """Return a random state (qpos, qvel) in which no sensor channel is near zero or another, so that mix-ups show.
 
     If no draw is far enough, the best one counts.
     """
@@ -376,7 +376,7 @@ def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
 
 
 def _distinct(rng: np.random.Generator) -> FloatArray:
-    """Return a bias (3,) in standard deviations of the noise: 3 to 9, well apart in size, with random signs."""
+    """Return a bias (3,) in standard deviations of the noise: 3 to 9, so unlike in size that exchanged axes show."""
     sizes = rng.permutation([3.0, 5.0, 8.0]) + rng.uniform(0.0, 1.0, 3)
     return np.asarray(sizes * rng.choice([-1.0, 1.0], 3), dtype=np.float64)
 

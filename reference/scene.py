@@ -137,7 +137,7 @@ def roll(model: mujoco.MjModel, data: mujoco.MjData, n_steps: int, pair: tuple[s
 
 
 def at_state(model: mujoco.MjModel, qpos: FloatArray, qvel: FloatArray, time: float = 0.0) -> mujoco.MjData:
-    """Return new data in this state, after `mj_forward` has computed everything that follows from it."""
+    """Return new data in this state, after `mj_forward` has computed sensors and all else that follows from it."""
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
     mujoco.mj_forward(model, data)
@@ -145,7 +145,7 @@ def at_state(model: mujoco.MjModel, qpos: FloatArray, qvel: FloatArray, time: fl
 
 
 def state_in_the_air(rng: np.random.Generator, model: mujoco.MjModel) -> tuple[FloatArray, FloatArray]:
-    """Return random attitude, joint angles and velocities, clear of the floor: `qpos` (nq,) and `qvel` (nv,)."""
+    """Return a random state `qpos` (nq,), `qvel` (nv,) of a robot clear of the floor, so that no contact disturbs its sensors."""
     qpos, qvel = np.array(model.qpos0), rng.normal(0.0, 0.4, model.nv)
     for joint in range(model.njnt):
         place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]

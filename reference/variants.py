@@ -68,7 +68,7 @@ def vary(xml: str, rng: np.random.Generator) -> str:
 
 @dataclass(frozen=True)
 class Robot:
-    """A model as its XML tree and as MuJoCo compiles it. Bodies, joints and geoms stand in the same order in both."""
+    """A model as its XML tree, to be changed, and as MuJoCo compiles it. Both have bodies, joints and geoms in the same order."""
 
     root: ET.Element
     model: mujoco.MjModel
@@ -199,7 +199,7 @@ def _vary_imus(robot: Robot, rng: np.random.Generator) -> None:
 
 
 def _out_of_frames(root: ET.Element, element: ET.Element) -> None:
-    """Move an element out of `frame` elements to its body, which is what the compiled model's positions refer to."""
+    """Move an element out of `frame` elements to its body, because the compiled model's positions refer to the body."""
     owners = {part: owner for owner in root.iter() for part in owner}
     owner = owners[element]
     if owner.tag == "frame":
@@ -210,7 +210,7 @@ def _out_of_frames(root: ET.Element, element: ET.Element) -> None:
 
 
 def _turned(quat: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return a mounting, the quaternion (4,), turned about its own axes: freely about z, hardly about the others."""
+    """Return the mounting of an IMU, a quaternion (4,), turned about its own axes: freely about z, hardly about the others."""
     across, yaw = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-YAW_RAD, YAW_RAD)
     tilt = rng.uniform(0.0, TILT_RAD)
     turned = np.array(quat, dtype=np.float64)
@@ -234,7 +234,7 @@ def _vary_sensors(robot: Robot, rng: np.random.Generator) -> None:
 
 
 def _extra_sensors(robot: Robot, rng: np.random.Generator) -> Iterator[ET.Element]:
-    """Yield further sensors, as graded models have them: clocks, and others at sites that have an IMU."""
+    """Yield further sensors that change the addresses of others: clocks, and others at sites that have an IMU."""
     taken = {sensor.get("name") for sensor in robot.sensors()}
     sites = sorted({str(sensor.get("site")) for sensor in robot.sensors() if sensor.tag in _IMU})
     for number in range(int(rng.integers(*EXTRA_SENSORS))):

@@ -86,13 +86,13 @@ def lab() -> str:
 
 
 def imu_addresses(model: mujoco.MjModel) -> frozenset[int]:
-    """Return the addresses in `sensordata` of the IMUs of the lab model or of a variant."""
+    """Return where the IMUs of the lab model or a variant lie in `sensordata`, so that other models can avoid these addresses."""
     names = (f"{place}_{kind}" for place in LAB_PLACES for kind in ("accelerometer", "gyroscope"))
     return frozenset(int(model.sensor(name).adr[0]) for name in names)
 
 
 def constant_spin(radius: float) -> str:
-    """Return a turntable about the vertical, with an IMU `radius` metres from its axis: x outward, y along, z up."""
+    """Return the MJCF of a turntable about the vertical, with an IMU `radius` metres from its axis: x outward, y along, z up."""
     return _SPIN.format(radius=radius)
 
 

@@ -1,4 +1,4 @@
-"""`imugrade adjust`: overrides, beside the automatic points."""
+"""`imugrade adjust`: change points by hand, add a bonus or a comment; the automatic points stay on record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`imugrade check`: a student checks their own work."""
+"""`imugrade check`: a student's check of their own work against the public scenarios."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ class _Arguments:
 
     @property
     def command(self) -> str:
-        """Return the command that checks the submission again."""
+        """Return the command that checks the submission again, which the screen names for a rerun."""
         return _typed("imugrade", "check", *self._path_argument)
 
     @property
@@ -157,7 +157,7 @@ class _Arguments:
 
 
 def _typed(*arguments: str) -> str:
-    """Return a command as it is typed in the system's shell, with quotes where it needs them."""
+    """Return a command as it is typed in the system's shell, with quotes where it needs them, for the user to copy."""
     return subprocess.list2cmdline(arguments) if sys.platform == "win32" else shlex.join(arguments)
 
 

@@ -80,7 +80,7 @@ def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] 
 
 
 def _stamps(path: Path) -> frozenset[tuple[str, int, int]]:
-    """Return names, times and sizes of the files, without hidden files and files that tools leave behind."""
+    """Return names, times and sizes of the files to see changes, without hidden files and files that tools leave behind."""
     stamps = set()
     for folder, subfolders, names in os.walk(path):
         subfolders[:] = [name for name in subfolders if not name.startswith(".") and not is_litter([name])]

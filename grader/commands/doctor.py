@@ -49,7 +49,7 @@ def doctor(
 
 
 def _show(sections: Sequence[tuple[str, Sequence[DoctorFinding]]]) -> None:
-    """Print the findings, one section after the other."""
+    """Print what `imugrade doctor` found: each section as a heading with a table of its findings."""
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 

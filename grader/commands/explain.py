@@ -34,7 +34,7 @@ def explain(
 
 
 def _show_markdown(text: str) -> None:
-    """Print Markdown, rendered on a terminal and as it is in a pipe."""
+    """Print an explanation in Markdown: rendered on a terminal, as it is in a pipe."""
     if sys.stdout.isatty():  # importing rich takes longer than everything else here
         from rich.markdown import Markdown  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""`imugrade grade`: an instructor marks a class."""
+"""`imugrade grade`: grade a class of submissions."""
 
 from __future__ import annotations
 

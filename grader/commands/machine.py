@@ -27,7 +27,7 @@ _NOT_ISOLATED = "no isolation: fine for your own code; `grade` needs --trust-sub
 
 @dataclass(frozen=True)
 class DoctorFinding:
-    """One line of `imugrade doctor`: a name, whether the finding is good (None: neutral), and its text."""
+    """What `imugrade doctor` found out about one thing: its name, whether it is good (None: neutral), and a text to show."""
 
     name: str
     good: bool | None
@@ -93,7 +93,7 @@ def _isolation() -> list[DoctorFinding]:
 
 
 def _one_copy(isolation_level: IsolationLevel) -> DoctorFinding:
-    """Return whether code in the sandbox can open files of the grader, such as the solution in a second install or a checkout."""
+    """Return whether code in the sandbox can open files of the grader, with the solution, as of a second install or a checkout."""
     try:
         search = one_copy.search(isolation_level, chosen_lab().packages)
     except GraderError as error:
@@ -123,7 +123,7 @@ def _version(package: str) -> tuple[bool | None, str]:
 
 
 def _reference() -> DoctorFinding:
-    """Return whether a secret can record hidden scenarios here, tested with a throw-away secret."""
+    """Return whether hidden scenarios can be recorded here, by recording them from a throw-away secret."""
     try:
         recorded = try_recording(chosen_lab())
     except (GraderError, RequestError, OSError) as problem:

@@ -18,12 +18,12 @@ OTHERS = "another robot of the same kind, its sensors in another order, other nu
 
 
 def checking_line(path: Path) -> str:
-    """Return the first line of `imugrade check`, which names the submission before it is read."""
+    """Return the first line of `imugrade check`, which names the submission at once, before anything is read or imported."""
     return f"checking {printable(Path(os.path.abspath(path)).name, 120)} …"  # "." has a name too
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Say which files of the lab sheet are there and which are missing; a notebook may replace all programs, but no pictures."""
+    """Say which files of the lab sheet are there and which not, so that a wrong folder is seen; a notebook replaces programs."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))

@@ -67,7 +67,7 @@ def plot(
 def _recorded(
     lab: Lab, path: Path, traces: Traces, rubric: Path | None, isolation_level: str | None
 ) -> Mapping[str, Any]:
-    """Return what the submission's own code records in a sandbox; print what is missing, and raise RequestError without any."""
+    """Return what the submission's own code records, to plot it over the truth; raise RequestError if it records nothing."""
     from grader.base.errors import RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415

@@ -29,7 +29,7 @@ class WatchView:
         self._status, self._size = "", console.size
 
     def tell(self, status: str) -> None:
-        """Show a new status line, such as "checking", above the last result."""
+        """Show what `check --watch` does now, such as "checking", above the last result."""
         self._status = status
         if self._console.is_terminal:
             self._paint()
@@ -45,7 +45,7 @@ class WatchView:
                 show_line(line, self._console)
 
     def refit(self) -> None:
-        """Lay out the lines again if the size of the terminal has changed."""
+        """Lay out the last result again if the size of the terminal has changed; `check --watch` asks for it while it waits."""
         if self._console.size != self._size:
             self._paint()
 
@@ -61,7 +61,7 @@ class WatchView:
         return Text.assemble((self._name, "bold"), "  ", self._status)
 
     def _top(self) -> list[Text]:
-        """Return as many lines of the last result as the terminal holds; the last one counts those left out."""
+        """Return as many lines of the last result as the terminal holds; the last of these says how many more there are."""
         lines = self._lines()
         room = max(1, self._size.height - 3)  # heading and blank line above, the cursor's line below
         if len(lines) <= room:

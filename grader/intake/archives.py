@@ -125,7 +125,7 @@ class _Counted(io.RawIOBase):
 
 
 class _Narrow(io.RawIOBase):
-    """A zip as a stream that refuses large reads: `zipfile` reads the table of contents, of any declared size, at once."""
+    """A zip as a stream that refuses large reads, because `zipfile` reads the table of contents, of any declared size, at once."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
@@ -150,7 +150,7 @@ class _Narrow(io.RawIOBase):
 def gather_members(
     archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str, required: Collection[str] = ()
 ) -> FileBudget:
-    """Read some files of a zip, each under the path that it has in the submission; `name` is the zip's name in notes."""
+    """Read the files of one submission out of a class's zip, each under its path there; `name` is the zip's name in notes."""
     budget = FileBudget(required=required)
     try:
         _take_members(archive, members, budget)
@@ -166,7 +166,7 @@ def _read_zip(stream: BinaryIO, budget: FileBudget) -> None:
 
 
 def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], budget: FileBudget) -> None:
-    """Take the members of a zip archive, code first, within the limit on unpacked bytes."""
+    """Take the members of a zip archive into the budget, code first, until too many bytes were unpacked."""
     unpacked = 0
 
     def bytes_of(entry: zipfile.ZipInfo) -> bytes:
@@ -228,7 +228,7 @@ def _read_gzip(stream: BinaryIO, budget: FileBudget) -> None:
 
 
 def _bounded_headers() -> type[tarfile.TarInfo]:
-    """Return a TarInfo class that refuses long names and attributes, which tarfile would read whole however long they are."""
+    """Return a TarInfo class that refuses long names and attributes, because tarfile would read them whole into memory."""
     work = 0
 
     class Bounded(tarfile.TarInfo):

@@ -95,7 +95,7 @@ def _remotes(git: Path) -> list[str]:
 
 
 def _loose(folder: Path) -> set[str]:
-    """Return the branches that have a ref file of their own; a slash in a name makes a folder, of which one level is searched."""
+    """Return the branches that git keeps in a file each; a slash in their names makes a folder, of which one level is searched."""
     inner = {f"{name}/{last}" for name in _names(folder, folders=True) for last in _names(folder / name)}
     return {*_names(folder), *inner}
 

@@ -55,7 +55,7 @@ class Download:
         return data if len(data) <= most else None
 
     def holds(self, *parts: str) -> bool:
-        """Return whether the download's top level has this file or folder; several `parts` are a path below it."""
+        """Return whether the download has this file or folder at its top, by which a platform recognises it; `parts` are a path."""
         inner = self.place("/".join(parts))
         return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
 
@@ -71,7 +71,7 @@ def open_download(path: Path) -> list[Download]:
 
 
 def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> FileBudget:
-    """Read the files of one submission in a download: `sources` are pairs of a place there and its path in the submission."""
+    """Read one submission out of a class's download; `sources` are pairs of a place there and its path in the submission."""
     if os.path.isdir(path):
         return gather_places(path, sources, required)
     contents = _contents(path)
@@ -113,7 +113,7 @@ def _zip(path: Path, root: str) -> Download:
 
 @dataclass(frozen=True)
 class _Contents:
-    """A class's zip that stays open while it is read: its names, unsafe names, and the files below each path, also nested."""
+    """A class's zip, kept open so that all submissions are read fast: names, unsafe names, and the files below each path."""
 
     archive: zipfile.ZipFile
     names: tuple[str, ...]

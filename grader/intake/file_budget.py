@@ -41,7 +41,7 @@ class Unreadable(Exception):  # noqa: N818 - a verdict on a submission, not an e
 
 @dataclass
 class Room:
-    """How many further files of one kind (code, or not) a submission may have, and how many bytes in all."""
+    """How many more files of one kind (code, or not), and how many more bytes, are read of a submission."""
 
     files: int = MAX_FILES
     bytes: int = MAX_BYTES
@@ -120,7 +120,7 @@ class FileBudget:
         return archives[0] if len(archives) == 1 and not any(map(is_code, self.files)) else None
 
     def unopened(self) -> list[str]:
-        """Return the names of the archives among the files, which were not opened."""
+        """Return the names of the archives among the files, which a note tells were not opened."""
         return sorted(name for name in self.files if has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)))
 
     def notes(self) -> Iterator[str]:
@@ -131,5 +131,5 @@ class FileBudget:
 
 
 def listing(names: list[str]) -> str:
-    """Return the first few names as printable text, and the number of the others."""
+    """Return the first few names as printable text, and the number of the others, so that a note stays short."""
     return some(names, MAX_NAMED)

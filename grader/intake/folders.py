@@ -27,7 +27,7 @@ def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
 
 
 def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> FileBudget:
-    """Read the files and folders of a class's download that are one submission: pairs of a place and its path in the submission."""
+    """Read one submission out of a class's download folder: `places` are pairs of a place there and its path in the submission."""
     budget = FileBudget(required=required)
     found: list[tuple[tuple[str, ...], str, int]] = []
     for place, name in places:
@@ -63,7 +63,7 @@ def _read(path: str) -> bytes:
 
 
 def _listed(root: Path, budget: FileBudget) -> Iterator[tuple[tuple[str, ...], str, int]]:
-    """Yield path parts, path and size of each plain file; note the rest. Folders that tools leave behind are not entered."""
+    """Yield path parts, path and size of each plain file, and note the rest; skip folders that tools leave behind."""
     waiting: list[tuple[tuple[str, ...], str]] = [((), str(root))]
     seen = 0
     while waiting:
@@ -127,6 +127,6 @@ def status_of(entry: os.DirEntry[str]) -> os.stat_result | None:
 
 
 def is_link(status: os.stat_result) -> bool:
-    """Return whether an lstat result is that of a symbolic link or of a Windows junction."""
+    """Return whether an lstat result is that of a symbolic link or a Windows junction, which could lead out of the submission."""
     junction = getattr(stat, "IO_REPARSE_TAG_MOUNT_POINT", -1)
     return stat.S_ISLNK(status.st_mode) or getattr(status, "st_reparse_tag", 0) == junction

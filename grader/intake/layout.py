@@ -129,7 +129,7 @@ def _from_above(path: str, folder: str) -> tuple[int, str]:
 
 
 def _folders(path: str) -> Iterable[str]:
-    """Return the folders in a path, the outermost first."""
+    """Return the folders in a path, the outermost first, such as to see whether a file has the name of one."""
     parts = path.split("/")
     return ("/".join(parts[:n]) for n in range(1, len(parts)))
 

@@ -44,7 +44,7 @@ def is_code(path: str) -> bool:
 
 
 def is_litter(parts: Sequence[str]) -> bool:
-    """Return whether to ignore a path: it lies in a tool's folder, or an operating system left it. `HOME_VERSIONS` is kept."""
+    """Return whether a path is none of the student's: a tool's folder, or a system's file. `HOME_VERSIONS` is kept."""
     if parts[-2:] == HOME_VERSIONS:
         return False
     return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)
@@ -93,7 +93,7 @@ def safe_id(name: str) -> str:
 
 
 def _shortened(name: str, limit: int) -> str:
-    """Return at most `limit` characters and 200 bytes of a name: folder names may have 255 bytes, and CJK letters take three."""
+    """Return a name cut to `limit` characters and 200 bytes, as a folder's name may have 255 bytes, and some letters take three."""
     return name[:limit].encode()[:200].decode(errors="ignore").rstrip(".")
 
 

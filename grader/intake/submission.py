@@ -67,7 +67,7 @@ class Submission:
 
 
 def original_name(path: Path) -> str:
-    """Return a submission's name: that of its folder or file, an archive's without suffix; ``submission`` if that is empty."""
+    """Return a submission's name in reports: that of its folder or file, an archive's without suffix; else ``submission``."""
     name = Path(os.path.abspath(path)).name  # "." has a name too
     suffix = next((suffix for suffix in (*ARCHIVES, *FOREIGN_ARCHIVES) if has_suffix(name, (suffix,))), "")
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
@@ -125,7 +125,7 @@ def unread(id: str, name: str, why: str) -> Submission:
 
 
 def _gather(path: Path, sources: Sources, required: Collection[str]) -> FileBudget:
-    """Return all files of a submission, with an archive that is its only code opened; raise RequestError if `path` is missing."""
+    """Read all files of a submission; open an archive that holds its only code. Raise RequestError if `path` is missing."""
     if not os.path.exists(path):  # Path.exists raises where a folder above may not be entered
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
     budget = gather_sources(path, sources, required) if sources else _gather_outermost(path, required)
@@ -162,7 +162,7 @@ def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
 
 
 def _versions_at_home(budget: FileBudget) -> list[str]:
-    """Remove the package versions of the student's computer from the files; return a note if they differ from those here."""
+    """Take `check`'s record of the student's package versions out of the files; return a note if they differ from those here."""
     kept = [path for path in budget.files if tuple(path.split("/")[-2:]) == HOME_VERSIONS]
     found = [budget.files.pop(path)[:4000].decode("ascii", "replace") for path in kept]
     differing = class_versions.differences(class_versions.of_ours(found[0])) if found else []

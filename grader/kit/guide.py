@@ -44,7 +44,7 @@ def build(lab: Lab, rubric: Path | None = None) -> str:
 
 
 def pages(lab: Lab) -> Path:
-    """Return the folder of the guide's Markdown pages: in the lab's folder if installed, else `docs/students` of the sources."""
+    """Return the folder of the Markdown pages of the guide: in the lab's folder if installed, else `docs/students`."""
     built = lab.folder / "guide"
     return built if built.is_dir() else beside("grader", "").parent / "docs" / "students"
 
@@ -87,5 +87,5 @@ def _point(token: Token, page: str, folder: Path) -> None:
 
 
 def _slug(title: str) -> str:
-    """Return the anchor of a heading, as it is in the repository's web view and on the documentation's site."""
+    """Return the anchor of a heading, as links in the pages have it for the repository's web view and the documentation's site."""
     return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")

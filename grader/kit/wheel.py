@@ -34,7 +34,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever it is made
 
 
 def name() -> str:
-    """Return the file name of the students' wheel: ``imugrade-0.1.0-py3-none-any.whl``."""
+    """Return the file name of the students' wheel, which READMEs and CI jobs install: ``imugrade-0.1.0-py3-none-any.whl``."""
     return f"imugrade-{__version__}-py3-none-any.whl"
 
 
@@ -64,7 +64,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
 
 
 def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
-    """Return a zip archive of these files, by path, with fixed time stamps; those in `programs` are executable."""
+    """Return a zip archive of these files that is the same at any time; those in `programs` are executable."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
@@ -77,7 +77,7 @@ def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
 
 
 def _package() -> Iterator[tuple[str, bytes]]:
-    """Yield path and bytes of the package's files, without the rubric and an instructor's own traces."""
+    """Yield path and bytes of the package's files that students get: without the rubric and an instructor's own traces."""
     package = beside("grader", "")
     for path in sorted(package.rglob("*")):
         inside = path.relative_to(package)
@@ -86,7 +86,7 @@ def _package() -> Iterator[tuple[str, bytes]]:
 
 
 def _own(folder: str, rubric: Path, own: LabFile) -> dict[str, bytes]:
-    """Return what replaces the lab's own file: the instructor's, its public traces, and a rubric that refers to its place here."""
+    """Return the files for an instructor's own robot: it, its public traces, and the rubric with the robot's path in the wheel."""
     text, place = rubric.read_text(encoding="utf-8-sig"), f"own/{own.file}"
     files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(own.traces).items()}
     path = _named_in(text, own.keys)
@@ -98,7 +98,7 @@ def _own(folder: str, rubric: Path, own: LabFile) -> dict[str, bytes]:
 
 
 def _named_in(rubric: str, keys: Iterable[str]) -> yaml.Node | None:
-    """Return the value at these nested keys of a valid rubric's text; None if it is left out."""
+    """Return the value at these nested keys of a valid rubric's text, with its place there, to replace it; None if left out."""
     node: yaml.Node | None = yaml.compose(rubric, Loader=yaml.SafeLoader)
     for name in keys:
         pairs = node.value if node else []
@@ -136,7 +136,7 @@ def _information() -> dict[str, str]:
 
 
 def _entry_points(installed: importlib.metadata.Distribution) -> str:
-    """Return the text of `entry_points.txt`: the command, and the pytest plugin."""
+    """Return the text of `entry_points.txt`, by which pip installs the command and pytest finds the plugin."""
     groups: dict[str, list[str]] = {}
     for entry in installed.entry_points:
         groups.setdefault(entry.group, []).append(f"{entry.name} = {entry.value}\n")

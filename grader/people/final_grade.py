@@ -34,7 +34,7 @@ class Person:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """All known names and identifiers of the person: name, platform key, student number, e-mail, logins."""
+        """All known names and identifiers of the person, by which a policy or a table may mean them."""
         return tuple(filter(None, (self.name, self.key, self.sid, self.email, *self.ids)))
 
 
@@ -244,11 +244,11 @@ class FinalGrade:
 
     @property
     def maximum(self) -> float:
-        """Return the maximum points of all criteria, with the extra credit that the rubric allows."""
+        """Return the most that a final grade may be: the points of all criteria and the extra credit that the rubric allows."""
         return round(self.result.max_score + (self.result.extra_credit_cap or 0.0), 2)
 
     def above_maximum(self) -> list[Adjustment]:
-        """Return the overrides with more points than the maximum of what they override, as after a change of the rubric."""
+        """Return the overrides with more points than their target has, as after a change of the rubric; they stop an export."""
         known = ((each, maximum_points(self.result, each.criterion)) for each in self.adjustments)
         return [each for each, most in known if each.points is not None and most is not None and each.points > most]
 
@@ -311,7 +311,7 @@ def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
 
 @dataclass(frozen=True)
 class GradeChange:
-    """A submission whose final grade is another than before; None is a grade that is open or blank."""
+    """A submission whose final grade a regrade or another run changed; None is a grade that is open or blank."""
 
     final_grade: FinalGrade
     before: float | None
@@ -356,7 +356,7 @@ def summed(points: Mapping[str, float | None]) -> float | None:
 
 
 def maximum_points(result: Result, target: str) -> float | None:
-    """Return the most points that an override of `target` may give; None if there is no such target."""
+    """Return the most points that an override of `target` may give, to refuse more; None if there is no such target."""
     if target == BONUS:
         return result.max_score
     if target == TOTAL:

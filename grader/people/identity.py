@@ -65,7 +65,7 @@ class Directory:
                     self._add(kind, word, Match(id_, person))
 
     def find(self, row: PersonRow) -> Match | None:
-        """Return the submission and person that a row of a table names; None if nobody or more than one submission fits."""
+        """Return the submission and person that a table's row names; None if it fits nobody or more than one submission."""
         return self._best_match(row)[1]
 
     def find_each(self, rows: Sequence[PersonRow]) -> list[Match | None]:
@@ -84,7 +84,7 @@ class Directory:
         ]
 
     def why_not(self, row: PersonRow) -> str:
-        """Return why a row matches nobody: several people fit, or a contradiction; "" if nobody resembles it."""
+        """Say for a warning why a row matches nobody: several people fit, or a contradiction; "" if nobody resembles it."""
         refused = ""
         for kind, word in _asked(row):
             known = self._by.get((kind, word.casefold()), ()) if word else ()

@@ -30,7 +30,7 @@ def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -
 
 
 def zone_of(policy: LatePolicy | None) -> tzinfo | None:
-    """Return the time zone of a class; None without a late policy, or if it names none."""
+    """Return the time zone in which a class reads dates; None without a late policy, or if it names none."""
     return ZoneInfo(policy.tz) if policy is not None and policy.tz else None
 
 
@@ -75,7 +75,7 @@ def _lateness(policy: LatePolicy, due: datetime, came: datetime, grace_days: int
 
 
 def _by_clock(when: datetime, zone: str) -> datetime:
-    """Return the local time in a time zone, or in UTC if `zone` is ""."""
+    """Return the local time in a time zone, by which days are counted, or in UTC if `zone` is ""."""
     return when.astimezone(ZoneInfo(zone) if zone else timezone.utc).replace(tzinfo=None)
 
 

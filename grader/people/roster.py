@@ -55,7 +55,7 @@ _NOBODY = ("Points Possible", "Student, Test")
 
 @dataclass(frozen=True)
 class RosterRow:
-    """One person of the roster. `due` is None and `submitted` is "" if the roster has none; `place` is file and line.
+    """One person of a roster file. `due` is None and `submitted` is "" if the roster has none; `place` is file and line.
 
     `marked_late` says that Moodle's worksheet calls the submission late.
     """
@@ -71,7 +71,7 @@ class RosterRow:
 
     @property
     def person(self) -> Person:
-        """Return this row of the roster as a person, with all its names and numbers."""
+        """Return this row as a person who handed nothing in, with all names and numbers that it has."""
         return self.completed(
             Person(self.who.email or next(iter(self.who.numbers), ""), self.who.key, self.who.platform)
         )
@@ -140,13 +140,7 @@ def load(path: Path, zone: tzinfo | None = None) -> Roster:
 
 
 def parse(data: bytes, source: str, zone: tzinfo | None = None) -> Roster:
-    """Read the bytes of a roster; messages call it `source`.
-
-    Raises
-    ------
-    RequestError
-        As `load` does.
-    """
+    """Read the bytes of a roster; messages call it `source`. `zone` and the errors raised are those of `load`."""
     table = tables.read(data, source).rows
     people = tuple(_rows(table, source, zone))
     local = zone is None and any(local_time(cell) for _, cells in table for cell in cells)
@@ -219,7 +213,7 @@ class RosterMatch:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """Return the ids of the hand-ins that no row matches."""
+        """Return the ids of the hand-ins that no row matches, for a warning."""
         return tuple(id_ for id_ in self.hand_ins if id_ not in self.rows)
 
 
@@ -295,7 +289,7 @@ def _shared(roster: Sequence[RosterRow], matches: Sequence[Match | None], direct
 
 
 def _with_member(hand_in: HandIn, stand_in: Person | None, listed: RosterRow) -> HandIn:
-    """Return the hand-in with one more member of the group, in place of `stand_in`, the group's name."""
+    """Return a group's hand-in with one more member; the first replaces `stand_in`, a person with the group's name."""
     return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), listed.person))
 
 
@@ -313,5 +307,5 @@ def _with_login(hand_in: HandIn, roster: Sequence[RosterRow]) -> HandIn:
 
 
 def _with_roster_facts(hand_in: HandIn, meant: Person | None, listed: RosterRow) -> HandIn:
-    """Return the hand-in with what the roster says of the person `meant`."""
+    """Return the hand-in with names, numbers and section of the person `meant` completed from the roster."""
     return replace(hand_in, people=tuple(listed.completed(p) if p == meant else p for p in hand_in.people))

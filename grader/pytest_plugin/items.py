@@ -166,7 +166,7 @@ class _File(pytest.File):
 
 
 class _Criterion(pytest.Collector):
-    """One criterion or extension as pytest's collector of its checks."""
+    """One criterion or extension in pytest's tree of tests, which collects the checks below it."""
 
     def __init__(self, *, plugin_run: PluginRun, **options: Any) -> None:
         super().__init__(**options)
@@ -221,14 +221,14 @@ class _Check(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def _where(self) -> tuple[str, int]:
-        """Return file and line that raised, else of the checked name's definition; the test's file and 1 if neither is known."""
+        """Return file and line of a failure: where code raised, else the checked definition, else the file's first line."""
         place = self._plugin_run.places.of(self._found)
         if place is None:
             return self.nodeid.partition("::")[0], 1
         return seen_from(self.config.rootpath, self._plugin_run.path / place.file), place.line or 1
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """Return the place of the definition that is checked; pytest counts lines from 0."""
+        """Return where editors and reports place the test: at the definition that is checked, in lines that count from 0."""
         at = self._plugin_run.places.definitions.get(
             self._plugin_run.lab.name_of(f"{self._criterion}.{self.name}"), FileLine("")
         )

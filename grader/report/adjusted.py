@@ -33,7 +33,7 @@ class RepairedFile:
 
 
 def is_changed(final_grade: FinalGrade) -> bool:
-    """Return whether the final points differ from the automatic ones, so that a page shows both; False while they are open."""
+    """Return whether the final points differ from the automatic ones, so that a page shows both; False without a final grade."""
     return final_grade.final is not None and round(final_grade.final, 2) != round(final_grade.result.total, 2)
 
 
@@ -48,7 +48,7 @@ def total(final_grade: FinalGrade) -> tuple[str, str]:
 def explained(final_grade: FinalGrade) -> str:
     """Return how the final grade came about: ``final 66 = score 78 (with overrides) + bonus 2 − repair 4 − late 10``.
 
-    The text is "" while the grade is open. Every report, comment, class page and desk page shows it.
+    The text is "" as long as there is no final grade. Every report, comment, class page and desk page shows it.
     """
     if final_grade.final is None:
         return ""
@@ -107,7 +107,7 @@ def late(final_grade: FinalGrade) -> tuple[str, str] | None:
 
 
 def overrides(final_grade: FinalGrade) -> list[Override]:
-    """Return the overrides and comments of a grade, in the order in which they were made."""
+    """Return the overrides and comments of a grade as a page shows them, in the order in which they were made."""
     titles = {
         criterion.id: (criterion.title, criterion.max_points, criterion.points)
         for criterion in final_grade.result.criteria
@@ -142,7 +142,7 @@ def repaired_file(repair: Repair) -> RepairedFile:
 
 
 def diff_lines(diff: str) -> tuple[tuple[str, str], ...]:
-    """Return the lines of a unified diff without its two lines of file names, each with its kind: "same", "added" or "removed"."""
+    """Return the lines of a unified diff for a page, each with its kind "same", "added" or "removed", without file names."""
     kinds = {"+": "added", "-": "removed"}
     shown = [printable(line, words.TEXT_LIMIT) for line in diff.split("\n")[2:]]
     return tuple((kinds.get(line[:1], "same"), line) for line in shown if line)

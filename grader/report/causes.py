@@ -74,7 +74,7 @@ class Stop:
 
 
 def stops(result: Result, lab: Lab) -> list[Stop]:
-    """Return where code that the criteria need does not parse, does not import, raises, hangs or ends its process."""
+    """Return where code that the criteria need does not run: it does not parse or import, it raises, hangs or ends its process."""
     if result.status in ("empty", "unreadable"):
         return []
     checks = [check for part in result.criteria for check in part.checks]
@@ -88,7 +88,7 @@ def stops(result: Result, lab: Lab) -> list[Stop]:
 
 
 def _needed(check: CheckResult, causes: Sequence[Cause], found: Sequence[Stop], lab: Lab) -> list[int]:
-    """Return the indices of the stops that made a check fail: its file or name does not run, or it raised and there is one stop."""
+    """Return the places in `found` that made a check fail: its code does not run there, or it raised and there is one place."""
     name = lab.name_of(check.id)
     names = [{lab.name_of(each.id) for each in cause.checks if _does_not_import(each)} for cause in causes]
     here = [at for at, each in enumerate(found) if name in names[at] or (check.where and check.where.file == each.file)]
@@ -109,17 +109,17 @@ def _stop(cause: Cause, lab: Lab) -> Stop:
 
 
 def faults_of(check: CheckResult) -> tuple[str, ...]:
-    """Return the ids of a check's faults, without those that only the instructor may see."""
+    """Return the ids of a check's faults that a student may see; others, such as tampering, are for the instructor."""
     return tuple(each for each in check.misconceptions if each not in words.FOR_THE_INSTRUCTOR)
 
 
 def part_of(check: CheckResult) -> str:
-    """Return the id of the criterion or extension that a check belongs to."""
+    """Return the id of the criterion or extension that a check belongs to, such as for `imugrade check --only`."""
     return check.id.partition(".")[0]
 
 
 def parts_of(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
-    """Return the criteria and attempted extensions, or only that with the id `only`; [] if nothing could be read."""
+    """Return the criteria and attempted extensions to show, or only that with the id `only`; [] if nothing could be read."""
     if result.status in ("empty", "unreadable"):
         return []  # all rows would say the same
     attempted = [extension for extension in result.extensions if extension.attempted and extension.checks]
@@ -128,7 +128,7 @@ def parts_of(result: Result, only: str | None) -> list[CriterionResult | Extensi
 
 
 def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
-    """Group failed checks by their cause: first the code that does not run, then the rest, both in the order of the lab steps.
+    """Group failed checks by fault (their cause): first code that does not run, then the rest, both in the order of lab steps.
 
     Checks that were not judged have no cause.
     """
@@ -205,7 +205,7 @@ def _news(check: CheckResult, known: set[str]) -> list[words.LabelledLine]:
 
 
 def _where(said: Iterable[words.LabelledLine]) -> list[words.LabelledLine]:
-    """Return the first line of each `Got`, which names the place where a call failed."""
+    """Return the first line of each `Got`, the place of a failed call: enough where an earlier check shows the whole error."""
     return [words.LabelledLine(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
 
 
@@ -250,5 +250,5 @@ def next_step(found: Iterable[Cause], lab: Lab) -> str:
 
 
 def next_part(found: Iterable[Cause]) -> str:
-    """Return the id of the criterion or extension to continue with; "" if nothing failed."""
+    """Return the id of the criterion or extension to grade again after the next edit; "" if nothing failed."""
     return next((part_of(each.checks[0]) for each in found), "")

@@ -21,7 +21,7 @@ _SPOKEN = {"bars": "bars", "model": "dashed line", "not-seen": "not visible in t
 
 @dataclass(frozen=True)
 class Tick:
-    """Position (SVG units) and text of a grid line of a chart."""
+    """A tick of a chart's axis: its position (SVG units), where a grid line is drawn, and its text."""
 
     at: float
     text: str
@@ -127,7 +127,7 @@ class _Scale:
 
 
 def _even_ticks(low: float, high: float) -> list[float]:
-    """Return tick values that are multiples of 1, 2 or 5 times a power of ten."""
+    """Return readable tick values of a linear axis: multiples of 1, 2 or 5 times a power of ten, about five of them."""
     rough = (high - low) / _INTERVALS
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * m for m in (1, 2, 5, 10) if power * m >= 0.8 * rough)
@@ -136,7 +136,7 @@ def _even_ticks(low: float, high: float) -> list[float]:
 
 
 def _log_ticks(low: float, high: float) -> list[float]:
-    """Return powers of ten as tick values, with 2 and 5 between them where there are fewer than three."""
+    """Return readable tick values of a logarithmic axis: powers of ten, with 2 and 5 between them if these are under three."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for steps in ((1,), (1, 2, 5)):
         ticks = [m * 10.0**power for power in powers for m in steps if low <= m * 10.0**power <= high]

@@ -91,7 +91,7 @@ def _says(title: str, lines: Iterable[words.LabelledLine]) -> bool:
 
 
 def _sentence(text: str) -> str:
-    """Capitalize a text unless it begins with an identifier."""
+    """Capitalize a title unless it begins with an identifier, whose letters have to stay."""
     return text[:1].upper() + text[1:] if text.partition(" ")[0].isalpha() else text
 
 

@@ -23,18 +23,18 @@ class EarlierPoints:
         return f"{_signed(points) if points else 'no change'} since the last check"
 
     def change_of(self, checks: Iterable[CheckResult]) -> str:
-        """Return the change of some checks' points as ``+6``; "" if nothing changed, or a check was not judged then or now."""
+        """Return how the points of a criterion's checks changed, as ``+6``; "" if not, or if a check was not judged then or now."""
         points = _gained(self.before, checks)
         return _signed(points) if points else ""
 
     def points_before(self, check: CheckResult) -> str:
-        """Return a check's points in the previous run as ``, was 6``; "" if they are the same or unknown."""
+        """Return what to add to a check's points: those of the previous run as ``, was 6``; "" if they are equal or unknown."""
         points = self.before.get(check.id)
         return f", was {number(points)}" if points is not None and points != check.points else ""
 
 
 def _gained(before: Mapping[str, float], checks: Iterable[CheckResult]) -> float | None:
-    """Return the change in points; None if a check was not judged then or is not judged now."""
+    """Return by how much the checks' points changed since the previous run; None if one was not judged then or is not now."""
     points = 0.0
     for check in checks:
         if check.points is None or check.id not in before:

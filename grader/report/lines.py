@@ -13,7 +13,7 @@ _INDENT, _LABEL_WIDTH, _SIGN_WIDTH, _GAP = 3, 10, 12, 2
 
 @dataclass(frozen=True)
 class Setting:
-    """How lines are laid out on one console, a terminal or a pipe.
+    """How lines are laid out on one console, which is a terminal or a pipe; all output of a result goes through it.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Setting:
         return self.hang(Text(" " * _INDENT + label.ljust(_LABEL_WIDTH if label else 0), LABEL), Text(text))
 
     def hang(self, head: Text, body: Text, tail: str = "") -> list[Text]:
-        """Return `head`, then `body` wrapped with a hanging indent, and `tail` at the right end of the first line."""
+        """Return `head`, then `body` wrapped below its own beginning, and `tail` at the right end of the first line."""
         indent, room = head.cell_len, self._room(head, tail)
         rows = [row for line in body.split("\n", allow_blank=True) for row in self._wrapped(line, room)] or [Text()]
         lines = [head.copy().append_text(rows[0]), *(Text(" " * indent).append_text(row) for row in rows[1:])]

@@ -179,7 +179,7 @@ def class_table(final_grades: Collection[FinalGrade], absent: Sequence[Person] =
 
 
 def columns(results: Iterable[Result]) -> dict[str, str]:
-    """Return the titles of all criteria by id, in the order of their first appearance."""
+    """Return the titles of the criteria, by id, which head the columns of the class table, in order of first appearance."""
     titles: dict[str, str] = {}
     for result in results:
         for criterion in result.criteria:
@@ -232,7 +232,7 @@ def _cell(points: float | None) -> Cell:
 
 
 def _tags(final_grade: FinalGrade) -> Iterable[str]:
-    """Return the filter tags of a submission. They contain no text from outside the grader."""
+    """Return the tags by which the filters of the class table find a submission; they contain no text from outside the grader."""
     yield f"status:{words.status(final_grade)}"
     if final_grade.late is not None:
         yield "status:late"
@@ -250,14 +250,14 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
 
 
 def deducting(result: Result) -> list[str]:
-    """Return the faults of a result that deduct from the score: all but those found in extensions alone."""
+    """Return the faults that cost a submission points of its score, for the class page: not those of extensions alone."""
     of_criteria = {id_ for part in result.criteria for check in part.checks for id_ in check.misconceptions}
     of_extensions = {id_ for part in result.extensions for check in part.checks for id_ in check.misconceptions}
     return [id_ for id_ in result.misconceptions if id_ in of_criteria or id_ not in of_extensions]
 
 
 def by_name(name: str) -> list[tuple[str, int]]:
-    """Return the sort key of a name: without case and accents, and with numbers by their value."""
+    """Return a key that sorts people's names as a reader expects: without case and accents, and with numbers by value."""
     plain = unicodedata.normalize("NFKD", name.casefold().translate(_PLAIN))
     plain = "".join(char for char in plain if not unicodedata.combining(char))
     return [(text, int(digits or 0)) for text, digits in re.findall(r"([^0-9]*)([0-9]*)", plain)]
@@ -333,7 +333,10 @@ def similar_pairs(
 
 
 def isolation(final_grades: Iterable[FinalGrade]) -> list[tuple[str, int]]:
-    """Return how the class's code was isolated: each level with its number of readable submissions, the most frequent first."""
+    """Return how safely the class's code ran: each isolation level with its number of submissions, the most frequent first.
+
+    Submissions that are empty or unreadable do not count.
+    """
     provenances = (each.result.provenance for each in final_grades if each.result.status not in ("empty", "unreadable"))
     return Counter(printable(str(each.get("isolation", "not known")), 40) for each in provenances).most_common()
 

@@ -208,7 +208,7 @@ def _inlined(*names: str) -> tuple[Markup, str]:
 
 
 def _criterion(criterion: CriterionResult, final_grade: FinalGrade, figures: Drawn) -> PartOnPage:
-    """Return a criterion with its final points, overrides included."""
+    """Return what the report shows of a criterion: final points with overrides, its checks, and its charts."""
     points = final_grade.points(criterion)
     share = 100 * (criterion.points if points is None else points) / (criterion.max_points or 1.0)
     rows, folded = _rows(criterion.checks, criterion.id, final_grade.result.lab)
@@ -227,7 +227,7 @@ def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part
 
 
 def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, Markup]:
-    """Return the rows of checks with feedback, and the HTML of the folded lists of the others."""
+    """Return what the report shows of checks: rows for those with feedback, and the HTML of folded lists for the others."""
     rows = [(check.outcome, (anchor(check), words.row(check, part, lab))) for check in checks]
     headings = {"skipped": "not graded", "passed": "passed"}
     folded = {said: tuple(row for outcome, row in rows if outcome == of) for of, said in headings.items()}

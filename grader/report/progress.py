@@ -12,7 +12,7 @@ from grader.report import words
 
 
 def result_line(id_: str, result: Result) -> str:
-    """Return a submission's id and score as ``alice 87.5``, or the status of one whose grade is blank."""
+    """Return a submission's id and score as ``alice 87.5``, or its id and the status that leaves its grade blank."""
     blank = {"incomplete": "not judged", "empty": "empty", "unreadable": "unreadable"}.get(result.status)
     return f"{printable(id_, words.NAME_LIMIT)} {blank or words.number(result.score)}"
 

@@ -83,7 +83,7 @@ def own_hashes(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int
 
 
 def _holds(ids: list[str], own: Mapping[str, frozenset[int]]) -> csr_array:
-    """Return the sparse matrix (submission, hash) of which submission contains which hash."""
+    """Return which submission contains which hash as a sparse matrix, by which all pairs are counted at once."""
     from scipy.sparse import csr_array  # noqa: PLC0415 - slow to import, and pages of one submission do not need it
 
     place = {value: k for k, value in enumerate(sorted(frozenset().union(*(own[id_] for id_ in ids))))}

@@ -24,7 +24,7 @@ _STYLE = {"passed": "green", "partial": "yellow", "failed": "red", "blank": "bri
 
 
 def show_line(line: Text, console: Console) -> None:
-    """Print one line of a screen without padding it to the width."""
+    """Print one line of a screen as it is laid out, without wrapping it or padding it to the width."""
     console.print(line, soft_wrap=True)
 
 
@@ -239,7 +239,7 @@ def _closing(result: Result, setting: Setting) -> list[Text]:
 
 
 def _hand_in(result: Result, lab: Lab, setting: Setting) -> list[Text]:
-    """Return the line with the files to hand in; [] unless all points are earned."""
+    """Return the line that tells a student which files to hand in once all points are earned; [] before."""
     if result.status != "graded" or result.score < result.max_score:
         return []
     return setting.hang(Text("Hand in  ", LABEL), Text(", ".join((*lab.files, *lab.pictures))))

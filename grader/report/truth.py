@@ -17,7 +17,7 @@ from grader.engine.traces import Scenario, Traces
 
 
 def listing(traces: Traces) -> str:
-    """Return a text on a trace bundle, the recorded truth: its name, hash and versions, and its scenarios with array shapes."""
+    """Describe a bundle of traces in text: its name, hash and versions, and its scenarios with the shapes of their arrays."""
     versions = ", ".join(f"{name} {number}" for name, number in traces.versions.items())
     head = [f"{traces.name} traces, {traces.sha256[:16]}, recorded with {versions}"]
     return "\n".join([*head, *(line for scenario in traces.scenarios.values() for line in _described(scenario))])
@@ -49,7 +49,7 @@ def save(traces: Traces, out: Path) -> Path:
 
 
 def files(traces: Traces) -> dict[str, bytes]:
-    """Return the contents of the two files that `save` writes, by suffix."""
+    """Return the contents of the two files that `save` writes, by suffix, to put them into a kit or a wheel."""
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         path = save(traces, Path(scratch))
         return {suffix: path.with_suffix(suffix).read_bytes() for suffix in (".json", ".npz")}

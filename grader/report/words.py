@@ -111,7 +111,7 @@ def minus(points: float) -> str:
 
 
 def points_lost(checks: Iterable[CheckResult]) -> float:
-    """Return the points that checks deducted. A check that was not judged deducts nothing."""
+    """Return the points that checks deducted together. A check that was not judged deducts nothing."""
     return sum(check.max_points - check.points for check in checks if check.points is not None)
 
 
@@ -157,7 +157,7 @@ def person(final_grade: FinalGrade) -> str:
 
 
 def distinct(final_grade: FinalGrade) -> str:
-    """Return the names of the people, with the id appended if another person of the class has the same name."""
+    """Return the names of a submission's people, with the submission's id if another person of the class has the same name."""
     name = person(final_grade)
     return f"{name} ({printable(final_grade.id, 80)})" if final_grade.namesake and name != final_grade.id else name
 
@@ -172,7 +172,7 @@ def status(final_grade: FinalGrade) -> str:
 
 
 def submissions(final_grades: Iterable[FinalGrade]) -> str:
-    """Return ``57 submissions, 1 without a submission, graded by hand``."""
+    """Return how many submissions there are, for a page's head: ``57 submissions, 1 without a submission, graded by hand``."""
     without = Counter(each.has_no_submission for each in final_grades)
     by_hand = f", {without[True]} without a submission, graded by hand" if without[True] else ""
     return f"{counted(without[False], 'submission')}{by_hand}"
@@ -213,7 +213,7 @@ def notes(result: Result) -> list[str]:
 
 
 def repairs(result: Result) -> list[str]:
-    """Return a line on each repair by a person: ``filters.py was repaired by Eve (−5 points): a colon was missing``."""
+    """Return a line on each repair, for a report: ``filters.py was repaired by Eve (−5 points): a colon was missing``."""
     return [
         f"{printable(each.file, 200)} was repaired by {printable(each.author, 80)} ({minus(each.deduction)} points): "
         f"{printable(each.comment, 300)}"

@@ -174,7 +174,7 @@ def drawing_of(frame: Frame) -> Drawing:
 
 
 def _series_of(node: Node | None, arrays: Arrays) -> Mapping[str, Array] | None:
-    """Return time and both sensors in a returned recording; None unless all seven columns are finite, change and differ."""
+    """Return time and both sensors in a returned recording, to find them in its plot; None if its columns are too alike."""
     own = as_collection(node, arrays)
     if own.time is None or own.acceleration is None or own.angular_velocity is None:
         return None

@@ -83,7 +83,7 @@ def _public_of(lab: Lab, model: Model, cache_dir: Path) -> Traces:
 
 
 def _is_as_good_as_any(lab: Lab, ours: Traces) -> bool:
-    """Return whether this version of MuJoCo recorded the traces `ours`, or no others can be recorded here."""
+    """Return whether `ours` need not be recorded again: this version of MuJoCo recorded them, or nothing can be recorded here."""
     return ours.versions["mujoco"] == version("mujoco") or recording.folder_of(lab) is None
 
 

@@ -57,7 +57,7 @@ class Collection:
 
     @cached_property
     def filled_rows(self) -> int:
-        """The number of rows up to the last one that is not zero: arrays that were allocated and not filled end in zeros."""
+        """The number of rows up to the last one that is not zero: the rest is an array that code allocated and did not fill."""
         both = zip(SENSORS, self.sensors, strict=True)
         sensors = [rows for key, rows in both if rows is not None and key != self.absent]
         n = min(map(len, sensors))
@@ -145,7 +145,7 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
 
 
 def _members(node: Node, arrays: Arrays) -> dict[str, Array | None]:
-    """Flatten a dictionary of dictionaries: an inner entry keeps its own key, or gets both keys joined where two would be equal."""
+    """Flatten a returned dictionary of dictionaries: an inner entry keeps its key, or gets both joined where two would be equal."""
     members: dict[str, Array | None] = {}
     for name, item in node["items"]:
         if item["kind"] in ("dict", "object"):
@@ -183,7 +183,7 @@ _COLUMN_NAMES = {
 
 
 def column_named(name: str) -> str | None:
-    """Return the sensor of which a dictionary key such as `ax` or `gyro_z` names one axis; None if it names no axis."""
+    """Return the sensor of which a returned key such as `ax` or `gyro_z` names one axis; None if it names no axis."""
     return next((key for key, pattern in _COLUMN_NAMES.items() if pattern.fullmatch(name)), None)
 
 

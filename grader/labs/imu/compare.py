@@ -36,7 +36,7 @@ class Deviation:
 
 
 def deviation(got: Array, expected: Array) -> Deviation:
-    """Return the distance of two arrays (n, …), compared in the rows that both have; `worst` is 0 if they share no row."""
+    """Measure the distance of returned numbers (n, …) from the true ones in the rows that both have; 0 if they share no row."""
     n = min(len(got), len(expected))
     with np.errstate(over="ignore"):  # numbers near the limit differ by infinity, which says it well
         return _deviation(np.abs(np.asarray(got[:n], float) - np.asarray(expected[:n], float)))
@@ -76,7 +76,7 @@ def thinned(n: int, most: int = 200) -> NDArray[np.intp]:
 
 
 def triple(rows: Array, first: int) -> Array:
-    """Return columns ``first:first+3`` of `rows` (k, n), the three numbers of one sensor; NaN where there is no such column."""
+    """Return columns ``first:first+3`` of `rows` (k, n) as a reader of sensordata gets them; NaN where there is no such column."""
     out = np.full((len(rows), 3), np.nan)
     part = rows[:, first : first + 3] if first >= 0 else rows[:, :0]
     out[:, : part.shape[1]] = part
@@ -93,7 +93,7 @@ def never_written(values: Array) -> NDArray[np.bool_]:
 
 
 def not_finite_in_words(values: Array) -> str:
-    """Say in words why `values`, of which some are not finite, are so: NaN or infinity, or memory that was never written."""
+    """Say for a message what some of these values are instead of finite: NaN or infinity, or memory that was never written."""
     return "memory that was never written (np.empty)" if never_written(values).any() else "NaN or infinity"
 
 
@@ -115,12 +115,12 @@ def distinct_texts(wanted: Array, got: Array) -> tuple[str, str]:
 
 
 def changed(disturbance: Array) -> NDArray[np.bool_]:
-    """Return a mask (4,) of what a call changed, among time, qpos, qvel and sensordata; NaN counts as a change."""
+    """Return a mask (4,) of what a student's call changed that it should not: time, qpos, qvel, sensordata; NaN is a change."""
     return np.asarray(~(disturbance <= NO_CHANGE))
 
 
 def changes_in_words(disturbance: Array) -> str:
-    """Say in words which of time, qpos, qvel and sensordata a call changed, and by how much; "" if none."""
+    """Say for a message which of time, qpos, qvel and sensordata a call changed, and by how much; "" if none."""
     names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
     every = zip(names, disturbance, changed(disturbance), strict=True)
     return "; ".join(f"{name} changed by {size:.3g}" for name, size, is_changed in every if is_changed)

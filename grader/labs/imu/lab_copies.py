@@ -13,13 +13,13 @@ STUDENTS_TIMESTEP = 0.002
 
 
 def learnt_ids(truth: Traces) -> tuple[int, int]:
-    """Return the ids of the accelerometer and gyroscope in the model that students have, which their code may hold as constants."""
+    """Return the ids of the IMU's two sensors in the students' model, which code may hold as constants, to explain wrong rows."""
     first, second = truth.manifest.get("robot", {}).get("ids", STUDENTS_IDS)
     return int(first), int(second)
 
 
 def learnt_timestep(truth: Traces) -> float:
-    """Return the time step (s) of the model that students have, which their code may hold as a constant."""
+    """Return the time step (s) of the students' model, which their code may hold as a constant, to explain wrong times."""
     return float(truth.manifest.get("robot", {}).get("timestep", STUDENTS_TIMESTEP))
 
 

@@ -54,7 +54,7 @@ class Plotting(SubmissionSession):
         super().__init__(sandbox, lab, own, lab_configuration=lab_configuration, **limits)
 
     def drawings(self) -> list[Drawing]:
-        """Return what the submission has drawn so far (on import, as scripts, in `plot`) without running anything."""
+        """Return all that the submission has drawn so far (on import, as scripts, in `plot`), without running anything."""
         answers = (drawing_of(a.frame) if isinstance(a, Loaded) else a for a in self._answers.values())
         return [answer for answer in answers if isinstance(answer, Drawing)]
 
@@ -232,7 +232,7 @@ class Plotting(SubmissionSession):
             return None
 
     def further_scripts(self) -> list[str]:
-        """Return up to three other scripts to run: those that call `savefig`, or that no file imports; none if no file saves."""
+        """Return up to three other scripts that may draw: those that call `savefig`, or that no file imports; [] if none saves."""
         code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
         saving = {path for path, content in code.items() if b"savefig" in content}
         if not saving:
@@ -245,5 +245,5 @@ class Plotting(SubmissionSession):
 
 
 def _imported(content: bytes) -> set[str]:
-    """Return the names under which a file or notebook imports modules, found by a quick search of its lines."""
+    """Return the names of the modules that a file or notebook imports, so that a helper is not run as a script."""
     return {word.decode() for modules in _IMPORTS.findall(content) for word in re.findall(rb"\w+", modules)}

@@ -44,7 +44,7 @@ class Model:
 
     @property
     def file(self) -> str:
-        """The file name of the model, without its folder."""
+        """The file name of the model, without its folder, as messages and kits have it."""
         return self.path.name if self.path else LAB_FILE
 
     def line(self, key: str) -> int:
@@ -115,6 +115,6 @@ def match_robot(model: Model, traces: Traces) -> None:
 
 
 def torso_ids(truth: Traces) -> tuple[int, int]:
-    """Ids of the accelerometer and gyroscope that are graded: those of the torso in the lab's model."""
+    """Ids of the accelerometer and gyroscope that student code is called with: those of the torso in the lab's model."""
     accel, gyro = (int(i) for i in truth["reading_lab"]["pairs"][0])
     return accel, gyro

@@ -99,7 +99,7 @@ def allan_deviation(samples: Array, m: int) -> float:
 
 
 def correlations(columns: Array) -> Array:
-    """Correlation matrix (m, m) of the columns of (n, m) samples; zero where a column does not vary."""
+    """Return the correlation matrix (m, m) of the columns of (n, m) samples; zero where a column does not vary."""
     centred = columns - columns.mean(axis=0)
     scale = np.sqrt((centred**2).mean(axis=0))
     scale[scale == 0] = np.inf
@@ -107,7 +107,7 @@ def correlations(columns: Array) -> Array:
 
 
 def autocorrelation(columns: Array, lag: int) -> Array:
-    """Autocorrelation (m,) of each column of (n, m) samples at one lag; zero where a column does not vary."""
+    """Return the autocorrelation (m,) of each column of (n, m) samples at one lag; zero where a column does not vary."""
     centred = columns - columns.mean(axis=0)
     power = (centred**2).sum(axis=0)
     power[power == 0] = np.inf

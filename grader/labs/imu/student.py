@@ -104,7 +104,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return what the student's `get_imu_readings` reads after each step of a reported run: (steps, 6); None if it fails."""
+        """Return what the student's `get_imu_readings` reads in a reported run: (steps, 6), to explain rows; None if it fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -198,7 +198,7 @@ def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
 
 
 def _collected(frame: Frame) -> Collection:
-    """Convert the worker's reply to `simulate`; without any series if the student's code raised."""
+    """Convert the worker's reply to `simulate` to a recording; without any series if the student's code raised."""
     error = StudentError.of(frame.fields.get("error"))
     changed = tuple(frame.fields["changed"])
     if error is not None:
@@ -230,7 +230,7 @@ def _grid(vectors: Sequence[Array | None], shape: tuple[int, ...]) -> Array:
 
 
 def _noise_run(frame: Frame) -> NoiseRun:
-    """Convert the worker's reply about a `NoisyIMU`."""
+    """Convert the worker's reply about a `NoisyIMU` to plain arrays."""
     odd = frame.fields["odd"]
     return NoiseRun(
         accel=frame.arrays["accel"],

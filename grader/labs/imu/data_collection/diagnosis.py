@@ -122,7 +122,7 @@ class Explained:
 
     @property
     def stamps(self) -> Array:
-        """Time stamps (n,), in seconds, of the rows that the code filled."""
+        """Time stamps (n,), in seconds, of the rows that the code filled, which the check `time_axis` judges."""
         assert self.series.time is not None
         return self.series.time[: (self.series.filled_rows if complete(self.series) else 0) or None]
 
@@ -133,7 +133,7 @@ class Explained:
 
     @property
     def stamps_off(self) -> float:
-        """Largest distance (s) of a time stamp from the true time."""
+        """Largest distance (s) of a time stamp from the true time, which the check `time_axis` limits."""
         return float(np.max(self.stamp_errors))
 
     @property
@@ -186,13 +186,13 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """Acceleration and angular velocity, each (rows, 3), that right code would record in the run of this recording."""
+        """Acceleration and angular velocity, each (rows, 3), that right code would record in this run, to compare the rows with."""
         worlds = self.facts.push.worlds
         from_truth = self.starts_over or (self.push is not None and self.push.world == TRUE_WORLD)
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
-        """Return whether a sensor (0 accelerometer, 1 gyroscope) has the true rows, and these show motion."""
+        """Return whether a sensor (0 accelerometer, 1 gyroscope) has its true rows; False if they show no motion to tell by."""
         got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
         return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
 
@@ -226,7 +226,7 @@ class Explained:
 
     @property
     def late(self) -> int:
-        """Number of samples by which rows are late (negative: early); 0 also if each row has the time stamp of its own state."""
+        """Number of samples by which rows are late (negative: early), as if read before the step; 0 if each row's stamp fits."""
         lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
         if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
             return lag
@@ -251,7 +251,7 @@ class Explained:
 
     @property
     def steps_beyond_rows(self) -> int:
-        """Number of simulated steps minus number of rows: -1 if the first row is left empty, many after settling."""
+        """Number of simulated steps minus number of rows: -1 if the first row is left empty, many if a robot settles first."""
         return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
 
     @property
@@ -294,7 +294,7 @@ class Explained:
 
     @property
     def _settles_first(self) -> bool:
-        """Return whether many steps without motion come before the push, without a reset between them and the push."""
+        """Return whether the robot only stands for many steps before the push, without a reset between them."""
         start = self.series.first_step
         if not start or start["qvel"].any() or not len(start["set_at"]) or start["set_at"][0] < FEWEST_ROWS:
             return False
@@ -321,7 +321,7 @@ class Explained:
 
     @property
     def other_velocities(self) -> bool:
-        """Return whether the run after an earlier one begins with other velocities than the first run; False if unknown."""
+        """Return whether the run after an earlier one begins with other velocities than the first: no reset, or a random push."""
         first = self.series.first_step
         claim = _claim_of(self.later, self.facts.later) if self.facts.later is not None else None
         return claim is not None and self.later is not None and bool(first) and differ(claim.qvel, first["qvel"])
@@ -345,13 +345,13 @@ class Explained:
 
 
 def _first_stamp(run: Run | None) -> float:
-    """Return the first time stamp in seconds; NaN without a run or without time stamps."""
+    """Return the first time stamp in seconds, which tells a run that continues another; NaN without a run or stamps."""
     time = run.series.time if run is not None else None
     return float(time[0]) if time is not None and len(time) else np.nan
 
 
 def _claim_of(origin: RowOrigin | None, run: Run) -> Claim | None:
-    """Return the start of a run as the worker reports it; None if the rows come from the true run, or if no start was simulated."""
+    """Return the reported start of a run that the true run does not explain; None if it does, or if no start was simulated."""
     return run.claim if origin is None or origin.world != TRUE_WORLD else None
 
 
@@ -371,6 +371,6 @@ def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
 
 
 def has_timestep(time: Array, timestep: float, usual: float) -> bool:
-    """Return whether time stamps are `usual` seconds apart although the time step of the run, `timestep`, is another."""
+    """Return whether time stamps are `usual` seconds apart although the run's `timestep` is another: a hard-coded time step."""
     apart = np.abs(np.diff(time) - usual)
     return len(apart) > 0 and bool(apart.max() <= TIME_ATOL) and abs(timestep - usual) > TIME_ATOL

@@ -63,7 +63,7 @@ class Claim:
 
     @classmethod
     def of(cls, course: Mapping[str, Array]) -> Claim:
-        """Make a claim from the start of the run that the student's process reports."""
+        """Make a claim from the run that the student's process reports, `course`: its start and the changes of its state."""
         names = ("qpos", "qvel", "gravity", "force", "set_at", "set_qvel")
         return cls(timestep=float(course["timestep"][0]), **{name: course[name] for name in names})
 
@@ -121,7 +121,7 @@ class Run:
 
     @property
     def timestep(self) -> float:
-        """Time step (s) of the run: the model's, or that to which the code changed it (which `starts_from_reset` deducts)."""
+        """Time step (s) of the run, for its number of steps: the model's, or another that the code left in the model."""
         changed = "opt.timestep" in self.series.changed and "timestep" in self.series.first_step
         return float(self.series.first_step["timestep"][0]) if changed else self.model_timestep
 
@@ -327,7 +327,7 @@ def complete(series: Collection) -> bool:
 
 
 def all_alike(series: Collection) -> bool:
-    """Return whether all rows are equal. Rows of a simulation never are: even a standing robot moves a little."""
+    """Return whether all rows are equal, which no simulation gives: even a standing robot moves a little."""
     pairs = zip(SENSORS, series.sensors, strict=True)
     there = [rows for key, rows in pairs if rows is not None and key != series.absent]
     return bool(there) and all(len(rows) > 1 and not np.ptp(rows, axis=0).any() for rows in there)
@@ -355,7 +355,7 @@ def rows_left(series: Collection, before: Collection | None = None) -> int:
 
 
 def _alike(series: Collection, other: Collection, rows: slice, others: slice) -> bool:
-    """Return whether `rows` of one recording equal `others` of another and show motion; rows at rest prove nothing."""
+    """Return whether `rows` of one recording were copied to `others` of another: they are equal, and not rows at rest."""
     pairs = ((series.acceleration, other.acceleration), (series.angular_velocity, other.angular_velocity))
     same_rows = all(
         a is not None and b is not None and np.array_equal(a[rows], b[others], equal_nan=True) for a, b in pairs

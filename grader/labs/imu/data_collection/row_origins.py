@@ -62,7 +62,7 @@ class RowOrigin:
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:
-        """Return whether this number of rows, with the steps that they leave out, reaches the last of `steps` steps."""
+        """Return whether rows that leave out steps reach the end of the run, the last of `steps` steps."""
         reached = self.at[-1] + 1 if self.at else rows * self.skip
         return abs(reached - steps) <= self.skip
 
@@ -155,7 +155,7 @@ def _origins(run: Run) -> Iterator[RowOrigin]:
 
 
 def _strides(run: Run) -> set[int]:
-    """Return likely numbers of steps per row: from the stamps, from the number of rows, and round numbers."""
+    """Return likely numbers of steps per row to try: from the stamps, from the number of rows, and round numbers."""
     n, steps, time = run.series.filled_rows, run.model_steps, run.series.time
     likely = {2, 3, 4, 5, 10, 20, 50, 100, *((round(steps / n), -(-steps // n)) if n else ())}
     if time is not None and len(time) > 1:
@@ -165,7 +165,7 @@ def _strides(run: Run) -> set[int]:
 
 
 def _steps_by_stamps(run: Run) -> tuple[int, ...]:
-    """Return the index of the step after which each row was stored, by its stamp; () if no step is left out."""
+    """Return the step after which each row was stored, by its time stamp, to try as an origin; () if no step is left out."""
     time = run.series.time
     if time is None or len(time) < FEWEST_ROWS:
         return ()
@@ -176,7 +176,7 @@ def _steps_by_stamps(run: Run) -> tuple[int, ...]:
 
 
 def _missing_at_first(run: Run, world: str) -> int:
-    """Return how many samples of a world come before the first row: the index of the sample nearest to it; 0 without rows."""
+    """Return how many first samples of a world have no row, as far as the first row tells by the sample nearest to it; else 0."""
     accel = run.series.acceleration
     if accel is None or not len(accel):
         return 0
@@ -187,7 +187,7 @@ def _missing_at_first(run: Run, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """Return which change makes `got` (n, 3) out of the true rows: "rounded", "treated" (a linear map and an offset), or None."""
+    """Say how code altered a sensor's true rows to `got` (n, 3): "rounded", "treated" (linear map, offset); None if otherwise."""
     n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
     got, true = got[:n], true[:n]
     coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))

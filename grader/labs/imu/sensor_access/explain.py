@@ -80,7 +80,7 @@ class Hypothesis:
 
 
 def _agree(got: Array, wanted: Array) -> bool:
-    """Return whether all returned numbers are the predicted ones; where sensordata has no such numbers, none may be returned."""
+    """Return whether all returned numbers are the predicted ones; numbers from beyond the end of sensordata must be missing."""
     return same_where_known(got, wanted, ATOL) or not (np.isfinite(got).any() or np.isfinite(wanted).all())
 
 
@@ -188,7 +188,7 @@ def _hypotheses() -> tuple[Hypothesis, ...]:
 
 @functools.cache
 def _two_faults() -> tuple[Hypothesis, ...]:
-    """Return hypotheses of two faults of the address, or of two of the values; they have to predict every IMU."""
+    """Return hypotheses of two faults at once, of the address or of the values, for a reader that no single fault explains."""
     places = [(fault, start) for fault, start in _PLACES if fault in _SHIFTED]
     changes = [(fault, change) for fault, change in _changes() if fault in _COMBINED]
     return (
@@ -286,7 +286,7 @@ class Explained:
 
     @property
     def share_misplaced(self) -> float:
-        """The share of the sensors that are read at another address than their own; 1 where the ids are ignored."""
+        """The share of the sensors read at another address than their own, which the check loses; 1 where the ids are ignored."""
         faults = {fault for each in self.sensors if each for fault in each.place}
         computed = faults - {"hard-coded-address", "wrong-fixed-address"}
         if not computed or self._ids_are_ignored:
@@ -294,7 +294,7 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return a scene's readings (visit) and a sensor whose numbers differ from those at the address read; None if all agree.
+        """Return where values are altered, to show it: a scene's readings and a sensor whose numbers are not those read; else None.
 
         The robot's own IMU comes first, then other IMUs of which most numbers are right.
         """
@@ -303,7 +303,7 @@ class Explained:
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return a scene's readings (visit) and a sensor not read at the address of its id; None if every sensor is."""
+        """Return where a wrong address is read, to show it: a scene's readings and a sensor; None if all are read at their ids'."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
@@ -352,7 +352,7 @@ def _named_places(found: Sequence[Hypothesis]) -> list[str]:
 
 
 def _rightness(visits: Sequence[Visit], sensor: int) -> float:
-    """Return the share of a sensor's numbers that are true; 0 without any visit."""
+    """Return the share of a sensor's returned numbers that are the true ones; 0 if nothing was returned."""
     right = [np.abs(visit.got[sensor] - visit.scene.true(sensor)) <= ATOL for visit in visits]
     return float(np.mean(np.concatenate(right))) if right else 0.0
 
@@ -414,9 +414,9 @@ def _by_chance(facts: Facts) -> str:
 
 
 def _likeness(first: Array, again: Array) -> float:
-    """Return the correlation of two visits (…, k, 3) of the same states, each channel about its mean in units of its spread.
+    """Return the correlation of two visits (…, k, 3) to the same states, to see whether readings depend on the state.
 
-    It is 0 if no number is finite or the readings are constant.
+    Each channel is taken about its mean in units of its spread. It is 0 if no number is finite or all readings are constant.
     """
     known = np.isfinite(first) & np.isfinite(again)
     if not known.any():

@@ -56,7 +56,7 @@ class Scene:
 
     @property
     def torso(self) -> Scene:
-        """Return the scene of the model's first IMU, which is the torso's."""
+        """Return the scene of the model's first IMU, the torso's, which code may read by its name whatever ids it gets."""
         return self.first or self
 
     def at(self, first: int) -> Array:
@@ -64,7 +64,7 @@ class Scene:
         return triple(self.sensordata, first)
 
     def own(self, sensor: int) -> int:
-        """Return the address in sensordata of the IMU's accelerometer (0) or gyroscope (1)."""
+        """Return the index in sensordata at which the IMU's accelerometer (0) or gyroscope (1) begins."""
         return int(self.address[self.pair[sensor]])
 
     def true(self, sensor: int) -> Array:
@@ -132,7 +132,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def in_reverse(student: Student, truth: Traces) -> tuple[Array, Array]:
-    """Return what another process reads of the robot's IMU in the states visited in reverse, sorted as the states are."""
+    """Return what another process reads in the states visited in reverse, to tell a sensor from a counter; in order of states."""
     lab = truth["reading_lab"]
     states = {key: lab[key][::-1].copy() for key in ("qpos", "qvel")}
     readings = student.read_in_new_process(model=truth.models[lab.model or "lab"], pairs=lab["pairs"][:1], **states)

@@ -55,7 +55,7 @@ def _tilt_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: 
 
 
 def _roll_and_pitch(value: Any) -> tuple[float, float]:
-    """Return the two angles of a pair, a longer sequence, a dictionary or an object; NaN where they are missing."""
+    """Find two angles in whatever an update returned: a pair, a longer sequence, a dictionary, an object; NaN if missing."""
     try:
         if hasattr(value, "keys"):
             return _named({str(key): value[key] for key in value.keys()})  # noqa: SIM118 - any mapping

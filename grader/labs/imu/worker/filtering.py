@@ -81,7 +81,7 @@ def _filter_case(
 
 
 def _vectors_kept(instance: Any) -> list[tuple[str, np.ndarray]]:
-    """Return copies of the vectors that a filter keeps in its attributes, by name; empty for an object without attributes."""
+    """Return copies of the vectors in a filter's attributes, by name, to find its output if `update` returns none; [] if none."""
     with suppress(TypeError):
         return [(name, vector.copy()) for name, vector in vectors_in(vars(instance).items())]
     return []
@@ -123,7 +123,7 @@ def _filtered(
 
 
 def _first_vector(value: Any, measurement: np.ndarray) -> np.ndarray:
-    """Return the first vector in a value of another form that is not the measurement itself, else that; NaN if there is none."""
+    """Find a vector in a value of another form: the first that is not the measurement itself, else that; NaN if there is none."""
     with suppress(TypeError):
         vectors = [vector.copy() for _, vector in vectors_in(parts_of(value))]
         return next((v for v in vectors if not np.array_equal(v, measurement)), [*vectors, np.full(3, np.nan)][0])

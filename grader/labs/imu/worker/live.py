@@ -76,7 +76,7 @@ class _PlotRecorder:
 
     @property
     def simulated(self) -> float:
-        """Return the simulated time so far in s, also if the program resets the data."""
+        """Return the simulated time so far in s, by which a live plot is timed, also if the program resets the data."""
         return max(self._stepped, float(self._data.time) - self._start)
 
     def done(self) -> bool:
@@ -134,7 +134,7 @@ class _PlotRecorder:
 
 
 def _curves(figure: Any) -> list[Curve]:
-    """Return every visible curve of a figure with its finite points."""
+    """Return label and finite points of every visible curve of a figure, to see what it shows now."""
     found: list[Curve] = []
     for axes in figure.get_axes():
         artists: list[tuple[Any, Callable[[], tuple[Any, Any]]]] = [(one, one.get_data) for one in axes.get_lines()]

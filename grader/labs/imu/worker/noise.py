@@ -198,7 +198,7 @@ def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer
 
 
 def _two_vectors(reading: Any) -> Iterable[Any]:
-    """Return both vectors of a reading in another form: six numbers, or two vectors among other values, by name or in order."""
+    """Find both vectors in a reading of another form: six numbers, or two vectors among other values, by name or in order."""
     parts = parts_of(reading)
     if len(parts) == 6:
         return np.reshape(numbers([part for _, part in parts]), (2, 3))

@@ -28,7 +28,7 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 
 
 def provide_ids(ids: Mapping[str, int]) -> None:
-    """Set the globals that student code reads as sensor ids and that are unset, None or a negative placeholder."""
+    """Give sensor ids to globals that student code reads as such and that are unset, None or a negative placeholder."""
     for module in list(submission.STATE.modules.values()):
         for name in _unset_globals(module):
             if _AN_ID.search(name) and _ACCELEROMETER.match(name):
@@ -38,7 +38,7 @@ def provide_ids(ids: Mapping[str, int]) -> None:
 
 
 def provide_ids_of(model: Any) -> None:
-    """Look up the ids of the robot's IMU in `model` and set the globals as `provide_ids` does; do nothing if it has no such IMU."""
+    """Give the ids of the robot's IMU in `model` to globals as `provide_ids` does; do nothing if the model has no such IMU."""
     import mujoco
 
     names = submission.STATE.lab_configuration.get("imu", ())
@@ -178,7 +178,7 @@ def _unset_globals(module: ModuleType) -> set[str]:
 
 
 def _functions(module: ModuleType) -> list[FunctionType]:
-    """Return the functions that a module defines, and those of its classes."""
+    """Return the functions of a student's module and of its classes, whose globals may have to be set."""
     members = [m for m in list(vars(module).values()) if getattr(m, "__module__", None) == module.__name__]
     functions = [m for m in members if isinstance(m, FunctionType)]
     for owner in (m for m in members if isinstance(m, type)):

@@ -34,7 +34,7 @@ def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
-    """Return the members of a dictionary, a sequence or an object, with their names where it has any; TypeError without members."""
+    """Return the members of a returned dictionary, sequence or object, with their names if any; TypeError without members."""
     if isinstance(value, dict):
         return [(str(name), part) for name, part in value.items()]
     if isinstance(value, tuple | list | np.ndarray):
@@ -116,14 +116,14 @@ def simulation_of(xml: str) -> tuple[Any, Any]:
 
 @contextmanager
 def scene(xml: str) -> Iterator[tuple[Any, Any]]:
-    """Yield a fresh model and data, which the submission's globals also hold in the meantime."""
+    """Yield a fresh model and data for a call, which the submission's globals also hold meanwhile."""
     model, data = simulation_of(xml)
     with own_globals.set_model_and_data(model, data):
         yield model, data
 
 
 def put_in_state(model: Any, data: Any, qpos: Any, qvel: Any) -> None:
-    """Reset the data, set the state and compute the sensor readings."""
+    """Put the simulation into a state with its sensor readings, after a reset, so that nothing of an earlier state is left."""
     import mujoco
 
     mujoco.mj_resetData(model, data)
@@ -352,7 +352,7 @@ def _measuring(time: np.ndarray, measured: dict[int, np.ndarray]) -> Iterator[No
 
 
 def _replace(recorded: Any, name: str, value: Any) -> None:
-    """Replace a series by one of the same form: under a key, or as an attribute, also of a frozen object."""
+    """Replace a recorded series by a given one of the same form: under a key, or as an attribute, also of a frozen object."""
     try:
         own = recorded[name]
     except TypeError:

@@ -102,7 +102,7 @@ class _Viewer(Stub):
 
 
 def _open_no_window() -> None:
-    """Replace MuJoCo's viewer and renderer by stubs that accept any call."""
+    """Replace MuJoCo's viewer and renderer by stubs that accept any call, as no display is there."""
     viewer = Stub("mujoco.viewer", launch_passive=_Viewer, Handle=_Viewer)
     for name, stub in (("glfw", Stub("mujoco.glfw")), ("viewer", viewer)):
         setattr(mujoco, name, stub)
