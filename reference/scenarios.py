@@ -1,4 +1,4 @@
-"""Simulate the ground truth of all scenarios; name and seed determine every number.
+"""Simulate the ground truth of all scenarios, one function each, whose first line describes it; name and seed decide all numbers.
 
 Convention: a row holds what the sensors read right after `mj_step`, as on the lab sheet, and the simulation's time after that step.
 (MuJoCo computes sensors before it integrates, so the row is the state at the step's beginning.)

@@ -246,7 +246,7 @@ def _bounded_headers() -> type[tarfile.TarInfo]:
 
 
 def _read_tar(stream: _Readable, budget: FileBudget) -> None:
-    """Take the members of a tar archive from a stream into the budget."""
+    """Take the members of a tar archive into the budget, up to a number of entries, and read it to its checksum."""
     counted = _Counted(stream)
     with tarfile.open(fileobj=counted, mode="r|", tarinfo=_bounded_headers()) as archive:
         for number, entry in enumerate(archive):

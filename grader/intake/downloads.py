@@ -40,7 +40,7 @@ class Download:
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:
-        """Return the bytes of a file at the download's top level; None if it cannot be read or is larger than `most`."""
+        """Return a file at the download's top level, such as a platform's list of people; None if unreadable or above `most`."""
         try:
             if os.path.isdir(self.path):
                 with open(self.path / self.place(name), "rb") as stream:
@@ -84,7 +84,7 @@ def gather_sources(path: Path, sources: Sources, required: Collection[str] = ())
 
 
 def _folder(path: Path, root: str) -> Download:
-    """Return the top level of a download that is a folder."""
+    """List the top level of a download that is a folder, leaving out links and what tools leave behind."""
     top: dict[str, bool] = {}
     left: list[tuple[str, str]] = []
     for entry in entries_of(path / root):
@@ -99,7 +99,7 @@ def _folder(path: Path, root: str) -> Download:
 
 
 def _zip(path: Path, root: str) -> Download:
-    """Return the top level of a download that is a zip archive."""
+    """List the top level of a download that is a zip archive, leaving out unsafe names and what tools leave behind."""
     contents = _contents(path)
     start = f"{root}/" if root else ""
     top: dict[str, bool] = {}

@@ -156,8 +156,8 @@ class FinalGrade:
 
     `final` is the score, with overrides, plus bonus and extra credit, minus the deductions for repairs and lateness; `terms` holds
     these numbers. An override of the total is final: only a bonus is added to it. `result` is never changed. `final` is None while
-    points are open because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked an empty
-    or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
+    a check is not judged because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked an
+    empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
     """
 
     id: str
@@ -257,7 +257,7 @@ class FinalGrade:
         return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
-        """Return a criterion's points, from overrides or else automatic; None if any are open, or the submission is `unseen`.
+        """Return a criterion's points, from overrides or else automatic; None if a check is not judged or the submission `unseen`.
 
         Without a submission there are only overrides, so a criterion without one has None.
         """
@@ -266,9 +266,9 @@ class FinalGrade:
         return None if self.has_no_submission and not by_hand else self._counted(criterion)
 
     def _counted(self, criterion: CriterionResult) -> float | None:
-        """Return the points of a criterion that count for the score: 0 without override of a person without a submission.
+        """Return a criterion's points for the score: without a submission, 0 for a check that no override gives points.
 
-        None while they are open or the submission is `unseen`.
+        They are None while a check is not judged or the submission is `unseen`.
         """
         if self.unseen:
             return None
@@ -278,7 +278,7 @@ class FinalGrade:
         return summed({check.id: given.get(check.id, check.points) for check in criterion.checks})
 
     def check_points(self, check: CheckResult) -> float | None:
-        """Return a check's own points: those set by a person, else the automatic ones; None where they are open.
+        """Return a check's own points: those set by a person, else the automatic ones; None if it was not judged.
 
         An override of its whole criterion is not considered.
         """

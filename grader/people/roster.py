@@ -71,7 +71,7 @@ class RosterRow:
 
     @property
     def person(self) -> Person:
-        """Return this row as a person who handed nothing in, with all names and numbers that it has."""
+        """Return this row as a person with all its names and numbers: one without a submission, or a further member of a group."""
         return self.completed(
             Person(self.who.email or next(iter(self.who.numbers), ""), self.who.key, self.who.platform)
         )

@@ -146,7 +146,7 @@ def _log_ticks(low: float, high: float) -> list[float]:
 
 
 def _texts(ticks: tuple[float, ...], *, log: bool) -> list[str]:
-    """Format tick values with a minus sign and, on a linear axis, the same number of decimals."""
+    """Format tick values to be read: with a minus sign and, on a linear axis, the same number of decimals."""
     if log or len(ticks) < 2:
         return [f"{tick:.3g}" for tick in ticks]
     step, largest = ticks[1] - ticks[0], max(map(abs, ticks))

@@ -52,7 +52,7 @@ class ItemAnalysis:
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Return the 95 % confidence interval of the discrimination, by Fisher's z transform; None if that is not estimated."""
+        """Return the 95 % confidence interval of the discrimination (Fisher's z), to show how sure it is; None if not estimated."""
         if self.discrimination is None:
             return None
         z, half = math.atanh(max(-0.999, min(self.discrimination, 0.999))), _QUANTILE / math.sqrt(self.judged - 3)

@@ -133,7 +133,7 @@ def extension_points(extension: ExtensionResult) -> str:
 
 
 def extra_credit(result: Result) -> str:
-    """Format the extra credit as ``10 / 10``; "" where extensions earn no points."""
+    """Format the extra credit of a result as ``10 / 10``; "" if the rubric gives extensions no points."""
     return "" if result.extra_credit_cap is None else fraction(result.extra_credit, result.extra_credit_cap)
 
 

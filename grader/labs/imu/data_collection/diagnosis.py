@@ -180,7 +180,7 @@ class Explained:
 
     @property
     def driven(self) -> bool:
-        """Return whether the code sets the state before most of its steps: the fault `driven-in-every-step`."""
+        """Return whether the code sets positions or velocities before most of its steps: the fault `driven-in-every-step`."""
         steps = self.series.first_step.get("steps", np.zeros(1))[0]
         return self.push_claim is not None and len(self.push_claim.set_at) > max(steps // 2, 1)
 

@@ -152,7 +152,7 @@ def _needed(function: Callable[..., Any]) -> int:
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return arguments for a `read` that asks for readings: each sensor's present values, and the time since the last ones."""
+    """Return arguments for a student's `read` that has parameters for readings: both sensors' values, the time since the last."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 

@@ -181,7 +181,7 @@ def _imu_builder(
 
 
 def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
-    """Write the two vectors of a reading into a row (NaN if there are none); note the first reading of another form as `odd`."""
+    """Write both vectors of one read into a row, NaN if there are none; keep the first read of another form as `odd`."""
     as_asked = not isinstance(reading, dict)
     try:
         try:

@@ -74,7 +74,7 @@ _MEASUREMENT = re.compile(
 
 
 def measurement_global(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """Return a context manager that sets the global which a filter reads as its measurement, and a list with its label.
+    """Find the global that a filter reads as its measurement: return a context manager that sets it, and a list with its label.
 
     Without exactly one such global, the context manager does nothing and the list is empty.
     """
@@ -123,7 +123,7 @@ def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Itera
 
 
 def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
-    """Return whether a global may be the recording: it is None, a dict, a sequence without text, or of a student's class.
+    """Return whether a global may hold the recording: None, a dict, a sequence without text, or an object of a student's class.
 
     `classes` are the names of the submission's modules.
     """
@@ -133,7 +133,7 @@ def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
 
 
 def globals_read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
-    """Return which of model and data (`slots`) a function reads as globals although it has an unused parameter for it.
+    """Return which of model and data (`slots`) a function reads as globals and not as its parameters, which a fault reports.
 
     The list is empty if it is no Python function. Call this while `set_model_and_data` is entered.
     """
