@@ -120,7 +120,7 @@ def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submissio
     row = check("error", 0.0, "ValueError: no at evil.py, line 3", where=Where("filters.py", 12))
     told = as_the_runner_reads(github.commands(result(row), places))[0][1]
     assert (told["file"], told["line"]) == ("lab/filters.py", "12")
-    assert places.of(check("error", 0.0, where=Where("/etc/passwd", 1))) == FileLine("lab/imu_reader.py", 7)
+    assert places.line_for(check("error", 0.0, where=Where("/etc/passwd", 1))) == FileLine("lab/imu_reader.py", 7)
 
 
 def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -> None:

@@ -29,7 +29,7 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Fill the final grades into a gradebook that Canvas exported; return its student columns unchanged, and the assignment's.
+    """Fill the final grades into a gradebook that Canvas exported; of its columns keep those of students and the assignment's.
 
     `template.column` is the title, the number or the whole heading of the assignment. Raise RequestError if the file is no
     gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
@@ -39,7 +39,7 @@ def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     if ("Student" not in titles[0] and titles[0] != "LastName") or len(titles) < 3 or section is None:
         raise RequestError(f"{template.source}: is not a Canvas gradebook; export one in Canvas with Grades > Export")
     grade = _assignment(titles, section, template.column, template.source)
-    form = _form(sheet, grade)
+    form = _layout(sheet, grade)
     filled = fill_in(form, template, form.matches(final_grades), final_grades)
     sheet.keep([*range(section + 1), grade])
     filled.data = sheet.data()
@@ -66,7 +66,7 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
     return found[0]
 
 
-def _form(sheet: CsvSheet, grade: int) -> TemplateLayout:
+def _layout(sheet: CsvSheet, grade: int) -> TemplateLayout:
     """Describe the gradebook for `fill_in`: its rows of students, and the row above them with the assignment's maximum points."""
     points = next((row.value(grade) for row in sheet.rows[1:] if "Points Possible" in row.value(0)), "")
     students = {
@@ -143,14 +143,14 @@ def read(download: Download) -> Shape | None:
     files: defaultdict[str, list[tuple[str, _Reading]]] = defaultdict(list)
     left = [(name, _NOT_OURS) for name in download.top if not readings_of.get(name)]
     for name, readings in readings_of.items():
-        meant = _meant(readings, sure, download.known)
+        meant = _confirmed(readings, sure, download.known)
         if meant is not None:
             files[meant.user].append((name, meant))
         elif readings:
             left.append((name, AMBIGUOUS))
     found = []
     for user, own in files.items():
-        sources, older = _newest(download, own)
+        sources, older = _newest_files(download, own)
         left += [(name, _OLDER) for name in older]
         found.append(_found(download, user, own, sources))
     return Shape(TITLE, tuple(found), tuple(left))
@@ -182,21 +182,21 @@ def _reading(match: re.Match[str]) -> _Reading:
     return _Reading(match["name"] or "", bool(match["late"]), match["user"], match["attachment"], match["file"])
 
 
-def _meant(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapping[str, str]) -> _Reading | None:
+def _confirmed(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapping[str, str]) -> _Reading | None:
     """Return the reading that is the only one, or that the roster (`known`) or a clear file name of the same person confirms.
 
-    None if none is confirmed, or several are: the file is then left over, and an instructor is told.
+    None if it confirms none or several: whose file it is cannot be told then, and the instructor reads that.
     """
     if len(readings) == 1:
         return readings[0]
     if known:
-        listed = [each for each in readings if each.user in known and _agree(each.name, known[each.user])]
+        listed = [each for each in readings if each.user in known and _names_agree(each.name, known[each.user])]
         return listed[0] if len(listed) == 1 else None
     proved = [each for each in readings if (each.name, each.user) in sure]
     return proved[0] if len(proved) == 1 else None
 
 
-def _agree(written: str, name: str) -> bool:
+def _names_agree(written: str, name: str) -> bool:
     """Return whether two names agree as Canvas writes them: without punctuation, on some sites without non-ASCII letters."""
     return _NO_LETTER.sub("", written.casefold()) in {_NO_LETTER.sub("", each) for each in spellings(name)}
 
@@ -220,7 +220,7 @@ def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sourc
     )
 
 
-def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Sources, list[str]]:
+def _newest_files(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Sources, list[str]]:
     """Return a student's files under the student's own names, the latest of each name, and the older files, which are left over.
 
     A picture or data file has no reason to be called ``plot-1.png``, but may be: it is there under both names.
@@ -230,7 +230,7 @@ def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Source
     sources: dict[str, str] = {}
     older: list[str] = []
     for name, reading in sorted(own, key=lambda each: each[1].number):
-        inner = _first_name(reading.file, given)
+        inner = _without_attempt_number(reading.file, given)
         if inner in sources:
             older.append(sources[inner])
         sources[inner] = name
@@ -241,7 +241,7 @@ def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Source
     return tuple((download.place(name), original(inner)) for inner, name in sources.items()), older
 
 
-def _first_name(name: str, given: set[str]) -> str:
+def _without_attempt_number(name: str, given: set[str]) -> str:
     """Return a file name without the `-1` that Canvas appends to a resubmitted file.
 
     The suffix is Canvas's if the file is a program, because no module has such a name, or if `given` has the name without it.
@@ -254,7 +254,7 @@ def _first_name(name: str, given: set[str]) -> str:
 
 
 def _numbered_archives(names: Iterable[str]) -> set[str]:
-    """Return the name without its number of archives that differ only in that number: they are attempts, one after another."""
+    """Return the names, without the number, of archives that differ only in a number: Canvas numbers a student's attempts so."""
     numbered = (_AGAIN.fullmatch(name) for name in names if has_suffix(name, ARCHIVES))
     plain = Counter(again[1] + again[2] for again in numbered if again is not None)
     return {name for name, times in plain.items() if times > 1}

@@ -42,8 +42,8 @@ ATTEMPTS = ("latest", "best")
 class ClassEntry:
     """Place and name of one submission of a class, small enough to send to the process that reads and grades it.
 
-    Several attempts of the same people share an id. `sources` (paths in `path`, each with its name in the submission) is empty
-    where all of `path` is the submission; `required` are the names of the files that the lab asks for.
+    Several attempts of the same student or group share an id. `sources` (paths in `path`, each with its name in the submission) is
+    empty where all of `path` is the submission; `required` are the names of the files that the lab asks for.
     """
 
     id: str
@@ -60,7 +60,7 @@ class ClassEntry:
 
 @dataclass(frozen=True)
 class Intake:
-    """What was found at the paths of a class: the submissions, files that belong to nobody with reasons, and what each path was."""
+    """What was found at the paths of a class: submissions, files whose owner is unknown with reasons, and what each path was."""
 
     entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]
@@ -68,7 +68,7 @@ class Intake:
 
 
 def _read_folders(download: Download) -> Shape:
-    """Take every folder and archive at the top of a zip as a submission, for `--from folders`; other files belong to nobody."""
+    """Take every folder and archive at the top of a zip as a submission, for `--from folders`; other files are left over."""
     fits = {
         name: is_folder or has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)) for name, is_folder in download.top.items()
     }
@@ -128,7 +128,7 @@ def read_class(
         for each in whole.found:
             found.setdefault(f"{os.path.realpath(path)}\0{each.sources}", each)
     chosen, earlier = _attempts(found.values(), attempts)
-    return Intake(_entries(chosen, required), tuple(sorted(leftovers + earlier)), tuple(notices))
+    return Intake(_with_ids(chosen, required), tuple(sorted(leftovers + earlier)), tuple(notices))
 
 
 def _counted(shape: Shape) -> str:
@@ -163,7 +163,7 @@ def _whole(place: Path) -> Found:
 
 
 def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[str]]:
-    """Return the attempts to grade, earlier ones of the same people first, and messages about those that a later one supersedes."""
+    """Return the attempts to grade, earlier ones of a student or group first, and messages about those that are superseded."""
     people: defaultdict[str, list[Found]] = defaultdict(list)
     for each in found:
         people[each.student].append(each)
@@ -182,7 +182,7 @@ def _named_by_place(found: Found) -> str:
     return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))
 
 
-def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[ClassEntry, ...]:
+def _with_ids(found: list[Found], required: tuple[str, ...]) -> tuple[ClassEntry, ...]:
     """Give submissions an id for each student, and a name: without an archive's suffix, unless two names would then be equal."""
     shared = Counter(each.name for each in found if not each.sources)
     named = {each: _name(each, shared) for each in found}
@@ -223,7 +223,7 @@ def _is_ignored(entry: os.DirEntry[str]) -> bool:
 
 def _is_graded(folder: Path) -> bool:
     """Return whether a folder is the output (OUT) of an earlier run: it has a results file and no program of a student."""
-    return os.path.isfile(folder / "results.sqlite") and not _holds(folder, is_code)
+    return os.path.isfile(folder / "results.sqlite") and not _holds_file(folder, is_code)
 
 
 def _objection(entry: os.DirEntry[str]) -> str:
@@ -245,15 +245,15 @@ def _is_submission(folder: Path, required: Collection[str]) -> bool:
         return True
     if not any(is_code(name) for name in names):
         return False
-    return not any(has_suffix(name, ARCHIVES) for name in names) and not _holds(
+    return not any(has_suffix(name, ARCHIVES) for name in names) and not _holds_file(
         folder, lambda name: folded(name) in asked
     )
 
 
-def _holds(folder: Path, wanted: Callable[[str], bool]) -> bool:
+def _holds_file(folder: Path, wanted: Callable[[str], bool]) -> bool:
     """Return whether a file with a name that is `wanted` lies in this folder or up to `MAX_LEVELS` below.
 
-    False also if none is found among the first 50,000 entries or so: the search then goes no deeper.
+    After `MAX_LOOKED_AT` entries the search goes no deeper, so that a huge folder costs no minutes.
     """
     looked_at = 0
     for here, folders, names in os.walk(folder):

@@ -29,7 +29,7 @@ _REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE
 
 
 def identity_of(environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the fields that identify a submission, without which Classroom 50 refuses a result, from the runner's environment.
+    """Return the fields that identify a submission, from the runner's environment; Classroom 50 refuses a result with others.
 
     Raise RequestError if a variable is missing; the message names it.
     """
@@ -80,7 +80,7 @@ def classroom50(result: Result, identity: Mapping[str, str], committed: str) -> 
             "exact-score": check.points,
             "exact-max-score": check.max_points,
             "title": check.title,
-            "output": rows.plain(check, part, result.lab),
+            "output": rows.plain_text(check, part, result.lab),
         }
         for (part, check), score, full in zip(checks, scores, most, strict=True)
     ]
@@ -105,7 +105,7 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
 
 
 def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
-    """Round `points` to integers that sum to the rounded sum, so that the total is right; none goes above its value in `most`."""
+    """Round `points` to integers whose sum is the rounded total, so that parts and total agree; none exceeds its `most`."""
     whole = [math.floor(each + 1e-9) for each in points]
     open_ = math.floor(round(sum(points), 2) + 0.5) - sum(whole)
     by_remainder = sorted(range(len(points)), key=lambda i: (whole[i] - points[i], i))
@@ -133,7 +133,7 @@ def _respond(result: Result, handed: ResultContext) -> str:
 
 
 def _refuse(environ: Mapping[str, str], min_score: float | None) -> None:
-    """Refuse `--min-score`, as Classroom 50 takes any exit code but 0 for a broken autograder, and an incomplete environment."""
+    """Raise RequestError for `--min-score`, as Classroom 50 takes any exit code but 0 for a fault, or for missing variables."""
     if min_score is not None:
         raise RequestError("--min-score: leave it out; Classroom 50 reads the points from result.json")
     identity_of(environ)
@@ -156,11 +156,11 @@ def read(download: Download) -> Shape | None:
     except RequestError:
         return None
     folders = [name for name, is_folder in download.top.items() if is_folder]
-    found = (clone(download, name, _row(name, rows)) for name in folders)
+    found = (clone(download, name, _row_of_clone(name, rows)) for name in folders)
     return Shape(TITLE, tuple(found), unassigned(download, SCORES))
 
 
-def _row(folder: str, rows: Mapping[str, dict[str, str]]) -> dict[str, str]:
+def _row_of_clone(folder: str, rows: Mapping[str, dict[str, str]]) -> dict[str, str]:
     """Return the row of a clone `<classroom>-<assignment>-<username>`: that of the longest user name that fits; {} if none does."""
     fits = [user for user in rows if folder.casefold() == user or folder.casefold().endswith(f"-{user}")]
     return rows[max(fits, key=len)] if fits else {}

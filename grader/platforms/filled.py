@@ -84,63 +84,63 @@ class TemplateLayout:
 
     def matches(self, final_grades: Mapping[str, FinalGrade]) -> dict[int, Match | None]:
         """Return the submission or person that each row belongs to, by row number; None without an unambiguous match."""
-        return matched(((number, self.who(row)) for number, row in self.rows.items()), directory(final_grades))
+        return match_rows(((number, self.who(row)) for number, row in self.rows.items()), directory(final_grades))
 
 
 def fill_in(
-    form: TemplateLayout,
+    layout: TemplateLayout,
     template: Template,
     matches: Mapping[int, Match | None],
     final_grades: Mapping[str, FinalGrade],
 ) -> Filled:
-    """Fill the final grades into a platform's file; `matches` says by row number whom a row belongs to, or None.
+    """Fill the final grades into a platform's file, which `layout` describes; `matches` says whom each row belongs to, or None.
 
     Raise RequestError if the maximum in the file differs from the rubric's, and points are not to be scaled.
     """
     filled, known = Filled(), directory(final_grades)
     comma = any(
         _COMMA.fullmatch(text.strip())
-        for row in form.rows.values()
-        for text in (row.value(form.grade), form.out_of(row))
+        for row in layout.rows.values()
+        for text in (row.value(layout.grade), layout.out_of(row))
     )
-    for number, row in form.rows.items():
+    for number, row in layout.rows.items():
         match = matches[number]
         if match is None:
-            if template.missing and _is_missing(form, row, known):
-                form.sheet.set(row, form.grade, template.missing)
-                filled.missing.append(form.name(row))
-            elif form.is_student(row):
-                filled.unmatched.append((form.who(row), form.name(row)))
+            if template.missing and _is_missing(layout, row, known):
+                layout.sheet.set(row, layout.grade, template.missing)
+                filled.missing.append(layout.name(row))
+            elif layout.is_student(row):
+                filled.unmatched.append((layout.who(row), layout.name(row)))
             continue
         final_grade = final_grades[match.id]
         filled.placed.add(match)
-        if form.locked(row):
-            filled.kept.append(form.name(row))
+        if layout.locked(row):
+            filled.kept.append(layout.name(row))
         elif final_grade.final is not None:
-            points = words.number(final_grade.final * _scale(form, template, row, final_grade))
-            _set(form, row, points.replace(".", ",") if comma else points, filled)
+            points = words.number(final_grade.final * _scale_factor(layout, template, row, final_grade))
+            _write_grade(layout, row, points.replace(".", ",") if comma else points, filled)
     return filled
 
 
-def _is_missing(form: TemplateLayout, row: SheetRow, known: Directory) -> bool:
+def _is_missing(layout: TemplateLayout, row: SheetRow, known: Directory) -> bool:
     """Return whether a row without a match belongs to a student who handed in nothing and has no grade yet."""
-    blank = row.value(form.grade).strip() in ("", "-") and not form.locked(row)
-    return blank and form.is_student(row) and not known.why_not(form.who(row))
+    blank = row.value(layout.grade).strip() in ("", "-") and not layout.locked(row)
+    return blank and layout.is_student(row) and not known.why_not(layout.who(row))
 
 
-def _set(form: TemplateLayout, row: SheetRow, points: str, filled: Filled) -> None:
+def _write_grade(layout: TemplateLayout, row: SheetRow, points: str, filled: Filled) -> None:
     """Write points into a row; if the row held another grade, list it in `filled.replaced`."""
-    before = row.value(form.grade).strip()
+    before = row.value(layout.grade).strip()
     known = decimal(before)
     if before not in ("", "-") and (known is None or words.number(known) != points.replace(",", ".")):
-        filled.replaced.append(f"{form.name(row)} ({before} → {points})")
-    form.sheet.set(row, form.grade, points)
+        filled.replaced.append(f"{layout.name(row)} ({before} → {points})")
+    layout.sheet.set(row, layout.grade, points)
     filled.grades += 1
 
 
-def _scale(form: TemplateLayout, template: Template, row: SheetRow, final_grade: FinalGrade) -> float:
-    """Return the factor from the rubric's points to those of the file; refuse a different maximum unless points are scaled."""
-    most, ours = decimal(form.out_of(row)), final_grade.result.max_score
+def _scale_factor(layout: TemplateLayout, template: Template, row: SheetRow, final_grade: FinalGrade) -> float:
+    """Return the factor from the rubric's points to those of the file; RequestError if they differ and are not to be scaled."""
+    most, ours = decimal(layout.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:
         return 1.0  # the file names no other maximum
     if not template.scaled:
@@ -179,7 +179,7 @@ def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
     return Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
 
 
-def matched(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
+def match_rows(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
     """Return whom each row belongs to, by row number; None if that is unclear, or if several rows belong to the same person."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}

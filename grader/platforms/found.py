@@ -19,9 +19,9 @@ class Found:
     Attributes
     ----------
     student
-        Key of the people, equal for all attempts of the same people.
+        Key of the student or group, equal for all their attempts.
     id_source
-        Text that the id is made from, equal whenever these people hand in again.
+        Text that the id is made from, equal whenever the same student or group hands in again.
     name
         Name of the submission in results.
     sources
@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Shape:
-    """Contents of a platform's download: its kind (`title`), the submissions, and files that belong to nobody, with reasons."""
+    """Contents of a platform's download: its kind (`title`), the submissions, and files whose owner is unknown, with reasons."""
 
     title: str
     found: tuple[Found, ...]

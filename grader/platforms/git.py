@@ -28,7 +28,7 @@ def read(download: Download) -> Shape | None:
 
 
 def unassigned(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
-    """Return the files beside the clones, which belong to nobody, each with the reason; files named in `known` are left out."""
+    """Return the files beside the clones, whose owner is unknown, each with the reason; files named in `known` are left out."""
     return tuple((name, _NOT_OURS) for name, is_folder in download.top.items() if not is_folder and name not in known)
 
 

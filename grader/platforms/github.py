@@ -31,16 +31,16 @@ def commands(result: Result, places: Places) -> str:
     GitHub shows at most ten commands of a kind for a step of a job.
     """
     worst_first = sorted(_annotations(result, places), key=lambda each: -each[1].lost)
-    lines = [*(_command(place, cause, result) for place, cause in worst_first), _closing(result)]
+    lines = [*(_command(place, cause, result) for place, cause in worst_first), _total_command(result)]
     return "".join(f"{command}\n" for command in lines)
 
 
 def _annotations(result: Result, places: Places) -> Iterator[tuple[FileLine | None, Cause]]:
-    """Yield a place and the checks that one cause fails there. The first place of a cause also lists the checks that wait."""
+    """Yield a place and the checks that one cause fails there; the first place also lists the checks that wait for the cause."""
     for cause in _causes(result):
         there: dict[FileLine | None, list[CheckResult]] = {}
         for check in cause.checks:
-            there.setdefault(places.of(check), []).append(check)
+            there.setdefault(places.line_for(check), []).append(check)
         waiting = (cause.waiting, *[()] * len(there))
         yield from (
             (place, Cause(tuple(checks), after)) for (place, checks), after in zip(there.items(), waiting, strict=False)
@@ -61,7 +61,7 @@ def _command(place: FileLine | None, cause: Cause, result: Result) -> str:
     where += [f"line={place.line}"] if place and place.line else []
     where.append(f"title={_property(printable(_headline(checks), 250))}")
     also = "".join(f"\nAlso      {printable(check.title, 300)} ({_points(check)})" for check in checks[1:])
-    message = rows.together(cause, result.lab)
+    message = rows.text_of_cause(cause, result.lab)
     return f"::{kind} {','.join(where)}::{_data(f'{message}{also}'[:MESSAGE_LIMIT])}"
 
 
@@ -77,7 +77,7 @@ def _points(check: CheckResult) -> str:
     return words.fraction(check.points, check.max_points)
 
 
-def _closing(result: Result) -> str:
+def _total_command(result: Result) -> str:
     """Return the command with the total. Without gradable files it is an error, because a passing job would hide that."""
     kind = "error" if result.status in ("empty", "unreadable") else "notice"
     said = ": ".join(filter(None, [words.total_points(result), words.STATUS[result.status]]))
@@ -114,7 +114,7 @@ def _table(result: Result) -> str:
 
 
 def _plots(result: Result, lab: Lab) -> Iterator[str]:
-    """Yield the checks of each criterion with pictures, passed ones too, because a log cannot show a picture."""
+    """Yield the outcomes of checks of plots, passed ones too, because a log cannot show the pictures themselves."""
     pictured = {part.id for part in lab.parts if part.pictures}
     for part in result.criteria:
         if part.id in pictured:
@@ -129,7 +129,7 @@ def _findings(result: Result) -> Iterator[str]:
         head = "\n".join(
             f"#### {row.outcome.sign} {escaped(row.title)} — {row.outcome.word}, {escaped(row.points)}" for row in heads
         )
-        yield f"{head}\n\n<pre>{escaped(rows.together(cause, result.lab)[:MESSAGE_LIMIT])}</pre>"
+        yield f"{head}\n\n<pre>{escaped(rows.text_of_cause(cause, result.lab)[:MESSAGE_LIMIT])}</pre>"
 
 
 def escaped(text: str) -> str:

@@ -38,21 +38,21 @@ def gradebook(
 
 
 def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), missing: str = "") -> str:
-    """Return a CSV with one row for each person: the columns of `gradebook`, the submission's id, and the grade in `final`.
+    """Return the class as CSV for an instructor's own use, a row for each person; the grade after all deductions is in `final`.
 
     `missing` is the grade of the people in `absent`, who did not hand in; "" for a blank cell.
     """
     columns = _columns(list(final_grades.values()), absent)
     columns |= {"final": lambda s: _points(s.final), "status": columns.pop("status")}
     people = [
-        _cells(columns, final_grade, person) for final_grade in final_grades.values() for person in final_grade.people
+        _row_for(columns, final_grade, person) for final_grade in final_grades.values() for person in final_grade.people
     ]
     return _table(
         [*people, *_absentees(final_grades, absent, missing)], ["id", "name", "submission", *list(columns)[2:]]
     )
 
 
-def _cells(columns: Mapping[str, Cell], final_grade: FinalGrade, person: Person) -> dict[str, str]:
+def _row_for(columns: Mapping[str, Cell], final_grade: FinalGrade, person: Person) -> dict[str, str]:
     """Return the row of one of the people of a submission, as text by column title."""
     own = {"id": _text(person.number or final_grade.id), "name": _text(person.name), "section": _text(person.section)}
     shared = {title: cell(final_grade) for title, cell in columns.items()}
@@ -76,7 +76,7 @@ def _table(rows: Iterable[Mapping[str, str]], titles: Sequence[str]) -> str:
 def _columns(
     final_grades: list[FinalGrade], absent: Sequence[Person], untimed: Collection[str] | None = None
 ) -> dict[str, Cell]:
-    """Return each column's title and the function that fills its cell; criteria in the order in which they first occur.
+    """Return the title and the function of each column; criteria in the order in which they first occur.
 
     The columns of lateness are there if somebody is late, and in a class with a late policy even if no time is known.
     """
@@ -95,7 +95,7 @@ def _columns(
     if any(s.hand_in.submitted for s in final_grades):
         columns["submitted"] = lambda s: _text(s.hand_in.submitted)
     if untimed is not None or any(s.late for s in final_grades):
-        columns["late"] = lambda s: "unknown" if s.id in (untimed or ()) else _late(s)
+        columns["late"] = lambda s: "unknown" if s.id in (untimed or ()) else _late_days(s)
         columns["late_deduction"] = lambda s: "" if s.final is None else words.number(s.deduction)
     if any(s.late and s.late.grace_days for s in final_grades):
         columns["grace_days_used"] = lambda s: str(s.late.grace_days if s.late else 0)
@@ -116,7 +116,7 @@ def _points(points: float | None) -> str:
     return "" if points is None else words.number(points)
 
 
-def _late(final_grade: FinalGrade) -> str:
+def _late_days(final_grade: FinalGrade) -> str:
     """Return the late days that count; "refused" after the cut-off, "yes" if the number of days is unknown, "0" if in time."""
     late = final_grade.late
     if late is None:

@@ -51,7 +51,7 @@ def gradescope(result: Result, *, hidden: bool = False) -> str:
             for j, check in enumerate(part.checks, 1)
         ]
         + _extra_credit(result),
-        "extra_data": _extra(result),
+        "extra_data": _extra_data(result),
     }
     return rows.as_json(record)
 
@@ -103,8 +103,8 @@ def _output(result: Result, hidden: bool) -> str:
     return "".join(f"<p>{html.escape(line)}</p>" for line in said) or "<p>Graded.</p>"
 
 
-def _extra(result: Result) -> dict[str, Any]:
-    """Return the extra data for the instructor's export: recognised faults and provenance, but no traces and no seed."""
+def _extra_data(result: Result) -> dict[str, Any]:
+    """Return what Gradescope keeps for the instructor alone: recognised faults and provenance, but no traces and no seed."""
     provenance = {key: str(value) for key, value in shown_provenance(result).items() if key != "seed"}
     return {"status": result.status, "misconceptions": list(result.misconceptions), "provenance": provenance}
 
@@ -130,7 +130,7 @@ def gradescope_csv(final_grades: Mapping[str, FinalGrade], absent: Sequence[Pers
 
 
 def _who(person: Person) -> list[str]:
-    first, last = _names(person.name)
+    first, last = _first_and_last_name(person.name)
     return [printable(text, 500) for text in (first, last, person.number, person.email, person.section)]
 
 
@@ -148,7 +148,7 @@ def _row(final_grade: FinalGrade, person: Person) -> list[str]:
     ]
 
 
-def _names(name: str) -> tuple[str, str]:
+def _first_and_last_name(name: str) -> tuple[str, str]:
     """Return first and last name. Without a comma as in ``Doe, Jane``, the last word and a suffix are the last name."""
     last, comma, first = (part.strip() for part in name.partition(","))
     if comma and first.casefold() not in _SUFFIXES:

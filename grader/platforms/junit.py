@@ -43,7 +43,7 @@ def _suite(root: Element, part: rows.ResultPart, result: Result, at: datetime) -
     suite = _new_suite(root, part.id, at, _facts(part))
     for check in part.checks:
         _case(suite, check, part, result)
-    _count(suite, part.checks)
+    _set_counts(suite, part.checks)
 
 
 def _new_suite(root: Element, name: str, at: datetime, facts: Iterable[tuple[str, str]] = ()) -> Element:
@@ -55,7 +55,7 @@ def _new_suite(root: Element, name: str, at: datetime, facts: Iterable[tuple[str
     return suite
 
 
-def _count(suite: Element, checks: Iterable[CheckResult] = ()) -> None:
+def _set_counts(suite: Element, checks: Iterable[CheckResult] = ()) -> None:
     """Set a suite's numbers of cases by outcome, and the time that its checks took."""
     for name, path in {**_COUNTED, "skipped": "testcase/skipped"}.items():
         suite.set(name, str(len(suite.findall(path))))
@@ -65,7 +65,7 @@ def _count(suite: Element, checks: Iterable[CheckResult] = ()) -> None:
 def _repairs(root: Element, result: Result, at: datetime) -> None:
     """Add a suite without cases that lists the repairs; its negative score is the points deducted for them."""
     lines = ((f"repair.{number}", line) for number, line in enumerate(words.repairs(result), 1))
-    _count(_new_suite(root, "repairs", at, [("score", words.number(-result.repair_deduction)), *lines]))
+    _set_counts(_new_suite(root, "repairs", at, [("score", words.number(-result.repair_deduction)), *lines]))
 
 
 def _facts(part: rows.ResultPart) -> Iterator[tuple[str, str]]:
@@ -86,9 +86,9 @@ def _facts(part: rows.ResultPart) -> Iterator[tuple[str, str]]:
 def _case(suite: Element, check: CheckResult, part: rows.ResultPart, result: Result) -> None:
     time = _seconds([check.duration_s])
     case = SubElement(suite, "testcase", classname=f"imugrade.{part.id}", name=_name(check), time=time)
-    verdict = _verdict(check)
+    verdict = _element_name(check)
     if verdict:
-        text = rows.plain(check, part, result.lab)
+        text = rows.plain_text(check, part, result.lab)
         SubElement(case, verdict, message=_headline(check, text), type=check.outcome).text = text
 
 
@@ -110,10 +110,10 @@ def _nothing_to_grade(root: Element, result: Result, at: datetime) -> None:
     case = SubElement(suite, "testcase", classname="imugrade.submission", name="can_be_graded", time=_seconds([]))
     failure = SubElement(case, "failure", message=words.STATUS[result.status], type=result.status)
     failure.text = "\n".join([words.STATUS[result.status], *words.notes(result)])
-    _count(suite)
+    _set_counts(suite)
 
 
-def _verdict(check: CheckResult) -> str:
+def _element_name(check: CheckResult) -> str:
     """Return the name of the XML element for a check's outcome; "" for a passed check, which has none."""
     return {"passed": "", "not_judged": "error", "skipped": "skipped"}.get(check.outcome, "failure")
 

@@ -34,7 +34,7 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Fill grades and comments into Moodle's grading worksheet; keep teachers' comments and all other bytes.
+    """Fill grades and comments into Moodle's grading worksheet, to upload it again; keep teachers' comments and all other bytes.
 
     Raise RequestError if the file is no grading worksheet, or the maximum of the assignment differs from the rubric's.
     """
@@ -47,19 +47,19 @@ def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
             option="column",
             why=f"no column {column} in the template; {how}",
         )
-    form = _form(sheet, grade)
-    teams = _teams(final_grades)
+    layout = _layout(sheet, grade)
+    teams = _matches_of_teams(final_grades)
     matches = {
-        number: match or teams.get(form.rows[number].value(sheet.column("Group")).strip().casefold())
-        for number, match in form.matches(final_grades).items()
+        number: match or teams.get(layout.rows[number].value(sheet.column("Group")).strip().casefold())
+        for number, match in layout.matches(final_grades).items()
     }
-    filled = fill_in(form, template, matches, final_grades)
-    _comment_on(form, matches, final_grades)
+    filled = fill_in(layout, template, matches, final_grades)
+    _comment_on(layout, matches, final_grades)
     filled.data = sheet.data()
     return filled
 
 
-def _form(sheet: CsvSheet, grade: int) -> TemplateLayout:
+def _layout(sheet: CsvSheet, grade: int) -> TemplateLayout:
     """Describe the worksheet for `fill_in`: its columns by title, or, on sites in other languages, by position and contents."""
     rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
     known = sheet.column(*_MOST)
@@ -86,28 +86,28 @@ def _form(sheet: CsvSheet, grade: int) -> TemplateLayout:
 
 
 def _comment_on(
-    form: TemplateLayout, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]
+    layout: TemplateLayout, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]
 ) -> None:
-    """Fill in comments. A comment by a teacher is kept; one from an earlier export is replaced."""
-    column = _comments(form)
+    """Fill in comments on the grades. A comment by a teacher is kept; one from an earlier export is replaced."""
+    column = _comment_column(layout)
     for number, match in matches.items():
-        row = form.rows[number]
-        if column is None or match is None or form.locked(row) or final_grades[match.id].final is None:
+        row = layout.rows[number]
+        if column is None or match is None or layout.locked(row) or final_grades[match.id].final is None:
             continue
         if not row.value(column).strip() or row.value(column).startswith(_OURS):
-            form.sheet.set(row, column, comment(final_grades[match.id]))
+            layout.sheet.set(row, column, comment(final_grades[match.id]))
 
 
-def _comments(form: TemplateLayout) -> int | None:
-    """Return the column of comments by title, else the last one if its cells look like comments (one blank or ours, no dash).
+def _comment_column(layout: TemplateLayout) -> int | None:
+    """Return the index of the column of comments, found by its title, or else the last one if its cells look like comments.
 
     None if there is no such column: comments are then not filled in.
     """
-    known = form.sheet.column(*_COMMENTS)
-    last = len(form.sheet.titles) - 1
-    if known is not None or last <= form.grade + 2:
+    known = layout.sheet.column(*_COMMENTS)
+    last = len(layout.sheet.titles) - 1
+    if known is not None or last <= layout.grade + 2:
         return known
-    texts = [row.value(last).strip() for row in form.rows.values()]
+    texts = [row.value(last).strip() for row in layout.rows.values()]
     return last if any(not text or text.startswith(_OURS) for text in texts) and "-" not in texts else None
 
 
@@ -129,7 +129,7 @@ def _who(sheet: CsvSheet, row: SheetRow) -> PersonRow:
     return PersonRow("moodle", number, ids, mail, row.value(sheet.column("Full name")))
 
 
-def _teams(final_grades: Mapping[str, FinalGrade]) -> dict[str, Match]:
+def _matches_of_teams(final_grades: Mapping[str, FinalGrade]) -> dict[str, Match]:
     """Return the submissions of teams by name. A team hands in under its name, which its members' rows have in column `Group`."""
     return {
         final_grade.name.strip().casefold(): Match(id_, None)
@@ -162,7 +162,7 @@ def read(download: Download) -> Shape | None:
     left = [(name, _NOT_OURS) for name, match in matches.items() if match is None]
     own: defaultdict[str, list[re.Match[str]]] = defaultdict(list)
     for name, match in matches.items():
-        if match is not None and not _is_plain(name, download.known):
+        if match is not None and not _means_one_person(name, download.known):
             left.append((name, AMBIGUOUS))
         elif match is not None and match["plugin"].startswith("assignfeedback"):
             left.append((name, _FEEDBACK))
@@ -171,7 +171,7 @@ def read(download: Download) -> Shape | None:
     return Shape(TITLE, tuple(_found(download, number, matches) for number, matches in own.items()), tuple(left))
 
 
-def _is_plain(name: str, known: Mapping[str, str]) -> bool:
+def _means_one_person(name: str, known: Mapping[str, str]) -> bool:
     """Return whether a file name identifies one person: a second number in it may belong to the name of a person or of a file."""
     numbers = _WITHIN.findall(name)
     return len(set(numbers)) == 1 or (numbers[0] in known and not set(numbers[1:]) & known.keys())
@@ -181,11 +181,11 @@ def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Fou
     first = next((match for match in matches if match["plugin"] == _FILES), matches[0])
     name = original(first["name"]) or number
     sources = tuple((download.place(match[0]), original(match["file"] or "")) for match in matches)
-    hand_in = HandIn((Person(name, number, "moodle"),), reply=_reply(download, first))
+    hand_in = HandIn((Person(name, number, "moodle"),), reply=_feedback_prefix(download, first))
     return Found(f"moodle:{number}", f"{name}_{number}", name, download.path, sources, hand_in)
 
 
-def _reply(download: Download, match: re.Match[str]) -> str:
+def _feedback_prefix(download: Download, match: re.Match[str]) -> str:
     """Return how the path of a feedback file must begin in Moodle's upload: the folder, or the start of a loose file's name."""
     if download.top[match[0]]:
         return original(match[0]) + "/"

@@ -35,12 +35,12 @@ class Places:
     files: Mapping[str, str] = field(default_factory=dict)
     definitions: Mapping[str, FileLine] = field(default_factory=dict)
 
-    def of(self, check: CheckResult) -> FileLine | None:
+    def line_for(self, check: CheckResult) -> FileLine | None:
         """Return the line of code at which the CI shows this check's message; None if no line is known."""
-        return self._named(check) or self.definitions.get(self.lab.name_of(check.id))
+        return self._named_line(check) or self.definitions.get(self.lab.name_of(check.id))
 
-    def _named(self, check: CheckResult) -> FileLine | None:
-        """Return the line that a check names; None if the file is none of the submission, as student code could name any file."""
+    def _named_line(self, check: CheckResult) -> FileLine | None:
+        """Return the line that a check names; None if it names none, or a file that the submission lacks, as student code could."""
         if check.where is None or check.where.file not in self.files:
             return None
         return FileLine(self.files[check.where.file], check.where.line)
@@ -62,8 +62,8 @@ def find_places(lab: Lab, submission: Submission, path: Path, root: Path) -> Pla
     """
     files = submission.files
     there = {name: path / submission.origin(name) for name in files}
-    names = {name: _relative(file, root) for name, file in there.items() if _holds(file, len(files[name]))}
-    found = {name: _definition(name, home, files, names) for name, home in lab.homes.items()}
+    names = {name: _relative(file, root) for name, file in there.items() if _has_size(file, len(files[name]))}
+    found = {name: _defining_line(name, home, files, names) for name, home in lab.homes.items()}
     return Places(lab, names, {name: place for name, place in found.items() if place})
 
 
@@ -71,7 +71,7 @@ def _relative(path: Path, root: Path) -> str:
     return PurePosixPath(os.path.relpath(path, root).replace(os.sep, "/")).as_posix()
 
 
-def _definition(name: str, home: str, files: Mapping[str, bytes], names: Mapping[str, str]) -> FileLine | None:
+def _defining_line(name: str, home: str, files: Mapping[str, bytes], names: Mapping[str, str]) -> FileLine | None:
     """Return the line where a name is defined, first in its `home` (the sheet's file), then in others; else the start of `home`.
 
     None if there is no such file either.
@@ -84,7 +84,7 @@ def _definition(name: str, home: str, files: Mapping[str, bytes], names: Mapping
     return FileLine(names[home]) if home in names else None
 
 
-def _holds(path: Path, size: int) -> bool:
+def _has_size(path: Path, size: int) -> bool:
     try:
         return path.lstat().st_size == size
     except (OSError, ValueError):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Template:
-    """A file that a platform exported, to fill in the grades. People without a grade keep their cell.
+    """A file that a platform exported, to be filled in with grades; people without a grade keep what their cell holds.
 
     Attributes
     ----------

@@ -43,7 +43,7 @@ def _test(check: CheckResult, part: rows.ResultPart, lab: LabName) -> dict[str, 
         "points": check.points,
         "max_points": check.max_points,
         "message": words.row(check, part.id, lab).outcome.word,
-        "output": rows.plain(check, part, lab),
+        "output": rows.plain_text(check, part, lab),
     }
 
 

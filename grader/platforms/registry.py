@@ -40,7 +40,7 @@ LISTED: dict[str, tuple[str, tuple[Deed, ...]]] = {
 
 
 def names(*deeds: Deed) -> tuple[str, ...]:
-    """Return the names of the platforms that support at least one of these capabilities, such as "respond"."""
+    """Return the names of the platforms that support at least one of these capabilities, such as "respond" (CI output)."""
     return tuple(name for name, (_, does) in LISTED.items() if set(deeds) & set(does))
 
 
@@ -58,5 +58,5 @@ def platform(name: str) -> Platform:
 
 
 def platforms(*deeds: Deed) -> Iterator[Platform]:
-    """Return the records of the platforms that support at least one of these capabilities, such as "respond"."""
+    """Return the records of the platforms that support at least one of these capabilities, such as "read" (downloads)."""
     return (platform(name) for name in names(*deeds))

@@ -51,12 +51,12 @@ def lines(check: CheckResult, part: ResultPart, lab: LabName) -> list[words.Labe
     return [*row.lines, *(line for line in more if line.text)]
 
 
-def plain(check: CheckResult, part: ResultPart, lab: LabName) -> str:
+def plain_text(check: CheckResult, part: ResultPart, lab: LabName) -> str:
     """Return the feedback of a check as plain text, with the labels in a column, for a platform without markup."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
 
-def together(cause: Cause, lab: LabName) -> str:
+def text_of_cause(cause: Cause, lab: LabName) -> str:
     """Return the feedback of all checks that failed from one cause, as plain text with each sentence once."""
     said = [line for _, lines in causes.lines_by_check(cause) for line in lines]
     again = [causes.again(cause)] if words.tells(cause.checks[0]) else []

@@ -222,7 +222,7 @@ class _Check(pytest.Item):
 
     def _where(self) -> tuple[str, int]:
         """Return file and line of a failure: where code raised, else the checked definition, else the file's first line."""
-        place = self._plugin_run.places.of(self._found)
+        place = self._plugin_run.places.line_for(self._found)
         if place is None:
             return self.nodeid.partition("::")[0], 1
         return seen_from(self.config.rootpath, self._plugin_run.path / place.file), place.line or 1

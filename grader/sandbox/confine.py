@@ -32,9 +32,8 @@ class Confinement:
     landlock_abi
         Landlock's version in the kernel; 0 if the kernel has no Landlock.
     rules
-        Pairs of a scratch folder (the only one that a worker may write) and the descriptor of its Landlock rule set. These are
-        built
-        once, as they have hundreds of rules. A worker whose folder has no pair builds its own.
+        Pairs of a scratch folder, which a worker may write, and the descriptor of its Landlock rule set. Rule sets are built once,
+        as they have hundreds of rules. A worker whose folder has no pair builds its own.
     proc
         Descriptor of the host's /proc, or -1 without one. The worker closes it before student code runs.
     zygote
@@ -75,7 +74,7 @@ def confine(confinement: Confinement, scratch: str) -> None:
 
 @lru_cache(maxsize=2)
 def seccomp_program(confinement: Confinement, pid: int) -> bytes:
-    """Return the seccomp filter for the worker that sees itself as process `pid`. It is kept, as most workers have the same."""
+    """Return the seccomp filter for a worker that is process `pid`, the only one that it may signal; it is built once per `pid`."""
     return seccomp.program(confinement.machine, pid, own_files_only=confinement.isolation_level.own_namespaces)
 
 

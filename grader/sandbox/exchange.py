@@ -32,10 +32,10 @@ class DeadlineError(Exception):
 
 
 class Deadline:
-    """Time limit of one answer, by CPU time; code that sleeps is limited by the seconds in which it uses next to no CPU time.
+    """Time limit of one answer: `cpu_s` of CPU time, and `wall_s` in which next to no CPU time is used, as by code that sleeps.
 
     Code that computes on a busy machine may take many times its CPU time. It is not cut off for that, or a grade would depend on
-    what else the machine does: the wall clock leaves out what the process waited for a processor. At ten times the limit, or at
+    what else the machine does: the wall clock leaves out what the process waited for a processor. At ten times `wall_s`, or at
     `most_s` if that is earlier, the answer is cut off whatever the code does.
     """
 
@@ -59,14 +59,14 @@ class Deadline:
         if cpu_s - last_cpu_s <= _IDLE_SHARE * (wall_s - last_wall_s):
             self._idle_s += wall_s - last_wall_s
         self._seen = (cpu_s, wall_s)
-        within = self._over(cpu_s, wall_s)
+        within = self._exceeded_limit(cpu_s, wall_s)
         if within:
             raise DeadlineError(within, cpu_s, wall_s)
         soonest = (self._cpu_limit - cpu_s) / _CORES  # all of its threads may run at once
         soonest = min(soonest, self._wall_limit - self._idle_s, self._most - wall_s)
         return min(max(soonest, _SHORTEST_NAP_S), _LONGEST_NAP_S)
 
-    def _over(self, cpu_s: float, wall_s: float) -> str:
+    def _exceeded_limit(self, cpu_s: float, wall_s: float) -> str:
         """Describe the limit that is exceeded, for messages; return "" if none is."""
         if cpu_s >= self._cpu_limit:
             return f"{self._cpu_limit:g} s of CPU time"
@@ -76,7 +76,7 @@ class Deadline:
 
 
 def exchange(line: socket.socket, nonce: bytes, question: bytes, deadline: Deadline) -> wire.Frame:
-    """Send a request to a worker and return its answer.
+    """Send a request to a worker and return its answer, which repeats the request's `nonce`.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def exchange(line: socket.socket, nonce: bytes, question: bytes, deadline: Deadl
     DeadlineError
         If time is up.
     WireError
-        If anything came before the request was sent in full, or what came is no answer to it (`nonce` tells).
+        If anything came before the request was sent in full, or what came is no answer to it.
     """
     with selectors.DefaultSelector() as selector:
         selector.register(line, selectors.EVENT_READ | selectors.EVENT_WRITE)

@@ -45,6 +45,8 @@ _OWN_BUILTINS = dict(vars(builtins))
 
 
 class _Loader(SourceFileLoader):
+    """Loader that gives the worker code built-in functions of its own, which student code cannot replace."""
+
     def exec_module(self, module: ModuleType) -> None:
         vars(module)["__builtins__"] = _OWN_BUILTINS
         super().exec_module(module)

@@ -156,7 +156,7 @@ class Zygote:
         return tuple(folders), cache
 
     def _await_isolation(self) -> None:
-        message, _ = self._next(_ISOLATED_WITHIN_S)
+        message, _ = self._receive(_ISOLATED_WITHIN_S)
         if message is None and self._was_killed():
             raise ZygoteGoneError("it was killed before it was isolated")
         if message is None:
@@ -184,7 +184,7 @@ class Zygote:
         with self._lock:
             if self._ready:
                 return
-            message, _ = self._next(_READY_WITHIN_S)
+            message, _ = self._receive(_READY_WITHIN_S)
             if message is None:
                 raise ZygoteGoneError(f"it did not start: {self._log_tail() or 'it ended without a word'}")
             if not message.get("ready"):
@@ -198,7 +198,7 @@ class Zygote:
 
     # Talking
 
-    def _next(self, within_s: float) -> tuple[dict[str, Any] | None, list[int]]:
+    def _receive(self, within_s: float) -> tuple[dict[str, Any] | None, list[int]]:
         """Return the zygote's next message and its descriptors; None and [] if it has ended or sends none in time."""
         self._control.settimeout(within_s)
         try:
@@ -207,11 +207,11 @@ class Zygote:
             return None, []
         return (json.loads(data) if data else None), list(fds)
 
-    def _await(self, table: dict[int, Any], number: int, within_s: float) -> None:
+    def _await_report(self, table: dict[int, Any], number: int, within_s: float) -> None:
         """Read the zygote's messages until worker `number` is in `table` or refused; raise ZygoteGoneError if neither comes."""
         deadline = time.monotonic() + within_s
         while number not in table and number not in self._refused:
-            message, fds = self._next(max(0.01, deadline - time.monotonic()))
+            message, fds = self._receive(max(0.01, deadline - time.monotonic()))
             if message is None:
                 raise ZygoteGoneError(self._log_tail())
             if "spawned" in message:
@@ -238,7 +238,7 @@ class Zygote:
                 number = self._count
                 ours.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)  # the kernel then tells the worker's pid
                 self._send(json.dumps({"spawn": number, "warm": warm}).encode(), [theirs.fileno(), printed.fd])
-                self._await(self._spawned, number, _WORKER_WITHIN_S)
+                self._await_report(self._spawned, number, _WORKER_WITHIN_S)
             if number in self._refused:
                 raise GraderError(f"no worker could be started: {self._refused.pop(number)}")
             return Sandboxed(self, number, self._spawned.pop(number), ours)
@@ -255,7 +255,7 @@ class Zygote:
     def await_end(self, number: int) -> tuple[int, float]:
         """Wait for the end of worker `number`; return its exit code and the CPU seconds that it used in all."""
         with self._lock:
-            self._await(self._ended, number, _END_WITHIN_S)
+            self._await_report(self._ended, number, _END_WITHIN_S)
             return self._ended.pop(number)
 
     # Ending

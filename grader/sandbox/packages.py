@@ -60,7 +60,7 @@ def folders() -> tuple[str, ...]:
 
 @lru_cache(maxsize=8)
 def shown(folders: tuple[str, ...], libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the paths in `folders` that a sandbox shows; a distribution with a folder named as one of ours is left out."""
+    """Return the paths in `folders` that a sandbox shows, without distributions that have a folder `grader` or `reference`."""
     kept = for_students([one for folder in folders for one in installed(folder)], libraries)
     entries = (entries_of(one) for one in kept)
     return tuple(path for own in entries if OWN_FOLDERS.isdisjoint(map(os.path.basename, own)) for path in own)
@@ -74,13 +74,13 @@ def for_students(distributions: Sequence[Installed], libraries: Iterable[str] = 
     known: dict[str, list[Installed]] = {}
     for one in distributions:
         known.setdefault(one.name, []).append(one)
-    own = _closure([OWN], known, extras=True)
+    own = _with_needs([OWN], known, extras=True)
     roots = {name for name, of in known.items() if name not in own or any(one.asked_for for one in of)}
-    kept = _closure({*OF_THE_WORKER, *libraries, *roots} - _INSTALLERS - {OWN}, known) - {OWN}
+    kept = _with_needs({*OF_THE_WORKER, *libraries, *roots} - _INSTALLERS - {OWN}, known) - {OWN}
     return [one for one in distributions if one.name in kept]
 
 
-def _closure(names: Iterable[str], known: Mapping[str, Sequence[Installed]], *, extras: bool = False) -> set[str]:
+def _with_needs(names: Iterable[str], known: Mapping[str, Sequence[Installed]], *, extras: bool = False) -> set[str]:
     """Return these names and those of all distributions that they need, directly or not; with `extras`, those of extras, too."""
     waiting = [(name, "") for name in sorted(names)]
     done: set[tuple[str, str]] = set()

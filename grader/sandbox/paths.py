@@ -20,7 +20,7 @@ class Step(NamedTuple):
 
 
 def is_below(path: str, folders: Iterable[str]) -> bool:
-    """Return whether `path` is one of the folders or lies below one; links are not followed, so that no path may contain one."""
+    """Return whether `path` is one of the folders or lies in one. Links are not followed: the paths must contain none."""
     return any(path == folder or path.startswith(folder.rstrip("/") + "/") for folder in folders)
 
 

@@ -68,7 +68,7 @@ class PlainProcess:
         )
         with contextlib.suppress(OSError):
             if popen.stdin is not None:
-                popen.stdin.write(_shared(theirs, popen.pid))
+                popen.stdin.write(_socket_as_bytes(theirs, popen.pid))
                 popen.stdin.close()
         return popen
 
@@ -144,7 +144,7 @@ def _kill_group(popen: subprocess.Popen[bytes]) -> None:
     popen.wait()
 
 
-def _shared(theirs: socket.socket, pid: int) -> bytes:
+def _socket_as_bytes(theirs: socket.socket, pid: int) -> bytes:
     """Return the bytes from which a child on Windows opens the socket; b"" elsewhere, where the child inherits the socket."""
     if sys.platform == "win32":
         return theirs.share(pid)

@@ -221,7 +221,7 @@ class Worker:
                 question,
                 Deadline(self._process.cpu_s, self._process.wall_s, cpu_s, limit, most_s),
             )
-            return _answered(frame)
+            return _unwrapped(frame)
         except DeadlineError as error:
             failure: NoAnswer = TimedOut(f"no answer within {error.within}", cpu_s=error.cpu_s, wall_s=error.wall_s)
         except LineClosedError:
@@ -271,7 +271,7 @@ def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[st
         raise GraderError(f"the question {op!r} cannot be sent: {error}") from None
 
 
-def _answered(frame: wire.Frame) -> wire.Frame:
+def _unwrapped(frame: wire.Frame) -> wire.Frame:
     """Return the frame without the wrapping of the worker's loop; raise Malformed if it holds an error or is no answer."""
     if set(frame.fields) == {"worker_error"}:
         raise Malformed(str(frame.fields["worker_error"]))

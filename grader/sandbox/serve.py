@@ -242,6 +242,8 @@ def _imports_frozen() -> Iterator[None]:
 
 @dataclass
 class _Child:
+    """A worker that the zygote forked: its number in messages of the grader, its process, and its scratch folder."""
+
     number: int
     pid: int
     pidfd: int
@@ -249,6 +251,8 @@ class _Child:
 
 
 class _Zygote:
+    """The zygote after its imports: forks workers on request and reports their ends, until the grader hangs up."""
+
     def __init__(self, control: socket.socket, confinement: confine.Confinement, plan: Plan, answer: Any) -> None:
         self._control = control
         self._confinement = confinement

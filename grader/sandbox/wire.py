@@ -62,7 +62,7 @@ class Frame:
 
 @cache
 def _arrays() -> ModuleType:
-    """Import the module that needs NumPy with the first frame, so that a sandbox can open, and import NumPy itself, meanwhile."""
+    """Return the module `arrays`, imported with the first frame only: NumPy takes long, and the zygote warms up meanwhile."""
     from . import arrays  # noqa: PLC0415
 
     return arrays
@@ -111,7 +111,7 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER
 
 
 class Incoming:
-    """Receiver of one frame (message), whose bytes arrive in pieces."""
+    """Receiver of one frame (message), whose bytes arrive in pieces; it refuses a frame that is too large before it arrives."""
 
     def __init__(self, caps: Caps = ANSWER) -> None:
         self._caps = caps

@@ -44,7 +44,7 @@ def remember_classes() -> None:
 
 
 def remember(*kinds: type) -> None:
-    """Record the present members of these classes anew, so that our own replacements of their methods do not count as changes."""
+    """Record the present members of these classes anew, after our own code replaced some: these are then no student changes."""
     _CLASSES.update((kind, dict(vars(kind))) for kind in kinds)
 
 
@@ -66,7 +66,7 @@ def original_classes() -> Iterator[None]:
 
 
 def reject_overrides(*artists: Any) -> None:
-    """Raise OverriddenArtistError if student code overrides, in an artist or its class, a member that the grader reads."""
+    """Raise OverriddenArtistError if student code overrides a member that the grader reads, as it may report what is not drawn."""
     for artist in artists:
         strange = [kind for kind in type(artist).__mro__ if kind not in _CLASSES and kind.__module__ != "builtins"]
         own = [name for kind in strange if not _generated(kind) for name in vars(kind) if _is_asked(name)]
@@ -76,12 +76,12 @@ def reject_overrides(*artists: Any) -> None:
 
 
 def _is_asked(name: str) -> bool:
-    """Return whether the grader reads members of this name from artists: all getters, and a few others such as `lines`."""
+    """Return whether the grader reads artist members of this name (getters and a few others), which nobody may override."""
     return name.startswith("get_") or name in _ASKED
 
 
 def _generated(kind: type) -> bool:
-    """Return whether a class is matplotlib's own, loaded after `remember_classes`, and not one that student code derived."""
+    """Return whether a class is matplotlib's own, loaded after `remember_classes`; what it overrides is not the student's."""
     return kind.__module__.startswith(("matplotlib.", "mpl_toolkits.")) and "<locals>" not in kind.__qualname__
 
 
@@ -89,12 +89,12 @@ def _generated(kind: type) -> bool:
 
 
 def place(axes: Any) -> Any:
-    """Return a panel's position as fractions of the whole figure; `axes.get_position()` gives it within its subfigure."""
+    """Return a panel's position as fractions of the whole figure, as a reader sees it, also if the panel is in a subfigure."""
     return axes.bbox.transformed(axes.get_figure().canvas.figure.transFigure.inverted())
 
 
 def readable_text(text: Any, behind: Any) -> str:
-    """Return the first 200 characters of a text; "" if it is None, hidden, tiny or has the colour of the background `behind`."""
+    """Return a text that a reader can see, at most 200 characters; "" if it is None, hidden, tiny or of the colour `behind` it."""
     from matplotlib.colors import to_rgba
 
     if text is None or not text.get_visible() or float(text.get_fontsize()) < _SMALLEST_FONT:

@@ -18,7 +18,7 @@ _POSITIONAL = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_O
 
 @dataclass(frozen=True)
 class Slot:
-    """One argument that the grader has for a student's function, and the rules by which a parameter is found for it.
+    """One argument of a call by the grader, and the rules by which a parameter of the student's function is found for it.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class CallPlan:
 
 
 def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
-    """Return how to call a function with these slots (arguments): as on the lab sheet if the function allows, or as last resort."""
+    """Return how to call a function with these arguments (slots): as on the lab sheet if that fits, or if nothing else does."""
     promised = CallPlan(
         tuple(slot.name for slot in slots if slot.passed == "position"),
         {slot.name: slot.name for slot in slots if slot.passed == "option"},
@@ -106,9 +106,10 @@ def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
 def adapt(
     function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return a function to call with the sheet's positional arguments, and the names of slots in which the student's own differs.
+    """Return a function that takes the lab sheet's positional arguments, and the names of the slots in which the original differs.
 
-    `spares` holds values of arguments beyond the sheet. A function that can be called as on the sheet is returned unchanged.
+    A slot is an argument of the call; `spares` holds values of those that are not on the sheet. A function that can be called as on
+    the sheet is returned unchanged.
     """
     way = plan_call(function, slots)
     if way.as_promised:

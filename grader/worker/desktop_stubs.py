@@ -23,7 +23,7 @@ RunMagic = Callable[[str, dict[str, Any]], None]
 
 
 class Stub(types.ModuleType):
-    """Stand-in for a module, window or device of a desktop: it accepts every call, answers with itself and shows nothing.
+    """Stub of a module, window or device: it accepts every call, answers with itself and shows nothing, so that its user runs on.
 
     Parameters
     ----------

@@ -104,7 +104,7 @@ def _draw_small(figure: Any, renderer: Any) -> None:
 
 
 def _draw_figure(figure: Any, renderer: Any) -> None:
-    """Draw a figure or subfigure with all its artists, the panels without what hides no curve (`_draw_panel`)."""
+    """Draw a figure or subfigure with all its artists, but its panels (axes) by `_draw_panel`, which leaves some out."""
     from matplotlib.axes import Axes
     from matplotlib.figure import SubFigure
 
@@ -185,7 +185,7 @@ def _is_ordinary_axis(axis: Any) -> bool:
 
 
 def _tick_labels(axis: Any) -> tuple[int, list[str]]:
-    """Return the number of an axis's ticks and their labels, without creating Tick objects, which is slow."""
+    """Return the number of an axis's ticks and their labels, without Tick objects, which are slow; raise what formatters raise."""
     places, between = axis.get_majorticklocs(), axis.get_minorticklocs()
     said = [*axis.get_major_formatter().format_ticks(places), axis.get_major_formatter().get_offset()]
     said += axis.get_minor_formatter().format_ticks(between)
@@ -299,14 +299,17 @@ def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any 
 
 
 def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """Save a figure in full by `really`, for a submission that reads its pictures back; very large ones get a lower resolution."""
+    """Save a figure in full by matplotlib's own method `really`, for a submission that reads its pictures back.
+
+    A very large picture gets fewer dots per inch than `asked`, so that it costs no minutes.
+    """
     figure = canvas.figure
     dots = min(_dpi(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
     really(canvas, target, dots, **options)
 
 
 def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """Save as many zero bytes as the raw pixels would be, for a film's frame, which nobody looks at; nothing is drawn."""
+    """Save raw pixels, such as a frame of a film, as the right number of zero bytes: nobody looks at them, and drawing is slow."""
     del really, options
     content = blank(canvas.figure, asked)
     target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)

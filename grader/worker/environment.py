@@ -59,12 +59,12 @@ _INSTEAD: dict[str, str] = {}
 
 
 def redirect_missing(ending: str, place: str) -> None:
-    """Let missing paths that end with `ending`, such as the model's, lead to the file `place` of the scratch folder."""
+    """Let missing paths that end with `ending`, such as the lab model's, lead to the file `place` of the submission's folder."""
     _INSTEAD[ending] = place
 
 
 def is_redirected(path: Any) -> bool:
-    """Return whether a path, if it is missing, leads to another file: `redirect_missing` was called for its ending."""
+    """Return whether a path, if missing, would lead to another file, such as the lab's model (see `redirect_missing`)."""
     return _ending(path) in _INSTEAD
 
 

@@ -26,7 +26,7 @@ _MAX_INKS = 8
 
 
 def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
-    """Return the facts of a figure that the grader judges, as plain data; `packer` takes the arrays, and the facts name them.
+    """Return the facts of a figure that the grader judges (panels, texts, curves) as plain data; `packer` takes their arrays.
 
     Raise OverriddenArtistError if student code answers in place of one of matplotlib's artists.
     """
@@ -90,7 +90,10 @@ def _axes(axes: Any, packer: Packer) -> dict[str, Any]:
 
 
 def _subfigure_texts(axes: Any, behind: Any) -> dict[str, str]:
-    """Return title and axis labels of the subfigure that holds a panel; each "" in no subfigure, as the figure reports its own."""
+    """Return the title and axis labels of the subfigure around a panel, so far as they can be read on the background `behind`.
+
+    Each is "" for a panel of the figure itself, whose texts are reported once.
+    """
     part = axes.get_figure()
     whole = part is part.canvas.figure
     artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
@@ -145,7 +148,7 @@ def _style_of_points(points: Any) -> tuple[str, str]:
 
 
 def _curves_drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
-    """Yield x, y and colour of each curve in joined artists that are not lines: line collections, stairs, scattered points."""
+    """Yield x, y and colour of each curve in artists that are no lines: line collections, stairs, scatters joined from `pieces`."""
     from matplotlib.collections import Collection, LineCollection
     from matplotlib.patches import StepPatch
 

@@ -10,7 +10,7 @@ from . import statements
 
 
 def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield each required name that the statements do not define, with their one definition whose name is nearly the same."""
+    """Yield each required name that the statements do not define, with the only definition whose name is nearly the same."""
     missed = set(wanted).difference(*map(statements.bound, nodes))
     for name in sorted(missed):
         kind = ast.ClassDef if name[0].isupper() else ast.FunctionDef
@@ -36,7 +36,7 @@ def is_near(own: str, name: str) -> bool:
 
 
 members_of = type.__dict__["__dict__"].__get__
-"""The members of a class, whatever its own class would answer."""
+"""Function that returns a class's own members; it asks `type`, not a metaclass of the student's."""
 
 
 def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:

@@ -51,7 +51,7 @@ class Guard:
 
 
 Member = tuple[Mapping[str, Any], str, Any, types.CodeType | None]
-"""Where a name stands, what it stands for, and what that does if it is a function."""
+"""The namespace of a name, the name, the object that it names, and the code of that if it is a function (else None)."""
 
 
 def _members(module: types.ModuleType) -> Iterator[Member]:

@@ -48,7 +48,7 @@ def joined(
 
 
 def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
-    """Concatenate the points (k, 2) of a curve's pieces; of equal neighbours, such as end and next beginning, one is kept."""
+    """Concatenate the points (k, 2) of a curve's pieces; the end of a piece and an equal beginning of the next are one point."""
     points = np.concatenate([np.asarray(part, dtype=float) for part in parts])
     repeated = np.zeros(len(points), dtype=bool)
     repeated[1:] = (points[1:] == points[:-1]).all(axis=1)
@@ -56,7 +56,7 @@ def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def is_chain(segments: list[Any]) -> bool:
-    """Return whether segments are one curve whose shade changes: each begins where the one before it ends, and they are many."""
+    """Return whether segments are one curve whose shade changes: eight or more, each beginning where the one before it ends."""
     if len(segments) < MIN_PIECES or any(len(segment) < 2 for segment in segments):
         return False
     return all(np.array_equal(before[-1], after[0]) for before, after in itertools.pairwise(segments))

@@ -40,7 +40,7 @@ _LEVELS = 1 + _ABOVE.count("/")
 
 
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Write the submission's files into the scratch folder and prepare the process; no student code runs yet.
+    """Answer a request: write the submission's files into the scratch folder and prepare the process. No student code runs yet.
 
     Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
     """
@@ -71,7 +71,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Import a file of the submission, or run a notebook, and report its required names, skipped statements, figures and errors."""
+    """Answer a request: import a file, or run a notebook; report required names, skipped statements, figures and syntax errors."""
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -84,7 +84,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Run one file as `python FILE` does, for its plots; return the figures that it made and its first error (None without one)."""
+    """Answer a request: run a file as `python FILE` does; return its figures and its first error (None without one)."""
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -105,7 +105,7 @@ def _main_module(path: str) -> types.ModuleType:
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the required names that each file or notebook defines at module level. The text is parsed; no code runs."""
+    """Answer a request: return the required names that each file or notebook defines at module level. No code runs."""
     del fields, arrays
     found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in STATE.code())
     return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}
@@ -145,7 +145,7 @@ def _absent_names(home: str) -> Any:
 
 
 class _MissingPartner(importlib.machinery.SourceFileLoader):
-    """Loader of the stand-ins (working definitions by the grader) in place of a required file that was not submitted."""
+    """Loader of a required file that was not submitted: its module holds stand-ins, working definitions that the grader sends."""
 
     def get_code(self, fullname: str) -> types.CodeType:
         return compile("", self.path, "exec")
@@ -157,7 +157,7 @@ class _MissingPartner(importlib.machinery.SourceFileLoader):
 
 
 class _UnderAnotherName(_MissingPartner):
-    """Loader that supplies a missing required file from another file of the submission that defines its names."""
+    """Loader of a required file that was not submitted: it runs another file that defines its names, and passes these on."""
 
     def exec_module(self, module: types.ModuleType) -> None:
         found = _run_notebook(self.path) if self.path.endswith(".ipynb") else _import_file(self.path)
@@ -165,7 +165,7 @@ class _UnderAnotherName(_MissingPartner):
 
 
 class _PartnerFinder:
-    """Import finder for required files that were not submitted under their names, so that other files can import them."""
+    """Import finder for required files that were not submitted under their names, so that the files that import them still run."""
 
     @staticmethod
     def find_spec(name: str, path: Any = None, target: Any = None) -> Any:
@@ -192,7 +192,7 @@ def _prepare_imports() -> None:
 
 
 def _original_of(place: str) -> str:
-    """Return the submission's folder to which a copy above it belongs, as for ``../step5``; ImportError if there is none."""
+    """Return the submission's own folder in place of one above it, such as ``../step5``; raise ImportError if there is none."""
     for above in Path(STATE.folder).parents[:_LEVELS]:
         if Path(place).is_relative_to(above) and (own := Path(STATE.folder, Path(place).relative_to(above))).is_dir():
             return str(own)
@@ -231,7 +231,7 @@ def _import_file(path: str) -> types.ModuleType | None:
 
 
 def _run_file(path: str, names: dict[str, Any]) -> bool:
-    """Run a file's statements in the namespace `names`; return True if the file parses and no statement failed."""
+    """Run a file's statements in the namespace `names`, skipping those that fail; return True if it parses and none failed."""
     standins.fill(path, names)  # what a file misspells, its own lines may call by the right name
     units = compiling.units_in(Path(STATE.folder, path).read_bytes(), path)
     if units is None:
@@ -245,13 +245,16 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
 
 
 def _run_what_parses(path: str, names: dict[str, Any]) -> None:
-    """Run the statements that parse of a file with a syntax error, with stand-ins for the others, so that its figures are drawn."""
+    """Run those statements of a file with a syntax error that parse, so that its figures are drawn.
+
+    Stand-ins, working definitions that the grader sends, are there in place of the others.
+    """
     units = compiling.units_that_parse(Path(STATE.folder, path).read_bytes(), path)
     _run_units(units, path, names, _missing_imports(path, units, names), standins.misspelled(path, units))
 
 
 def _library_or_partner(name: str) -> Any:
-    """Return what a name stands for that a file forgot to import: of another required file, or a library; None if unknown."""
+    """Return what a name means that a file forgot to import, from a required file or a library of the lab; None if unknown."""
     if name not in STATE.homes:
         return STATE.sheet_names(STATE.lab_configuration, {}).get(name)
     try:
@@ -316,7 +319,7 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:
-    """Do what ``%run FILE`` does: run the file, a notebook in the namespace `names`, a program before its names are put there."""
+    """Do what ``%run FILE`` does: run a notebook's cells in the namespace `names`, or run a program and add its names to it."""
     path = next(Path(word).as_posix() for word in shlex.split(line) if not word.startswith("-"))
     if path.endswith(".ipynb"):
         _run_cells(path, names)
@@ -327,7 +330,10 @@ def _run_magic(line: str, names: dict[str, Any]) -> None:
 
 
 def _write_cells_to_files(path: str, withheld: list[str]) -> None:
-    """Write the files of ``%%writefile NAME.py`` cells before anything is imported, except existing and `withheld` ones."""
+    """Write the files of ``%%writefile NAME.py`` cells, so that they are there before anything is imported.
+
+    Existing files are kept, and those in `withheld`, which killed an earlier process, are not written.
+    """
     try:
         files = notebooks.files_written(Path(STATE.folder, path).read_bytes())
     except (ValueError, RecursionError):

@@ -66,7 +66,7 @@ def plain_python(cell: str) -> str:
 
 
 def _rejected_line(lines: list[str]) -> int | None:
-    """Return the index of the line that the parser rejects, or of the line that it continues; None if there is none to replace."""
+    """Return the index of the line that the parser rejects, or of the line that it continues; None if the parser names no line."""
     try:
         ast.parse("\n".join(lines))
     except SyntaxError as error:

@@ -30,7 +30,10 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return the figures recorded since the last `take`, and their arrays; with `with_open` also those open and never saved."""
+        """Return the figures recorded since the last `take`, and their arrays; `folder` is where the submission saves its pictures.
+
+        With `with_open`, figures that are still open and were never saved are recorded first.
+        """
         import matplotlib.pyplot as plt
 
         if with_open:
@@ -56,10 +59,10 @@ class Recorder:
         kind: str = "",
         seen: drawing.Preview | None = None,
     ) -> None:
-        """Record the facts of a figure at an `event`, unless it is known or twelve are; `seen` is its small picture, if one exists.
+        """Record the facts of a figure at an `event` (saved, shown, closed), unless it is known already or twelve figures are.
 
         A figure that was empty, or is saved again, is recorded again. `target`, `dpi` and `kind` (the format) are those of
-        `savefig`.
+        `savefig`; `seen` is the small picture, if it was drawn already.
         """
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
@@ -83,7 +86,10 @@ class Recorder:
     def _with_artists(
         self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Preview | None
     ) -> saved.RecordedFigure:
-        """Return the figure's record: facts with its artists, and a small picture called `name`; neither if an artist raises."""
+        """Return a figure's record: `facts`, with those of its artists added, and its small picture, called `name` in them.
+
+        If artists of the student's own raise, the facts name the error, and there is no picture.
+        """
         try:
             with artist_facts.original_classes():
                 seen = seen or drawing.draw_preview(figure)

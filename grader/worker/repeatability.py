@@ -35,7 +35,7 @@ So a loop that runs for some seconds makes the same number of rounds in every ru
 
 
 class _Bytes:
-    """Source of random bytes, SHAKE-128 over a counter: statistically like the kernel's, and the same in each run."""
+    """Source of random bytes in place of the kernel's: SHAKE-128 over a counter, statistically alike, and the same in each run."""
 
     def __init__(self) -> None:
         self.restart(0)
@@ -175,7 +175,7 @@ def _replace_process() -> None:
 
 
 def _replace_random_bytes() -> None:
-    """Replace the system's random bytes by `_BYTES`, which repeat: in `os.urandom`, `secrets` and unseeded generators."""
+    """Take random bytes from `_BYTES`, the same in each run: in `os.urandom`, `secrets` and generators without a seed."""
     seed_by = random.Random.seed
 
     def seeded(self: random.Random, a: Any = None, version: int = 2) -> None:
@@ -194,7 +194,7 @@ copies and a conversion to float32 and back."""
 
 
 def _fill_empty_arrays() -> None:
-    """Let `np.empty` and `np.empty_like` return arrays of `NEVER_WRITTEN`, so that values never written repeat and are found."""
+    """Let `np.empty` and `np.empty_like` fill their arrays (`NEVER_WRITTEN`), so that forgotten elements repeat and are found."""
     numpy = sys.modules["numpy"]  # the student's; the worker code has a copy of the module
     for name in ("empty", "empty_like"):
         setattr(numpy, name, _filled(getattr(numpy, name)))

@@ -28,7 +28,7 @@ with its own full canvas and at most 0.55 with the canvas of another."""
 
 @dataclass
 class RecordedFigure:
-    """A recorded figure: its facts (plain data), its small picture, and bytes and path that saving it wrote; None where unknown."""
+    """A figure as it was saved or shown: facts (plain data), small picture, and the file (bytes, path) that saving wrote."""
 
     facts: dict[str, Any]
     seen: Preview | None

@@ -40,7 +40,7 @@ class Screen:
     # --- showing -------------------------------------------------------------------------------------------------------
 
     def show_figure(self, canvas: Any) -> None:
-        """Report a canvas's figure as shown and call its draw callbacks, without drawing pixels; callbacks that draw may nest."""
+        """Report a canvas's figure as shown and call its draw callbacks, which may draw again (five deep); draw no pixels."""
         from matplotlib.backend_bases import DrawEvent
 
         if self._depth > 4:
@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Run the event loop: fire the timers in the order in which they are due, for `seconds`, or until none is left (None)."""
+        """Run the event loop: fire the timers in the order in which they are due, for `seconds`; None means until none is left."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):

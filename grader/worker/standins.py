@@ -32,12 +32,12 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return the stand-ins of the names that the lab expects in a module, for a submission that lacks its file."""
+    """Return the stand-ins (working definitions by the grader) of a module's names, for a submission that lacks its file."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
 def standin_for(own: Any, name: str) -> Any:
-    """Return the stand-in for the student's definition `own`; a class keeps additional methods, which a script may call."""
+    """Return the grader's working definition in place of the student's `own`; a class keeps additional methods of the student's."""
     standin = STATE.standins[name]
     if not (issubclass(type(own), type) and isinstance(standin, type)):
         return standin
@@ -51,19 +51,25 @@ def standin_for(own: Any, name: str) -> Any:
 
 
 def misspelled(path: str, units: list[statements.Unit]) -> dict[str, str]:
-    """Return the definitions that a file misspells, with the names that they should have, so that both names can be used."""
+    """Return a file's misspelled definitions, {own name: required name}, so that the right names can be added."""
     pairs = fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path))
     return {own: name for name, own in pairs}
 
 
 def replace_defined(node: ast.stmt, meant: Mapping[str, str], names: dict[str, Any]) -> None:
-    """Replace what a statement has just defined by its stand-in, if there is one; `meant` maps misspelled names to right ones."""
+    """Replace what a statement has just defined by the grader's working definition of that name, if there is one.
+
+    `meant` maps misspelled names to right ones.
+    """
     known = {own: meant.get(own, own) for own in statements.bound(node)}
     names.update({own: standin_for(names.get(own), n) for own, n in known.items() if n in STATE.standins})
 
 
 def alias_misspelled(meant: Mapping[str, str], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Define misspelled definitions under their right names, too, and yield (right, misspelled), without those of stand-ins."""
+    """Define misspelled definitions under their right names, too; yield (right, misspelled) for the report.
+
+    Those that a stand-in (the grader's definition) replaced are left out.
+    """
     for own, name in meant.items():
         if name not in STATE.standins and own in names:
             names[name] = names[own]

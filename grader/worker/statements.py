@@ -35,7 +35,7 @@ DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 class OutOfTimeError(BaseException):
-    """Exception: a statement exceeded its time. As a BaseException it passes `except Exception` in student code."""
+    """Exception: a statement used up its time. It is a BaseException, so that `except Exception` in student code lets it pass."""
 
 
 class MissingName:
@@ -218,7 +218,7 @@ class StatementRunner:
         self.noted.append(told | about | {"within": sorted(within)})
 
     def defined(self, names: dict[str, Any]) -> list[str]:
-        """Return the required names that are defined in the namespace `names`, not as placeholders."""
+        """Return the required names that the namespace `names` defines; placeholders of failed imports do not count."""
         return [name for name in self.wanted if name in names and not isinstance(names[name], MissingName)]
 
     def _write_place(self) -> None:
@@ -250,7 +250,7 @@ def is_main_guard(node: ast.stmt) -> TypeGuard[ast.If]:
 
 
 def _callables_on(trace: types.TracebackType | None, wanted: Collection[str]) -> set[str]:
-    """Return the required functions, and classes of methods, whose code is in a traceback: they ran when time was up."""
+    """Return the required functions, and classes of methods, that ran when a statement was interrupted, by its traceback."""
     found: set[str] = set()
     while trace is not None:
         code, names = trace.tb_frame.f_code, trace.tb_frame.f_globals
@@ -282,7 +282,7 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 
 
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
-    """Return the top-level statements of a file, each compiled alone; raise SyntaxError if one does not compile."""
+    """Return a file's top-level statements, each compiled alone, a cell with `await` whole; SyntaxError if one cannot be."""
     flags |= _future_flags(tree)
     if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _awaits(tree) and tree.body:
         whole: types.CodeType = compile(tree, name, "exec", flags, dont_inherit=True)

@@ -49,7 +49,7 @@ class Clock:
         self._me[get_ident()] = thread
 
     def add(self, thread: object) -> None:
-        """Add a thread that starts next. From now on the others run only while it pauses or waits."""
+        """Add a thread that starts next. From now on the others run only while it pauses or waits, so that one runs at a time."""
         with self._guard:
             self._threads[thread] = None
 
