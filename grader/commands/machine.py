@@ -98,15 +98,11 @@ def _one_copy(isolation_level: IsolationLevel) -> DoctorFinding:
         search = one_copy.search(isolation_level, chosen_lab().packages)
     except GraderError as error:
         return DoctorFinding("hidden", False, f"could not be checked from inside the sandbox: {error}")
-    if not search.found:
-        return DoctorFinding(
-            "hidden", True, f"the {search.opened:,} files that code in the sandbox can open contain no grader files"
-        )
-    return DoctorFinding(
-        "hidden",
-        False,
-        f"code in the sandbox can open {len(search.found)} grader files; the first is {search.found[0]}",
-    )
+    if search.found:
+        text = f"code in the sandbox can open {len(search.found)} grader files; the first is {search.found[0]}"
+    else:
+        text = f"the {search.opened:,} files that code in the sandbox can open contain no grader files"
+    return DoctorFinding("hidden", not search.found, text)
 
 
 def _versions() -> list[DoctorFinding]:

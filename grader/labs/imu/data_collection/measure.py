@@ -286,12 +286,9 @@ def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
         return False
     if all_alike(run.series):
         rows, others = run.series.acceleration, leaning.acceleration
-        return (
-            rows is not None
-            and others is not None
-            and len(others) > 0
-            and bool(np.abs(others[0] - rows[0]).max() > _LEAN / 10)
-        )
+        if rows is None or others is None or not len(others):
+            return False
+        return bool(np.abs(others[0] - rows[0]).max() > _LEAN / 10)
     first, second = (_with_simulation(student, truth, each) for each in (run.series, leaning))
     return first is not None and second is not None and follows(*first, *second)
 
