@@ -47,9 +47,9 @@ def _compiled(pattern: str) -> re.Pattern[str]:
 
 
 @cache
-def reasons(file: str = "equivalent.yaml") -> Reasons:
-    """What a file of reasons says."""
-    said = yaml.safe_load(Path(__file__).with_name(file).read_text(encoding="utf-8"))
+def reasons() -> Reasons:
+    """What the file of reasons says."""
+    said = yaml.safe_load(Path(__file__).with_name("equivalent.yaml").read_text(encoding="utf-8"))
     return Reasons(frozenset(key for group in said["equivalent"] for key in group["mutants"]), said["unjudged"])
 
 
