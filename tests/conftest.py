@@ -46,11 +46,12 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 SLOW = (
     *FIRST, "browser", "fuzz", "hostile", "labs", "mutants", "sandbox",
     "test_absent", "test_adjusting", "test_advice", "test_agreement", "test_batch", "test_budgets", "test_calibrate", "test_chance", "test_charts",
-    "test_claims", "test_class_analysis", "test_class_memory", "test_class_people", "test_cli", "test_compat", "test_desk_repairs",
+    "test_claims", "test_class_analysis", "test_class_memory", "test_class_people", "test_cli", "test_compat", "test_deducted_once",
+    "test_desk_repairs",
     "test_docs", "test_drawing", "test_exports", "test_extensions", "test_first_screen",
-    "test_hidden_feedback", "test_invariances", "test_kit", "test_marking", "test_not_running", "test_other_systems",
+    "test_hidden_feedback", "test_invariances", "test_kit", "test_marker", "test_marking", "test_missing_packages", "test_not_running", "test_other_systems",
     "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_regrading",
-    "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repository", "test_repro",
+    "test_repair_suggestions", "test_repairs", "test_repeatable", "test_replays", "test_repository", "test_repro", "test_second_faults",
     "test_shadowing_modules", "test_statements", "test_styles", "test_traces", "test_two_faults",
     "test_variants",
 )  # fmt: skip
