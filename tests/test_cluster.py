@@ -142,6 +142,7 @@ def evidence(out: Path) -> tuple[object, ...]:
     return charts, fingerprints
 
 
+@pytest.mark.weekly
 def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
     site: Site, here: GradeRequest, tmp_path: Path
 ) -> None:

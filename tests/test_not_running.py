@@ -31,14 +31,14 @@ def _judged() -> list[Case]:
     return [case for cases in alike.values() for case in (cases if len(cases) < 2 else (cases[0], cases[-1]))]
 
 
-@pytest.mark.parametrize("case", thinned(_judged(), 6))
+@pytest.mark.parametrize("case", thinned(_judged(), 12))
 def test_it_costs_what_needs_it_alone(case: Case, player: Marking) -> None:
     lost = {check.partition(".")[0] for check in lost_by(marked(player, case.files))}
     assert lost <= DEFINED_IN[case.file]
     assert len(lost) == (len(DEFINED_IN[case.file]) if case.name.startswith("syntax") else 1)
 
 
-@pytest.mark.parametrize("nothing", thinned(of("nothing"), 6))
+@pytest.mark.parametrize("nothing", thinned(of("nothing"), 12))
 def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Case, player: Marking) -> None:
     assert graded_by(player, nothing).troubles == []
 
