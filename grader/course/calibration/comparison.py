@@ -142,7 +142,7 @@ def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
         len(cells),
         statistics.fmean(apart) if apart else None,
         statistics.fmean(abs(each.difference) for each in cells),
-        None if few else float(special.stdtrit(len(means) - 1, 0.975)) * statistics.stdev(means) / math.sqrt(len(means)),
+        None if few else special.stdtrit(len(means) - 1, 0.975) * statistics.stdev(means) / math.sqrt(len(means)),
         statistics.fmean(each.difference for each in cells),
         sum(each.is_outside for each in cells),
     )
