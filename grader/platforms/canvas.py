@@ -185,7 +185,7 @@ def _reading(match: re.Match[str]) -> _Reading:
 def _confirmed(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapping[str, str]) -> _Reading | None:
     """Return the reading that is the only one, or that the roster (`known`) or a clear file name of the same person confirms.
 
-    None if it confirms none or several: whose file it is cannot be told then, and the instructor reads that.
+    None if none or several are confirmed: the file is then left over, because nobody can tell whose it is.
     """
     if len(readings) == 1:
         return readings[0]

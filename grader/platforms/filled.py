@@ -47,7 +47,7 @@ class Filled:
     replaced: list[str] = field(default_factory=list)
 
     def without_row(self, final_grade: FinalGrade) -> list[Person]:
-        """Return the people of a submission who have no row in the file; none if the submission has a row for its whole group."""
+        """Return the people of a submission who have no row in the file, to warn about them; none if its whole group has a row."""
         if Match(final_grade.id, None) in self.placed:
             return []
         return [person for person in final_grade.people if Match(final_grade.id, person) not in self.placed]
@@ -139,7 +139,7 @@ def _write_grade(layout: TemplateLayout, row: SheetRow, points: str, filled: Fil
 
 
 def _scale_factor(layout: TemplateLayout, template: Template, row: SheetRow, final_grade: FinalGrade) -> float:
-    """Return the factor from the rubric's points to those of the file; RequestError if they differ and are not to be scaled."""
+    """Return the factor from the rubric's points to the file's; RequestError if the maxima differ and points are not scaled."""
     most, ours = decimal(layout.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:
         return 1.0  # the file names no other maximum

@@ -78,7 +78,7 @@ def _points(check: CheckResult) -> str:
 
 
 def _total_command(result: Result) -> str:
-    """Return the command with the total. Without gradable files it is an error, because a passing job would hide that."""
+    """Return the workflow command that shows the total; without gradable files an error, as a passing job would hide that."""
     kind = "error" if result.status in ("empty", "unreadable") else "notice"
     said = ": ".join(filter(None, [words.total_points(result), words.STATUS[result.status]]))
     return f"::{kind} title={_property(result.lab.label)}::{_data(said)}"

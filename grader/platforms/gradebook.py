@@ -53,7 +53,7 @@ def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = 
 
 
 def _row_for(columns: Mapping[str, Cell], final_grade: FinalGrade, person: Person) -> dict[str, str]:
-    """Return the row of one of the people of a submission, as text by column title."""
+    """Return the row of one person of a submission for `exported`, as text by column title."""
     own = {"id": _text(person.number or final_grade.id), "name": _text(person.name), "section": _text(person.section)}
     shared = {title: cell(final_grade) for title, cell in columns.items()}
     return {**shared, **own, "submission": final_grade.id}

@@ -47,7 +47,7 @@ def _suite(root: Element, part: rows.ResultPart, result: Result, at: datetime) -
 
 
 def _new_suite(root: Element, name: str, at: datetime, facts: Iterable[tuple[str, str]] = ()) -> Element:
-    """Add a suite with these facts as its properties, and return it."""
+    """Add a suite, such as one of a criterion, with these facts as its properties, and return it."""
     suite = SubElement(root, "testsuite", name=name, timestamp=at.isoformat(timespec="seconds"))
     properties = SubElement(suite, "properties")
     for key, value in facts:
@@ -63,7 +63,7 @@ def _set_counts(suite: Element, checks: Iterable[CheckResult] = ()) -> None:
 
 
 def _repairs(root: Element, result: Result, at: datetime) -> None:
-    """Add a suite without cases that lists the repairs; its negative score is the points deducted for them."""
+    """Add a suite without cases that lists the repairs (patches by an instructor); its negative score is their deduction."""
     lines = ((f"repair.{number}", line) for number, line in enumerate(words.repairs(result), 1))
     _set_counts(_new_suite(root, "repairs", at, [("score", words.number(-result.repair_deduction)), *lines]))
 

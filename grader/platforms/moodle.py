@@ -172,7 +172,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _means_one_person(name: str, known: Mapping[str, str]) -> bool:
-    """Return whether a file name identifies one person: a second number in it may belong to the name of a person or of a file."""
+    """Return whether a file name means one person: it has one number, or the first alone is in the roster (`known`)."""
     numbers = _WITHIN.findall(name)
     return len(set(numbers)) == 1 or (numbers[0] in known and not set(numbers[1:]) & known.keys())
 

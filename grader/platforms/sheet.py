@@ -29,7 +29,10 @@ class SheetRow:
 
 @dataclass
 class CsvSheet:
-    """Rows of a CSV file; the first row holds the titles. `marked` says that the file starts with a byte order mark."""
+    """A CSV file in memory, of which cells are set and all others written back unchanged; the first row holds the titles.
+
+    `marked` says that the file starts with a byte order mark.
+    """
 
     delimiter: str
     rows: list[SheetRow] = field(default_factory=list)
@@ -51,7 +54,7 @@ class CsvSheet:
         row.cells[column] = '"{}"'.format(text.replace('"', '""')) if needs else text
 
     def keep(self, columns: list[int]) -> None:
-        """Remove all columns of the table except these."""
+        """Remove all columns except these, because the program that reads the file would take the others, too."""
         for row in self.rows:
             row.cells = [row.cells[i] for i in columns if i < len(row.cells)]
 

@@ -36,7 +36,7 @@ def command(plan: Plan, control_fd: int) -> list[str]:
 
 
 def _python() -> Iterable[str]:
-    """Return the files that Python needs beside its libraries: the program, and the marker of a virtual environment."""
+    """Return the files to show that Python needs beside its libraries: the program, and a virtual environment's marker."""
     return _program(), os.path.join(sys.prefix, "pyvenv.cfg")
 
 

@@ -53,7 +53,7 @@ class _Loader(SourceFileLoader):
 
 
 class _Finder:
-    """Import finder for the packages in `folders`, each in a folder of its own, wherever it lies."""
+    """Import finder for the packages in `folders`, which are outside `sys.path`, used only while they are imported."""
 
     def __init__(self, folders: Mapping[str, str]) -> None:
         self._folders = folders

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class IsolationLevel:
-    """One isolation level: what it consists of, how it is set up, and its description for `imugrade doctor` and the documentation.
+    """One isolation level, a way to keep student code from the machine: what it consists of, and how it is set up.
 
     Attributes
     ----------

@@ -129,9 +129,9 @@ def _needs(distribution: Distribution) -> Iterable[Requirement]:
 
 
 def entries_of(distribution: Installed) -> tuple[str, ...]:
-    """Return the absolute paths of a distribution's files and folders in its package folder, its metadata folder included.
+    """Return the absolute paths of a distribution's files and folders in its package folder, which a sandbox shows one by one.
 
-    Files that only point to other folders (``.pth``, ``.egg-link``) are left out.
+    Its metadata folder is among them. Files that only point to other folders (``.pth``, ``.egg-link``) are left out.
     """
     folder, record = os.path.split(distribution.record)
     read = Distribution.at(distribution.record).read_text

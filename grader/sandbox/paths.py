@@ -25,7 +25,7 @@ def is_below(path: str, folders: Iterable[str]) -> bool:
 
 
 def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
-    """Follow the links in an absolute path of the system below `root`: /lib may be a link to usr/lib, or a folder.
+    """Follow the links in an absolute path of the system below `root`, so that a sandbox can repeat them (/lib to usr/lib).
 
     Returns
     -------
@@ -71,7 +71,7 @@ def mount_steps(visible: Iterable[str], hidden: Iterable[str], root: str = "") -
 
 
 def _kind_over(path: str, done: Mapping[str, str]) -> str:
-    """Return the kind of step ("show", "hide") for a path or the nearest folder around it; "" if there is none yet."""
+    """Return which step ("show", "hide") already covers a path, by itself or by a folder around it; "" if none does."""
     while path not in done and path != "/":
         path = os.path.dirname(path)
     return done.get(path, "")

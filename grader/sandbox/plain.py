@@ -56,7 +56,7 @@ class PlainProcess:
             inherited = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
         scratch, fonts = os.path.join(self._place, "scratch"), os.path.join(self._place, "matplotlib")
         os.mkdir(scratch)
-        _link_font_lists(fonts)
+        _copy_font_lists(fonts)
         popen = subprocess.Popen(
             [sys.executable, "-B", "-s", surroundings.zygote(), "--plain", str(theirs.fileno()), json.dumps(plan)],
             stdin=subprocess.PIPE,
@@ -151,7 +151,7 @@ def _socket_as_bytes(theirs: socket.socket, pid: int) -> bytes:
     return b""
 
 
-def _link_font_lists(folder: str) -> None:
+def _copy_font_lists(folder: str) -> None:
     """Copy matplotlib's lists of fonts to a new folder; without them it searches the fonts, which may take many seconds."""
     os.mkdir(folder)
     with contextlib.suppress(OSError):

@@ -116,7 +116,7 @@ def _landlock_paths(plan: Plan) -> tuple[list[str], list[str]]:
 
 
 def _open_proc() -> int:
-    """Return a descriptor of /proc that stays valid after /proc is unmounted; -1 if there is no /proc."""
+    """Return a descriptor of /proc, by which workers use it after it is unmounted; -1 if there is no /proc."""
     try:
         return _move_up(os.open("/proc", os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC))
     except OSError:
@@ -160,7 +160,7 @@ def _contents(files: tuple[str, ...]) -> list[tuple[str, bytes]]:
 
 
 def _become_first(control: socket.socket) -> None:
-    """Fork into the new pid namespace; the child goes on, and this process only waits for it and ends as it does."""
+    """Fork, so that the child is pid 1 of the new pid namespace and goes on; this process waits for it and ends as it does."""
     pid = os.fork()
     if pid == 0:
         namespaces.die_with_parent()

@@ -58,7 +58,7 @@ def visible(extra: Sequence[Path] = (), libraries: tuple[str, ...] = ()) -> tupl
 
 
 def _libraries() -> tuple[str, ...]:
-    """Return the folders of shared libraries: of the system, of Python, and those in LD_LIBRARY_PATH."""
+    """Return the folders of shared libraries, which a sandbox shows: of the system, of Python, and those in LD_LIBRARY_PATH."""
     prefixes = {sys.base_prefix, sys.base_exec_prefix}
     named = filter(os.path.isabs, os.environ.get("LD_LIBRARY_PATH", "").split(":"))
     return (*LIBRARIES, *(os.path.join(prefix, name) for prefix in prefixes for name in ("lib", "lib64")), *named)
@@ -72,7 +72,7 @@ def _standard() -> tuple[str, ...]:
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """Return `sys.path` for a sandbox: the entries of ours that it shows, and the folders of installed packages."""
+    """Return `sys.path` for a sandbox: those of the grader's entries that the sandbox shows, and the package folders."""
     return (*_search_whole(shown), *packages.folders())
 
 
@@ -118,7 +118,7 @@ def hidden() -> tuple[str, ...]:
 
 @lru_cache(maxsize=2)
 def _package_folders(libraries: Sequence[str]) -> list[str]:
-    """Return the folders of installed packages, of whichever Python, below these folders of libraries."""
+    """Return the folders of installed packages, of whichever Python, below these folders of libraries, to hide them."""
     patterns = [pattern.format(name) for pattern in _PACKAGE_FOLDERS for name in packages.FOLDER_NAMES]
     found = (glob.glob(f"{glob.escape(folder)}/{pattern}") for folder in libraries for pattern in patterns)
     return sorted(path for paths in found for path in paths)
@@ -130,7 +130,7 @@ def decoy() -> str:
 
 
 def code() -> tuple[str, ...]:
-    """Return the modules of this package that run in a sandbox."""
+    """Return the paths of the modules of this package that run in a sandbox, where they are shown or copied."""
     return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_SANDBOX)
 
 

@@ -23,7 +23,7 @@ def own_name(path: str) -> str:
 
 
 def is_own(name: str) -> bool:
-    """Return whether a file name, such as that of a stack frame, belongs to student code; see `own_name`."""
+    """Return whether a file name, as of a stack frame, is that of student code, so that messages name the student's line."""
     return name.startswith(_OWN_PREFIX)
 
 

@@ -136,7 +136,7 @@ def _style_of_line(line: Any) -> tuple[str, ...]:
 
 
 def _points_in(artist: Any) -> int:
-    """Return the number of scattered points; for any other artist a number too large for a piece of a curve."""
+    """Return the number of scattered points; for any other artist a number so large that it is not joined to others."""
     from matplotlib.collections import PathCollection
 
     return int(np.shape(artist.get_offsets())[0]) if isinstance(artist, PathCollection) else MAX_PIECE + 1
@@ -204,12 +204,12 @@ def _line(pieces: list[Any], packer: Packer) -> dict[str, Any]:
 
 
 def _points_of(line: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return x and y of a line as they are drawn: dates and category names as numbers."""
+    """Return x and y of a line as they are drawn, dates and category names as numbers, so that they can be compared."""
     return _plain_floats(line.get_xdata(orig=False)), _plain_floats(line.get_ydata(orig=False))
 
 
 def _stroke(line: Any) -> str:
-    """Return as text what distinguishes lines of one colour for a reader: dashes, width and opacity."""
+    """Return as text what distinguishes lines of one colour (dashes, width, opacity), to match curves with legend samples."""
     dashes = getattr(line, "_unscaled_dash_pattern", None)  # matplotlib has no getter for it
     return _masked_text((dashes, line.get_linewidth(), line.get_alpha()))
 
@@ -283,7 +283,7 @@ def _colour(colour: Any) -> str:
 
 
 def _legend(legend: Any, behind: Any) -> list[dict[str, Any]]:
-    """Return the entries of a legend: text, and colour and stroke of the sample beside it; `behind` is the background colour."""
+    """Return the entries of a legend on a background: text, and colour and stroke of the sample, which tell the curve meant."""
     handles = getattr(legend, "legend_handles", None) or getattr(legend, "legendHandles", [])
     pairs = list(zip(legend.get_texts()[:_MAX_CURVES], handles, strict=False))
     artist_facts.reject_overrides(*(artist for pair in pairs for artist in pair))
@@ -305,7 +305,7 @@ def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
 
 
 def _text_with_place(text: Any) -> dict[str, Any]:
-    """Return a text with its colour and position; for an annotation the position of the point that it points at."""
+    """Return a text with its colour and place, as it may name a curve; for an annotation the place of the point it explains."""
     from matplotlib.text import Annotation
 
     where = text.xy if isinstance(text, Annotation) else text.get_position()  # an annotation may stand beside its point
