@@ -81,6 +81,11 @@ def recorded_rows() -> bytes:
     return stream.getvalue()
 
 
+def zip_bomb() -> bytes:
+    """Return a zip of a sound submission and 200 megabytes of zeros; a function of its own, as cases go to other processes."""
+    return zipped({**tidy(), "zeros.bin": bytes(200 << 20)})
+
+
 _OUTSIDE = {"../../outside.py": "print('outside')\n", "/tmp/absolute.py": "x = 1\n"}
 MADE: Mapping[str, Content | Callable[[], Content]] = {
     "white picture": png(64, 64, WHITE),
@@ -91,7 +96,7 @@ MADE: Mapping[str, Content | Callable[[], Content]] = {
     "damaged zip": damaged(GOOD_ZIP),
     "zip in a zip": nested(1),
     "zip in three zips": nested(3),
-    "zip bomb": lambda: zipped({**tidy(), "zeros.bin": bytes(200 << 20)}),  # two hundred megabytes
+    "zip bomb": zip_bomb,
     "zip that climbs out": zipped({**tidy(), **_OUTSIDE}),
     "tar cut short": tarred(tidy())[:900],
     "tar with a link": tarred({**tidy(), "evil": Link("../../../etc/passwd")}),

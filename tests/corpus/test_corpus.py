@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import Counter
 from pathlib import Path
 
@@ -46,6 +47,10 @@ def test_no_two_samples_have_the_same_name_or_the_same_files() -> None:
     for group in ((*ONE_FAULT, *of("pairs")), plain):
         contents = Counter(repr(sorted(case.files.items())) for case in group)
         assert max(contents.values()) == 1
+
+
+def test_a_case_can_be_handed_to_another_process() -> None:
+    assert pickle.dumps([*every()])
 
 
 def test_what_an_edit_or_a_patch_replaces_is_there_exactly_once() -> None:
