@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.base.errors import RequestError
-from grader.course.record.patches import LARGEST, applied, diff_of
+from grader.course.record.patches import LARGEST, apply_patch, diff_of
 
 pytestmark = pytest.mark.quick
 BEFORE = b"a\nb\nc\nd\ne\nf\ng\nh\ni\nj\nk\nl\n"
@@ -19,13 +19,13 @@ BEFORE = b"a\nb\nc\nd\ne\nf\ng\nh\ni\nj\nk\nl\n"
 def test_what_is_made_is_applied_back(before: bytes, data: st.DataObject) -> None:
     after = data.draw(st.lists(st.sampled_from([b"a", b"b\r", b"x", b"\xfe"]), max_size=12).map(b"\n".join))
     diff = diff_of("f.py", before, after)
-    assert (applied(before, diff) if diff else before) == after
+    assert (apply_patch(before, diff) if diff else before) == after
 
 
 def test_a_diff_reads_as_diff_u_writes_it_and_what_git_writes_above_it_is_passed_over() -> None:
     diff = diff_of("f.py", b"one\ntwo", b"one\n2\n")
     assert diff == "--- a/f.py\n+++ b/f.py\n@@ -1,2 +1,2 @@\n one\n-two\n\\ No newline at end of file\n+2\n"
-    assert applied(b"one\ntwo", f"diff --git a/f.py b/f.py\nindex 1..2 100644\n{diff}") == b"one\n2\n"
+    assert apply_patch(b"one\ntwo", f"diff --git a/f.py b/f.py\nindex 1..2 100644\n{diff}") == b"one\n2\n"
 
 
 HEAD = "--- a/f.py\n+++ b/f.py\n"
@@ -45,4 +45,4 @@ REFUSED = {
 @pytest.mark.parametrize(("diff", "said"), REFUSED.values(), ids=REFUSED)
 def test_what_does_not_fit_exactly_is_refused(diff: str, said: str) -> None:
     with pytest.raises(RequestError, match=said):
-        applied(BEFORE, diff)
+        apply_patch(BEFORE, diff)

@@ -69,7 +69,7 @@ def adjust(
         if table is not None:
             requests = [replace(each, id=who.by(each.id)) for each in adjusting.read_overrides(table)]
         elif take_back is not None:
-            requests = adjusting.undone_decision(store, take_back)
+            requests = adjusting.undoing_requests(store, take_back)
         elif id_ is not None and undo:
             requests = [adjusting.undone(store, who.by(id_), criterion)]
         elif id_ is not None or having is not None:

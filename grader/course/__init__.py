@@ -1,1 +1,1 @@
-"""A class from what was handed in to what is uploaded: grading, publishing, overrides, comparing two runs."""
+"""A whole class, from the submissions to the uploaded grades: grading, overrides, repairs, calibration, publishing."""

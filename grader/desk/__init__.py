@@ -1,1 +1,1 @@
-"""The review desk: a local web application over the record of a graded class. What it needs comes with the extra `desk`."""
+"""The review desk: a local web application for people who review a graded class. The extra `desk` installs what it needs."""

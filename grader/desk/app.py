@@ -1,4 +1,4 @@
-"""Routes of the review desk. Every route that changes something is a POST."""
+"""Routes of the review desk: which function answers which address. Every route that changes something is a POST."""
 
 from __future__ import annotations
 
@@ -62,12 +62,9 @@ WRITES: dict[str, Handler] = {
 
 
 def application(book: Classbook, keys: Keys, author: str) -> AccessControl:
-    """Return the desk over one class as an ASGI application.
+    """Return the review desk over one class, behind its access control, as an ASGI application.
 
-    Parameters
-    ----------
-    author
-        The name under which decisions are recorded unless the browser sets another.
+    `author` is the name under which decisions are stored unless the browser sets another.
     """
     called = f"{keys.cookie_name}-author"
 
@@ -75,19 +72,19 @@ def application(book: Classbook, keys: Keys, author: str) -> AccessControl:
         async def answer(request: Request) -> Response:
             try:
                 web_request = await web_requests.read(request, called, author)
-                await _awaited(book, web_request, request)
+                await _wait_for_job(book, web_request, request)
                 return await asyncio.get_running_loop().run_in_executor(
-                    book.thread, _answered, handler, book, web_request
+                    book.thread, _answer, handler, book, web_request
                 )
             except web_requests.TooLargeError:
-                return _refused("The form is too large: at most 2 MB.", 413)
+                return _error_page("The form is too large: at most 2 MB.", 413)
             except OvertakenError as problem:
                 back = "/what-if" if web_request.address == "/what-if" else web_request.address.rpartition("/")[0]
-                return _refused(f"{problem}. Your change was not saved.", 409, back)
+                return _error_page(f"{problem}. Your change was not saved.", 409, back)
             except RequestError as problem:
-                return _refused(str(problem), 400)
+                return _error_page(str(problem), 400)
             except Exception as problem:  # one failed page must not stop the desk
-                return _refused(f"The review desk failed: {type(problem).__name__}: {problem}", 500)
+                return _error_page(f"The review desk failed: {type(problem).__name__}: {problem}", 500)
 
         return answer
 
@@ -108,20 +105,20 @@ def application(book: Classbook, keys: Keys, author: str) -> AccessControl:
         Route("/who", set_author, methods=["POST"]),
         *(Route(f"/static/{name}", _static(name), methods=["GET"]) for name in STATIC),
     ]
-    nothing = {404: lambda request, problem: _refused("This page does not exist.", 404)}
+    nothing = {404: lambda request, problem: _error_page("This page does not exist.", 404)}
     return AccessControl(Starlette(routes=routes, exception_handlers=nothing), keys)
 
 
-def _answered(handler: Handler, book: Classbook, web_request: WebRequest) -> Response:
-    """Answer a request; the draft of a form that was accepted is dropped."""
+def _answer(handler: Handler, book: Classbook, web_request: WebRequest) -> Response:
+    """Answer a request by its handler. A redirect means that a form was accepted, so its draft is dropped."""
     answer = handler(book, web_request)
     if web_request.form and answer.status_code == 303:
         drafts.drop(book, web_request)
     return answer
 
 
-async def _awaited(book: Classbook, web_request: WebRequest, request: Request) -> None:
-    """Wait a moment for the job that a page is about, as most end within it; before an export, for the files of OUT."""
+async def _wait_for_job(book: Classbook, web_request: WebRequest, request: Request) -> None:
+    """Wait a moment for the grading job that a page shows, as most end within it; before an export, until all reports are there."""
     loop = asyncio.get_running_loop()
     job = book.jobs.get(web_request.number("job"))
     if job is not None and not job.done:
@@ -130,8 +127,8 @@ async def _awaited(book: Classbook, web_request: WebRequest, request: Request) -
         await loop.run_in_executor(None, book.settled)
 
 
-def _refused(message: str, status: int, overtaken: str = "") -> Response:
-    """Return the page of an error; `overtaken` is the page that somebody else has changed."""
+def _error_page(message: str, status: int, overtaken: str = "") -> Response:
+    """Return the page of an error; `overtaken` is the page that somebody else has changed, to reload, "" for other errors."""
     return page("refused.html.j2", status, message=message, overtaken=overtaken)
 
 

@@ -1,4 +1,4 @@
-"""Access control: localhost only, token then cookie, same-origin writes.
+"""Access control of the review desk: localhost only, token then cookie, same-origin writes.
 
 The pages show hostile text. The Content-Security-Policy allows only the desk's own script and no request to another host.
 """
@@ -33,7 +33,10 @@ HEADERS = {
 
 @dataclass(frozen=True)
 class Keys:
-    """Access keys of the desk: the token in the printed address and the secret in the cookie. Neither reveals the other."""
+    """Secrets of one running desk: the token in the printed address, and the cookie that the token is exchanged for.
+
+    Neither reveals the other.
+    """
 
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)
@@ -54,7 +57,7 @@ class Keys:
 
 
 class AccessControl:
-    """ASGI middleware that refuses foreign hosts, unknown browsers and cross-origin writes."""
+    """ASGI middleware before the desk that refuses foreign host names, browsers without its cookie and cross-origin writes."""
 
     def __init__(self, app: ASGIApp, keys: Keys) -> None:
         self._app, self._keys = app, keys
@@ -71,7 +74,7 @@ class AccessControl:
             await self._app(scope, receive, _with_headers(send))
 
     def _refusal(self, scope: Scope) -> Response | None:
-        """Return the response that refuses a request: wrong host, method, origin or no token; None if it is allowed."""
+        """Return the response that refuses a request: wrong host, method or origin, or no cookie; None if it is allowed."""
         headers = Headers(scope=scope)
         if headers.get("host") not in self._keys.hosts:
             return PlainTextResponse("The review desk is only available at its own address.", 421)
@@ -84,7 +87,7 @@ class AccessControl:
         return None
 
     def _has_cookie(self, headers: Headers) -> bool:
-        """Return whether a request has the cookie of this desk."""
+        """Return whether a request has the cookie of this desk, which a browser gets by opening the printed address."""
         try:
             found = SimpleCookie(headers.get("cookie", "")[:4096]).get(self._keys.cookie_name)
         except CookieError:
@@ -92,7 +95,7 @@ class AccessControl:
         return found is not None and _same(found.value, self._keys.cookie)
 
     def _set_cookie(self, scope: Scope) -> Response:
-        """Exchange the token in the address for the cookie."""
+        """Answer the printed address: set the cookie and go to the first page, or refuse a wrong token."""
         given = parse_qs(scope["query_string"][:512].decode("latin-1")).get("token", [""])[0]
         if not _same(given, self._keys.token):
             return PlainTextResponse("This is not the address that `imugrade review` printed.", 403)
@@ -106,7 +109,7 @@ def _same(given: str, wanted: str) -> bool:
 
 
 def _with_headers(send: Send) -> Send:
-    """Return a `send` that adds the security headers to each response."""
+    """Return a `send` that adds the security headers to each response, also to refusals."""
 
     async def sent(message: Message) -> None:
         if message["type"] == "http.response.start":

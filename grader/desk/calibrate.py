@@ -1,4 +1,4 @@
-"""Calibrate: mark a sample by hand at the desk, blind, and compare the marks with the grades."""
+"""Calibrate pages: mark a sample by hand without seeing grades, and compare the marks with the grades."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from starlette.responses import RedirectResponse, Response
 from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.course.calibration import calibrating, sample
-from grader.course.calibration.marks import Cell, Mark, as_table, mark_of
+from grader.course.calibration.marks import Cell, Mark, as_table, parse_mark
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed
 from grader.desk.web_requests import WebRequest
@@ -23,7 +23,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Save the marks of one submission in the author's table below OUT, and go on to the next without marks.
+    """Save a person's marks of one submission in a CSV in the output folder, and go on to the next one without marks.
 
     With `do=full`, blank fields get full points.
     """
@@ -37,7 +37,7 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
             row["points"] = row["points"] or f"{part.max_points:g}"
         given.pop((id_, part.id), None)
         try:
-            given |= {(id_, part.id): mark_of(row, part.max_points)} if row["points"].strip() else {}
+            given |= {(id_, part.id): parse_mark(row, part.max_points)} if row["points"].strip() else {}
         except RequestError as problem:
             errors[part.id] = str(problem)
     if errors:
@@ -51,7 +51,7 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
 
 
 class _Calibration:
-    """The results of a class, the tables of marks below OUT, and the sample: one that somebody has begun to mark stays."""
+    """What the Calibrate pages show: results, people's tables of marks, and the sample. A sample that is partly marked stays."""
 
     def __init__(self, book: Classbook, author: str) -> None:
         folder = book.out / calibrating.FOLDER

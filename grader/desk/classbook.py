@@ -1,4 +1,4 @@
-"""The class behind the desk: the record, cached until it changes, and a writer that keeps the files of OUT up to date."""
+"""The class behind the desk's pages: its database, cached until it changes, and a writer of the files in the output folder."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _MOST_PAIRS = 20_000
 
 @dataclass(frozen=True)
 class Similar:
-    """Groups of similar submissions, the pairs that they consist of, and whether there are `more` pairs than are listed."""
+    """Submissions with similar code: groups, the pairs that they consist of, and whether there are `more` pairs than listed."""
 
     groups: tuple[SimilarityGroup, ...] = ()
     pairs: tuple[Pair, ...] = ()
@@ -44,7 +44,7 @@ class Similar:
 
 
 class Classbook:
-    """The record behind the desk. All access is on one thread, so that one connection and one cache serve all requests.
+    """The graded class that all pages of the review desk read and change; its one thread keeps a connection and a cache.
 
     Parameters
     ----------
@@ -85,14 +85,17 @@ class Classbook:
         return self.thread.submit(do).result()
 
     def close(self) -> None:
-        """Wait for the running job, write pending pages and close the record."""
+        """End the desk: wait for the running job, write pending pages and close the class database."""
         self.jobs.close()
         self._publisher.close()
         self.on_thread(self.store.close)
         self.thread.shutdown()
 
     def final_grades(self) -> dict[str, FinalGrade]:
-        """Return all final grades by id. Results are read again only after another process wrote; overrides after any change."""
+        """Return all final grades by id, cached. Overrides are read again after any change.
+
+        Results are read again after a write by another connection, a review, or a regrade.
+        """
         seen = self.store.changes()
         if seen != self._seen:
             self._marked, self._seen, self._similar = self.store.final_grades(), seen, None
@@ -104,14 +107,14 @@ class Classbook:
 
     @property
     def rubric(self) -> Rubric:
-        """Return the rubric on record; until the class is regraded here, the one that the desk was started with, if any."""
+        """Return the rubric of the class; until it is regraded here, the one given to the desk at its start, if any."""
         if self._rubric is not None:
             return self._rubric
         settings = self.store.settings()
         return self.once("rubric", settings, lambda: class_settings.rubric_of(self.lab, settings))
 
     def absent(self) -> dict[str, FinalGrade]:
-        """Return a blank final grade for each person of the roster without a submission, by id."""
+        """Return a blank final grade by id for each person of the roster without a submission, so that pages list them."""
         facts = (self.store.settings(), self.final_grades())
         return self.once("absent", facts, lambda: blank_grades(*facts))
 
@@ -132,7 +135,7 @@ class Classbook:
         return self._similar
 
     def shared(self, first: str, second: str) -> frozenset[int]:
-        """Return the hashes of code that two submissions share, without the lab's code and code that half of the class has."""
+        """Return hashes of the code that two submissions share, without the lab's code and code that half of the class has."""
         own = own_hashes(self.store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 
@@ -145,7 +148,7 @@ class Classbook:
     def decide(
         self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
     ) -> list[RecordedOverride]:
-        """Record overrides as `adjusting.decide` does, and update the files of OUT."""
+        """Validate and store overrides as `adjusting.decide` does, and write the pages of these submissions in the background."""
         known = {**self.final_grades(), **admit(self.store, {each.id for each in overrides})}
         made = decide(self.store, known, overrides, author, seen=seen, what=what)
         if any(
@@ -156,24 +159,24 @@ class Classbook:
         return made
 
     def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
-        """Record reviews, or their withdrawal. A reviewed empty or unreadable submission is no longer left blank on its page."""
+        """Store reviews, or their withdrawal. An empty or unreadable submission counts 0 once reviewed, and is blank before."""
         self.store.keep_reviews([Review(*key, done, author, now()) for key in keys])
         self._seen = -1
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
 
     def mark_by(self, rubric: Rubric) -> None:
-        """Regrade the class by another rubric, from the recorded facts."""
+        """Regrade the class by another rubric from stored results, without running code, and write its pages anew."""
         marked = remark(self.out, self.store, rubric)
         self._rubric, self._seen = None, -1
         self._publisher.changed(marked)
 
     def settled(self) -> None:
-        """Wait until the pages in OUT that are written in the background match the record."""
+        """Wait until the pages that are written in the background match the class database, as an export needs them."""
         self._publisher.settled()
 
     @property
     def no_repairs(self) -> str:
-        """Return why nothing can be graded here, so that no repair can be previewed or saved; "" if grading is possible."""
+        """Return why no repair can be previewed or saved (the secret of the hidden scenarios is missing); "" if it can."""
         try:
             class_settings.refuse_without_secret(self.store.settings(), self._secret)
         except RequestError as problem:
@@ -181,17 +184,17 @@ class Classbook:
         return ""
 
     def changed(self, ids: Iterable[str]) -> None:
-        """Write the pages of these submissions anew, in the background."""
+        """Write the pages of these submissions anew in the background, after a change that the desk's jobs made."""
         self._publisher.changed(ids)
 
     @property
     def trouble(self) -> str:
-        """Return why pages in OUT could not be written in the background; "" if all were."""
+        """Return why pages could not be written in the background, which every page of the desk shows; "" if all were."""
         return self._publisher.trouble
 
 
 class _ReadingStore(Store):
-    """A second connection for reading. The desk's own connection writes, so that it sees no foreign change."""
+    """Connection of the thread that writes pages. It stores digests by the desk's connection, whose cache so stays valid."""
 
     def __init__(self, out: Path, keep: Callable[[str, str], None]) -> None:
         super().__init__(out)
@@ -202,7 +205,7 @@ class _ReadingStore(Store):
 
 
 class _Publisher:
-    """Writes pages in the background: a decision must not wait for the class page of 2000 submissions."""
+    """Thread that writes pages and the class page in the background, so that no decision waits for 2000 submissions."""
 
     def __init__(self, lab: Lab, out: Path, keep: Callable[[str, str], None]) -> None:
         self._lab, self._out, self._keep = lab, out, keep
@@ -229,7 +232,7 @@ class _Publisher:
         self._thread.join()
 
     def _run(self) -> None:
-        """Write the files of changed submissions until the desk closes."""
+        """Write the files of changed submissions until the desk closes; keep a failure as `trouble`."""
         while True:
             with self._lock:
                 self._busy = False

@@ -1,4 +1,4 @@
-"""Submitted files as escaped, syntax-coloured lines, within bounds on lines, characters and picture size."""
+"""Submitted files as escaped, syntax-coloured lines for pages, within bounds on lines, characters and picture size."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _TEXTS = (".py", ".ipynb", ".txt", ".md", ".csv", ".json", ".yaml", ".yml", ".to
 
 @dataclass(frozen=True)
 class Line:
-    """One line of submitted code; `named` if the feedback of a check names it."""
+    """One line of submitted code on a page; `named` lines stand out, as feedback names them or another submission shares them."""
 
     number: int
     text: Markup
@@ -33,7 +33,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Listing:
-    """One submitted file as lines; `more` is the number of lines that are not shown."""
+    """One submitted file on a page: its lines, its `anchor` for links, and how many `more` lines are not shown."""
 
     path: str
     anchor: str
@@ -44,7 +44,7 @@ class Listing:
 
 @dataclass(frozen=True)
 class Picture:
-    """A submitted picture; `place` is its index among the files, `why` the reason if the desk does not show it, else ""."""
+    """A submitted picture on a page; `place` is its index among the files, `why` the reason if it is not shown, else ""."""
 
     path: str
     place: int
@@ -53,7 +53,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class SubmittedFiles:
-    """Submitted files for display: text, pictures, the others by name and size, and how many `more` there were."""
+    """Submitted files on a page: text, pictures, `others` by name and size, and how many `more` are not even named."""
 
     listings: tuple[Listing, ...]
     pictures: tuple[Picture, ...]
@@ -65,15 +65,7 @@ class SubmittedFiles:
 
 
 def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles:
-    """Prepare the recorded files of a submission for its page.
-
-    Parameters
-    ----------
-    kept
-        The files as the record keeps them.
-    named
-        Lines that a check names, by file.
-    """
+    """Prepare the stored files of a submission for its page; `named` holds the lines that checks name, by file."""
     paths = list(kept.files)
     texts = [path for path in paths if path.lower().endswith(_TEXTS)]
     pictures = [path for path in paths if kept.files[path].startswith(PNG)]
@@ -87,13 +79,13 @@ def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles
 
 
 def named_lines(checks: Iterable[CheckResult], paths: Iterable[str]) -> dict[str, set[int]]:
-    """Return the lines that the feedback of checks names, by file; an empty set for a file without any."""
+    """Return the lines that the feedback of checks names, by file, to mark them; an empty set for a file without any."""
     named = [check.where for check in checks if check.where is not None]
     return {path: {each.line for each in named if each.file == path and each.line is not None} for path in paths}
 
 
 def defined(kept: Kept, names: Sequence[str]) -> Iterator[tuple[str, int]]:
-    """Yield file and line, from 1, of each function or class with one of these names; none without names."""
+    """Yield file and line, from 1, of each function or class with one of these names, to link to; none without names."""
     if not names:
         return
     wanted = re.compile(rf"^[ \t]*(?:async )?(?:def|class)[ \t]+(?:{'|'.join(map(re.escape, names))})\b", re.MULTILINE)
@@ -126,7 +118,7 @@ def coloured(path: str, text: str) -> list[Markup]:
 
 
 def _span(kind: _TokenType, text: str) -> Markup:
-    """Return a token in a span with Pygments' short class name."""
+    """Return a token of code as escaped HTML, in a span with Pygments' class if its kind has a colour."""
     while kind not in STANDARD_TYPES:
         kind = kind.parent or Token
     name = STANDARD_TYPES[kind]

@@ -1,4 +1,4 @@
-"""Similar code: the list of groups, and the shared lines of two submissions side by side."""
+"""Pages on similar code: the list of groups, and the shared lines of two submissions side by side."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST_FILES = 20
 
 @dataclass(frozen=True)
 class Piece:
-    """Consecutive lines of code that two submissions share, after `skipped` lines that they do not share."""
+    """Lines of one file to show together: shared lines and two lines around them, after `skipped` lines that are left out."""
 
     skipped: int
     lines: tuple[Line, ...]
@@ -33,7 +33,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Excerpt:
-    """The lines of one file that another submission shares: `count` lines of `of` in all."""
+    """The part of one file that another submission shares, for a page: `count` lines of `of` in all."""
 
     path: str
     pieces: tuple[Piece, ...]
@@ -48,7 +48,7 @@ def show_all(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
-    """Return the page with the shared lines of two submissions side by side; raise RequestError if there is no such pair."""
+    """Return the page with the shared lines of two submissions side by side; RequestError if a submission does not exist."""
     final_grades = book.final_grades()
     two = [final_grades.get(web_request.path[place]) for place in ("first", "second")]
     first, second = two
@@ -63,7 +63,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:
-    """Return excerpts of the files with shared lines, most shared lines first."""
+    """Return excerpts of the files that hold any of the `shared` hashes of code, the file with most shared lines first."""
     found = []
     for path, content in files.items():
         if path.lower().endswith((".py", ".ipynb")):
@@ -75,7 +75,7 @@ def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:
 
 
 def _excerpt(path: str, text: str, shared: Set[int]) -> Excerpt:
-    """Return the shared lines of a file with the lines around them, as pieces."""
+    """Return the lines numbered in `shared` with two lines around each, grouped into pieces."""
     rows = coloured(path, text)
     wanted = sorted(
         {near for line in shared for near in range(line - _AROUND, line + _AROUND + 1) if 1 <= near <= len(rows)}

@@ -1,4 +1,4 @@
-"""Drafts: what is typed into a form is kept until the form is sent."""
+"""Drafts: what a person types into a form is stored until the form is sent, so that a reload loses nothing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Fields = list[list[str]]
 
 
 def keep(book: Classbook, web_request: WebRequest) -> Response:
-    """Keep the fields of a form, as JSON pairs of name and value; drop the draft if there are none."""
+    """Store the fields of a form, which the page's script sends as JSON pairs of name and value; without fields drop the draft."""
     form, text = web_request.text("draft"), web_request.text("fields")
     if not _fields(text):
         book.store.drop_draft(web_request.author, form)
@@ -28,19 +28,19 @@ def keep(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def drop(book: Classbook, web_request: WebRequest) -> None:
-    """Drop the draft of a form that was sent; do nothing if the form names no draft."""
+    """Delete the draft of a form that was sent; do nothing if the form names no draft."""
     if form := web_request.text("draft"):
         book.store.drop_draft(web_request.author, form)
 
 
 def of_page(book: Classbook, web_request: WebRequest) -> Mapping[str, Fields]:
-    """Return the drafts of the forms of a page, by form. The name of a form begins with the address of its page."""
+    """Return the drafts of the forms of a page by form, to fill them again. A form's name begins with the address of its page."""
     kept = book.store.drafts(web_request.author)
     return {form: _fields(text) for form, text in kept.items() if _path(_address(form)) == web_request.address}
 
 
 def unsaved(book: Classbook, web_request: WebRequest) -> dict[str, str]:
-    """Return a title for each page with drafts, by its address: the name of the submission, or the path."""
+    """Return the pages with drafts for the first page to list, as address and title: the student's name, or the path."""
     people = {address(each): words.distinct(each) for each in book.final_grades().values()}
     pages = map(_address, book.store.drafts(web_request.author))
     return {page: people.get(page.partition("?")[0], _path(page).strip("/")) for page in pages}

@@ -1,4 +1,4 @@
-"""Submitted text in a form field and back: a browser changes line endings, the bytes of unchanged lines stay."""
+"""Submitted text in a form field and back: a browser changes line endings, and the bytes of unchanged lines must stay."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _BOM = "\ufeff"
 
 @dataclass(frozen=True)
 class Editable:
-    """The text of a file for a form field; `why` says why it cannot be edited here, `note` what a person should know."""
+    """The text of a file for the repair editor; `why` says why it cannot be edited here, `note` what a person should know."""
 
     text: str = ""
     why: str = ""
@@ -34,7 +34,7 @@ def editable(path: str, content: bytes) -> Editable:
 
 
 def as_bytes(before: bytes, text: str) -> bytes:
-    """Return the bytes of a file from its edited text.
+    """Return the bytes of a file from its edited text, so that its diff shows the edit alone.
 
     The lines above the first change and below the last one keep their bytes. The others get the usual line ending of the file.
     """

@@ -1,4 +1,4 @@
-"""Export page: grades in the format of a platform, and the archive of reports, as downloads."""
+"""Export page: grades in the format of a platform, such as Canvas, and a zip of all reports, as downloads."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def send(book: Classbook, web_request: WebRequest) -> Response:
-    """Send the file of grades, or the page that says who would be left blank or which field is wrong."""
+    """Send the grades or the reports as a download, or the page that says who would be left blank or which field is wrong."""
     feedback = web_request.text("do") == "feedback"
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -42,7 +42,7 @@ def send(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def _order(book: Classbook, web_request: WebRequest, folder: Path, *, feedback: bool) -> Export:
-    """Return the export that a form asks for. Without an uploaded template, the roster on record serves as the template."""
+    """Return the export that a form asks for. Without an uploaded template, the stored roster serves as the template."""
     name = web_request.text("format") if not feedback else "csv"
     if name not in registry.names("fill", "write"):
         raise RequestError("Choose a format")
@@ -74,7 +74,7 @@ def _roster(book: Classbook) -> str:
 
 
 def _errors_by_field(problem: RequestError) -> dict[str, str]:
-    """Return the problem by form field. A problem that names the template file belongs to the field of the template."""
+    """Return the problem by form field, to show it there. One that names the template file belongs to the template's field."""
     place, found, rest = problem.why.partition(f"/{_TEMPLATE}")
     if found and " " not in place:
         return {"template": f"the template{rest}"}
@@ -92,7 +92,7 @@ def _page(
     plan: ExportPlan | None = None,
     code: int = 200,
 ) -> Response:
-    """Return the export page, with the errors of the form or the plan of the export."""
+    """Return the export page, with the errors of a refused form, or what a stopped export would do."""
     settings = book.store.settings()
     everybody = book.final_grades().values()
     people = (person for each in everybody for person in each.people)

@@ -1,4 +1,4 @@
-"""Group pages: one decision for all submissions with the same fault or failed check, undone as one."""
+"""Group pages: one decision for all submissions with the same fault or failed check, which can be undone as one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from grader.people.final_grade import BONUS, TOTAL
 
 
 def show_all(book: Classbook, web_request: WebRequest) -> Response:
-    """Return the page with all groups and the decisions on them."""
+    """Return the page with all groups of submissions and the decisions made on them."""
     found = groups(book.final_grades())
     kinds = {FAULT: "Same fault", CHECK: "Same failed check"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
@@ -35,11 +35,11 @@ def show_all(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
-    return _page(book, web_request, _one(book, web_request))
+    return _page(book, web_request, _requested_group(book, web_request))
 
 
 def _page(book: Classbook, web_request: WebRequest, group: Group, errors: Mapping[str, str] | None = None) -> Response:
-    """Show a group; after a refused form, also its errors by field and the text that was typed."""
+    """Return the page of a group; after a refused form, also its errors by field and the text that was typed."""
     final_grades = book.final_grades()
     members = [final_grades[id_] for id_ in group.ids]
     criteria = dict.fromkeys(c.id for s in members for c in s.result.criteria)
@@ -64,8 +64,8 @@ def _page(book: Classbook, web_request: WebRequest, group: Group, errors: Mappin
 
 
 def decide(book: Classbook, web_request: WebRequest) -> Response:
-    """Record one decision for the selected submissions of a group, or show the form again with its errors."""
-    group = _one(book, web_request)
+    """Store one override or comment for the selected submissions of a group, or show the form again with its errors."""
+    group = _requested_group(book, web_request)
     chosen = [id_ for id_ in group.ids if id_ in set(web_request.all("id"))]
     target, points, comment = map(web_request.text, ("target", "points", "comment"))
     final_grades = book.final_grades()
@@ -80,14 +80,14 @@ def decide(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def take_back(book: Classbook, web_request: WebRequest) -> Response:
-    """Undo a decision on several submissions, except for those where a later override has replaced it."""
-    requests = adjusting.undone_decision(book.store, web_request.number("number") or 0)
+    """Undo a decision that a person made on a group, except for submissions where a later override has replaced it."""
+    requests = adjusting.undoing_requests(book.store, web_request.number("number") or 0)
     book.decide(requests, web_request.author, web_request.number("seen"))
     return RedirectResponse("/groups#decisions", 303)
 
 
-def _one(book: Classbook, web_request: WebRequest) -> Group:
-    """Return the group in the address; refuse one that does not exist any more."""
+def _requested_group(book: Classbook, web_request: WebRequest) -> Group:
+    """Return the group in the address; RequestError if it does not exist any more."""
     wanted = (web_request.path["kind"], web_request.path["key"])
     together = (similar_group(each.ids) for each in queue(book) if each.others)
     every = itertools.chain(groups(book.final_grades()), together)

@@ -1,4 +1,4 @@
-"""The review queue, the class page, and marking as reviewed."""
+"""The review queue (what a person should look at), the page of the whole class, and marking items as reviewed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from grader.report.pages import AT_ONCE
 
 
 def queue(book: Classbook) -> list[Item]:
-    """Return the review queue. It is computed again only after the record has changed."""
+    """Return the items that a person should review, cached until the class database changes."""
     facts = (
         book.final_grades(),
         book.similar().groups,
@@ -37,7 +37,7 @@ def queue(book: Classbook) -> list[Item]:
 
 
 def review_queue(book: Classbook, web_request: WebRequest) -> Response:
-    """Show the first page: the open items of the review queue, then those marked as reviewed."""
+    """Return the first page: what a person should review, then what is reviewed already. A `kind` in the address filters both."""
     found = queue(book)
     kind = web_request.text("kind") if web_request.text("kind") in KINDS else ""
     open_ = [each for each in found if each.review is None]
@@ -57,7 +57,7 @@ def review_queue(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def class_page(book: Classbook, web_request: WebRequest) -> Response:
-    """Return the desk's page of all submissions, with search, filters and sorting."""
+    """Return the desk's page of all submissions and of people without one, with search, filters and sorting."""
     waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
     table = overview.class_table([*book.final_grades().values(), *book.absent().values()])
     return framed(
@@ -73,7 +73,7 @@ def class_page(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def find(book: Classbook, web_request: WebRequest) -> Response:
-    """Open the submission with the id in `who`, or if there is none the class page with the rows that match it."""
+    """Go to the page of the submission or person with the id in `who`; if there is none, to the class page with rows that match."""
     who = web_request.text("who")
     if who in book.final_grades() or who in book.absent():
         return RedirectResponse(f"/submission/{quote(who, safe='')}", 303)
@@ -81,7 +81,7 @@ def find(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
-    """Mark items of the queue as reviewed, or open them again; raise RequestError if one has left the queue."""
+    """Mark items of the queue as reviewed, or open them again; RequestError if one has left the queue."""
     known = {each.key: each for each in queue(book)}
     looked = [known.get(key) for key in web_request.all("look")]
     found = [(each.id, each.reason.kind, each.reason.about) for each in looked if each]
@@ -94,7 +94,7 @@ def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 200, /, **values: object) -> Response:
-    """Render a page, with these values, inside the frame that all pages of the desk share."""
+    """Return a page of the desk, filled with these values and those that every page needs, such as the list of submissions."""
     final_grades = book.final_grades()
     lab = next((each.result.lab for each in final_grades.values()), None)
     frame = {

@@ -1,4 +1,4 @@
-"""Regrade requests: read from text, JSON or a table, matched to a submission and a check, and listed."""
+"""Regrade requests of students: read from text, JSON or a table, matched to a submission and a check, and listed."""
 
 from __future__ import annotations
 
@@ -47,7 +47,10 @@ _TEXT = ("request", "appeal", "text", "message", "reason", "comment")
 
 @dataclass(frozen=True)
 class ReceivedRequest:
-    """A regrade request as it was received: the student, the check and the text, none of them verified."""
+    """A regrade request as it was received, before it is matched to a submission: student, check and text, all unverified.
+
+    `place` is where it stood, for error messages.
+    """
 
     who: str
     about: str
@@ -60,7 +63,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def _page(book: Classbook, web_request: WebRequest, problem: str = "", code: int = 200) -> Response:
-    """Show the requests and the form; `problem` says what is wrong with the typed text, which is kept."""
+    """Return the page with the requests and a form for new ones; `problem` says what is wrong with the typed text, which stays."""
     requests = book.store.regrade_requests()
     final_grades = book.final_grades()
     return framed(
@@ -79,7 +82,7 @@ def _page(book: Classbook, web_request: WebRequest, problem: str = "", code: int
 
 
 def _targets(book: Classbook) -> dict[str, None]:
-    """Return the checks and criteria of the class that a request may be about, in order."""
+    """Return the ids of checks and criteria that a request may be about, in order, for the form; the values are None."""
     return dict.fromkeys(target for final_grade in book.final_grades().values() for target in targets(final_grade))
 
 
@@ -92,7 +95,7 @@ def _field(problem: str) -> str:
 
 
 def add(book: Classbook, web_request: WebRequest) -> Response:
-    """Record the requests in a form: one student's text, a JSON file, or a table of many."""
+    """Store the requests in a form: one student's text, a JSON file, or a table of many; or show the form with its error."""
     try:
         received = list(read(web_request.text("text"), web_request.text("who"), web_request.text("about")))
         requests, unplaced = placed(received, book.final_grades())
@@ -109,13 +112,13 @@ def add(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def added(new: int, read: int) -> str:
-    """Return a line such as ``1 regrade request added``, with the number that were already on record if any were."""
+    """Return a line such as ``1 regrade request added``, with the number that were already stored if any were."""
     known = f", {read - new} already on record" if read > new else ""
     return f"{new} regrade request{'' if new == 1 else 's'} added{known}"
 
 
 def read_in(book: Classbook, path: Path) -> list[str]:
-    """Read the requests in a file, or in all files of a folder; return a line on how many were added, and on each that was not.
+    """Read the requests in a file or folder when the desk starts; return a line on how many were added, and on each that was not.
 
     The page of the desk offers those without a student or check to be added by hand, so that none keeps the desk from starting.
     """
@@ -145,7 +148,10 @@ def read_in(book: Classbook, path: Path) -> list[str]:
 
 
 def _read_file(path: Path) -> list[ReceivedRequest]:
-    """Return the regrade requests in a text, JSON or CSV file. The name of a file names the student where its text does not."""
+    """Return the requests in a text, JSON or CSV file. Without a student in the text, the file's name is the student.
+
+    RequestError if the file cannot be read or is not UTF-8.
+    """
     advice = "give a text, .json or .csv in UTF-8"
     try:
         text = read_file(path, MOST_BYTES, advice).decode("utf-8-sig")
@@ -156,7 +162,7 @@ def _read_file(path: Path) -> list[ReceivedRequest]:
 
 
 def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
-    """Yield the regrade requests in a text: JSON, a CSV table, or plain text.
+    """Yield the regrade requests in a text: JSON, a CSV table, or plain text. Records without a request are left out.
 
     Parameters
     ----------
@@ -168,7 +174,7 @@ def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
     Raises
     ------
     RequestError
-        If the text is empty.
+        If the text is empty, or a request is too long.
     """
     if not text.strip():
         raise RequestError("The request is empty. Nothing was saved")
@@ -186,7 +192,7 @@ def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
 def placed(
     received: Sequence[ReceivedRequest], final_grades: Mapping[str, FinalGrade]
 ) -> tuple[list[RegradeRequest], list[tuple[ReceivedRequest, str]]]:
-    """Match each request to a submission and a check; return the matched ones, and the others with the reason."""
+    """Match each request to a submission and a check; return those to store, and the others with the reason for a person."""
     lookup = PersonLookup({id_: final_grade.people for id_, final_grade in final_grades.items()})
     requests, others = [], []
     for each in received:
@@ -209,7 +215,7 @@ def placed(
 
 
 def _bounded(received: ReceivedRequest) -> ReceivedRequest:
-    """Return a request whose texts can be stored and shown: without lone surrogates and control characters."""
+    """Return a request without lone surrogates and control characters, so that it can be stored; RequestError if it is too long."""
     if len(received.text) > LONGEST:
         raise RequestError(f"{received.place}: is longer than {LONGEST} characters")
     who, about = printable(received.who, 500), printable(received.about, 500)
@@ -217,7 +223,7 @@ def _bounded(received: ReceivedRequest) -> ReceivedRequest:
 
 
 def _json(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
-    """Return the records of a JSON text, with a name for each; None if it is no JSON."""
+    """Return the records of a JSON text, each with a name for error messages; None if it is no JSON of records."""
     if text.lstrip()[:1] not in ("{", "["):
         return None
     try:
@@ -231,7 +237,7 @@ def _json(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
 
 
 def _table(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
-    """Return the rows of a CSV whose header names a student and a text column, else None."""
+    """Return the rows of a CSV, each with its line; None if its header does not name a student and a text column."""
     head = text.lstrip("\ufeff").partition("\n")[0]
     table = csv.DictReader(io.StringIO(text.lstrip("\ufeff"), newline=""), delimiter=max(",;\t", key=head.count))
     try:

@@ -1,4 +1,4 @@
-"""Templates of the desk: one Jinja environment with autoescape, and the style sheet of the reports."""
+"""Templates of the review desk: one Jinja environment, which escapes hostile text, and its static files."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def page(template: str, code: int = 200, /, **values: object) -> HTMLResponse:
 
 @cache
 def environment() -> Environment:
-    """Return the Jinja environment of the desk, with autoescape."""
+    """Return the desk's only Jinja environment. It escapes all values, because pages show hostile text."""
     made = Environment(
         loader=FileSystemLoader([beside(__package__, "templates"), beside("grader.report", "templates")]),
         autoescape=True,
@@ -47,7 +47,7 @@ def environment() -> Environment:
 
 @pass_context
 def _instant(context: Context, stamp: str) -> str:
-    """Format a time by the clock of the class that the page shows."""
+    """Format a time by the clock of the class, which is that of its late policy, for a template."""
     return words.instant(in_zone(stamp, context.get("late_policy")))
 
 

@@ -1,4 +1,4 @@
-"""Background grading for the desk: one edited copy after another, in a marker process of its own, so that pages go on answering.
+"""Background grading of edited copies for the desk, one at a time in a process of its own, so that pages go on answering.
 
 Student code runs in the sandbox that the marker opens, as in `imugrade grade`. The desk's own process never runs it.
 """
@@ -30,7 +30,7 @@ _BOUNDS = Bounds(wall_s=300.0)
 
 @dataclass(frozen=True)
 class RepairForm:
-    """The editor's form as a person filled it in; `also` holds the other submissions to repair."""
+    """The repair editor's form as a person filled it in; `also` holds other submissions that get the same repair."""
 
     text: str = ""
     deduct: str = ""
@@ -40,12 +40,12 @@ class RepairForm:
 
 @dataclass(kw_only=True)
 class Job(ABC):
-    """One request to grade a repair, and its outcome. Each kind of work is a subclass.
+    """One piece of work for the repair editor that grades in the background, and its outcome. Each kind is a subclass.
 
     Attributes
     ----------
     records
-        Whether the job changes the record, so that the editor is closed after it.
+        Whether the job changes the class database, so that the editor is closed after it.
     id, file
         The submission and the file.
     form
@@ -74,10 +74,10 @@ class Job(ABC):
 
     @abstractmethod
     def run(self, grading: Grading) -> None:
-        """Do the work of the job, on the thread that grades, while the page waits."""
+        """Do the work of the job with `grading`, on the thread that grades, while the page waits."""
 
     def grading_step(self) -> str:
-        """Return what the page shows as the present step while a copy is graded."""
+        """Return what the page shows as the present step while a copy is graded; a search counts its copies."""
         return "Grading the edited copy in the sandbox"
 
     @property
@@ -90,12 +90,9 @@ class Job(ABC):
 
 
 class RepairJobs:
-    """Queue of jobs, and the marker that grades for them.
+    """Queue of the review desk's grading jobs, done one at a time on a thread, and the process that grades for them.
 
-    Parameters
-    ----------
-    settings_on_record
-        Returns how the class on record was graded; called before each job, because another process can change it.
+    `settings_on_record` returns how the class was graded; it is called before each job, because another process can change that.
     """
 
     def __init__(self, settings_on_record: Callable[[], GradingSettings]) -> None:
@@ -121,12 +118,12 @@ class RepairJobs:
         return self._jobs.get(number or 0)
 
     def close(self) -> None:
-        """Wait for the running job, drop those that wait for it, and close the marker."""
+        """Wait for the running job, drop those that wait for it, and close the marker process, as the desk ends."""
         self._thread.shutdown(wait=True, cancel_futures=True)
         self._stack.close()
 
     def _run(self, job: Job) -> None:
-        """Do a job, and keep its problem if it fails."""
+        """Do a job on the thread that grades, and keep its problem if it fails, so that the desk goes on."""
         try:
             settings = self._current_settings()
             job.run(settings.by(partial(self._mark, settings, job)))
@@ -138,7 +135,7 @@ class RepairJobs:
             job.ended.set()
 
     def _current_settings(self) -> GradingSettings:
-        """Return how edited copies are graded; the marker is closed if the settings of the class have changed."""
+        """Return how edited copies are graded; if that has changed in the class, close the process that grades by the old way."""
         now = self._settings_on_record()
         if self._open is None or _digests(now) != _digests(self._open):
             self._stack.close()
@@ -147,7 +144,7 @@ class RepairJobs:
         return self._open
 
     def _mark(self, settings: GradingSettings, job: Job, submission: Submission, cpu_s: float | None = None) -> Result:
-        """Grade in the marker process; a copy that was graded just before, with the same time, is not graded again."""
+        """Grade an edited copy for a job; a copy just graded within the same CPU seconds is not graded again."""
         job.step = job.grading_step()
         key = _key(submission, cpu_s)
         if key not in self._results:
@@ -157,7 +154,7 @@ class RepairJobs:
         return replace(self._results[key], submission=submission.name)
 
     def _graded(self, submission: Submission, settings: GradingSettings, cpu_s: float | None) -> Result:
-        """Grade an edited copy in the marker process."""
+        """Grade an edited copy in the process for that; RequestError if the grader fails on it or exceeds a limit."""
         if self._pool is None:
             self._pool = self._stack.enter_context(Pool(settings.open_marker, 1, _BOUNDS))
         for _, outcome in list(self._pool.run(iter([submission]), cpu_s)):

@@ -1,4 +1,4 @@
-"""The editor of the submission page: edit a file, preview the grade, save the repair with a deduction and a comment."""
+"""The repair editor of the submission page: edit a file, preview the grade, save the repair with a deduction and a comment."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.base.errors import RequestError
 from grader.base.text import decimal
 from grader.course.record.decisions import OvertakenError
 from grader.course.record.patches import diff_of
-from grader.course.record.repair_log import MAX_COMMENT, patched, sha256_of
+from grader.course.record.repair_log import MAX_COMMENT, apply_repairs, sha256_of
 from grader.course.repairs import making
 from grader.course.repairs.making import Grading, RepairPreview, RepairRequest
 from grader.course.repairs.suggestions import MOST
@@ -29,7 +29,7 @@ from grader.report.causes import Stop, stops
 
 @dataclass(frozen=True)
 class Compared:
-    """One line of the comparison, now and with the edit: a criterion, a deduction or a sum. Only a deduction has no maximum."""
+    """One line of a preview, now and with the edit: a criterion, a deduction or a sum. Only a deduction has no maximum."""
 
     title: str
     now: float
@@ -43,7 +43,7 @@ class Compared:
 
 @dataclass(frozen=True)
 class Editor:
-    """The editor of one file.
+    """The repair editor as its template shows it: one submitted file, the form, and the outcome of the last job.
 
     Attributes
     ----------
@@ -60,9 +60,9 @@ class Editor:
     earlier
         Points that the repairs in force deduct.
     job
-        The job that was asked for last; None if there was none.
+        The background job that was asked for last; None if there was none.
     rows, still, diff
-        The comparison, where the edited copy still does not run, and the change.
+        Of a preview: the comparison of grades, where the edited copy still does not run, and the change.
     alike
         Other submissions with the same file and the same error.
     errors
@@ -95,7 +95,7 @@ class Editor:
 def editor(
     book: Classbook, final_grade: FinalGrade, web_request: WebRequest, errors: Mapping[str, str] | None = None
 ) -> Editor | None:
-    """Return the editor that a request asks for, by its job, refused form or file; None if there is nothing to edit."""
+    """Return the editor that a request asks for, by its job, refused form or file; None without a file, or after a saved repair."""
     job = book.jobs.get(web_request.number("job") or web_request.number("seen"))
     if job is not None and job.id != final_grade.id:
         job = None
@@ -135,7 +135,10 @@ def editor(
 
 
 def compared(grades: RepairPreview) -> list[Compared]:
-    """Return each criterion now and with the edit, their sum, and the score after earlier repairs and before this deduction."""
+    """Return the lines of a preview: each criterion now and with the edit, their sum, and the score after earlier repairs.
+
+    The deduction of the repair that is previewed is not in them.
+    """
     after = {part.id: part for part in grades.after.criteria}
     rows = [
         Compared(part.title, part.points, after[part.id].points, part.max_points)
@@ -156,13 +159,16 @@ def repaired_files(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]
     """Return the files of a submission with its repairs; all files as they were handed in if one repair does not fit."""
     kept = book.kept(final_grade)
     try:
-        return patched(kept.files, final_grade.result.repairs)
+        return apply_repairs(kept.files, final_grade.result.repairs)
     except (RequestError, KeyError):
         return dict(kept.files)
 
 
 def same_error_in(book: Classbook, final_grade: FinalGrade, file: str) -> list[FinalGrade]:
-    """Return the other submissions that hold the same file and stop in it with the same error, and have no repair yet."""
+    """Return the other submissions with the same file that stops by the same error, to offer them the same repair.
+
+    Empty if the file does not stop or the submission has a repair; others with a repair are left out.
+    """
     mine = _errors(final_grade.result, book, file)
     if not mine or final_grade.result.repairs:
         return []
@@ -182,7 +188,10 @@ def _errors(result: Result, book: Classbook, file: str) -> list[tuple[int | None
 
 
 def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) -> Job | Mapping[str, str]:
-    """Start the job of a form: preview, suggest, save or undo. Return the job, or the errors by field."""
+    """Start the background job of a form (preview, suggest, save, undo) and return it, or the errors by field.
+
+    OvertakenError if somebody repaired the file after the page was loaded.
+    """
     do, file, id_ = web_request.text("do"), web_request.text("file"), final_grade.id
     if do == "undo":
         if web_request.number("repairs") != len(final_grade.result.repairs):
@@ -203,7 +212,7 @@ def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) ->
         return book.jobs.start(PreviewJob(id=id_, file=file, form=form, out=book.out, request=request))
     if do != "save":
         raise RequestError("The form does not say what to do. Nothing was saved")
-    if wrong := _wrong(book, form, book.jobs.get(web_request.number("seen"))):
+    if wrong := _form_errors(book, form, book.jobs.get(web_request.number("seen"))):
         return wrong
     known = {each.id for each in same_error_in(book, final_grade, file)}
     ids = [id_, *(each for each in form.also if each in known)]
@@ -216,8 +225,8 @@ def _form(web_request: WebRequest) -> RepairForm:
     return RepairForm(text, web_request.text("deduct"), web_request.text("comment"), tuple(web_request.all("also")))
 
 
-def _wrong(book: Classbook, form: RepairForm, seen: Job | None) -> dict[str, str]:
-    """Return the errors of a form by field: a text whose grade nobody has seen, deduction and comment."""
+def _form_errors(book: Classbook, form: RepairForm, seen: Job | None) -> dict[str, str]:
+    """Return the errors of a form to save, by field: a text whose grade nobody has seen, a wrong deduction, a missing comment."""
     found = {}
     if seen is None or seen.grades is None or seen.form.text != form.text:
         found["text"] = "Not saved: the text has changed since the preview. Preview its grade, then save."
@@ -234,7 +243,7 @@ def _wrong(book: Classbook, form: RepairForm, seen: Job | None) -> dict[str, str
 
 @dataclass(kw_only=True)
 class PreviewJob(Job):
-    """Job that grades the edited copy for a preview. Nothing is recorded."""
+    """Job that grades the edited copy for a preview. Nothing is stored."""
 
     out: Path
     request: RepairRequest
@@ -245,7 +254,7 @@ class PreviewJob(Job):
 
 @dataclass(kw_only=True)
 class SuggestJob(Job):
-    """Job that searches for a repair and puts its text and grade into the form. Nothing is recorded."""
+    """Job that searches for a repair and puts its text and grade into the form. Nothing is stored."""
 
     out: Path
     tried: int = 0
@@ -267,7 +276,7 @@ class SuggestJob(Job):
 
 @dataclass(kw_only=True)
 class SaveJob(Job):
-    """Job that records the repair for each submission. A failure for the first raises; later ones are reported and skipped."""
+    """Job that stores the repair for each submission. If the first fails, so does the job; later ones are reported and skipped."""
 
     records = True
     book: Classbook
@@ -290,7 +299,7 @@ class SaveJob(Job):
 
 @dataclass(kw_only=True)
 class UndoJob(Job):
-    """Job that takes back the last repair of a submission or file."""
+    """Job that takes back the last repair of a file, or of the submission if `file` is ""."""
 
     records = True
     book: Classbook
@@ -302,5 +311,5 @@ class UndoJob(Job):
 
 
 def answer(final_grade: FinalGrade, job: Job) -> Response:
-    """Redirect to the page of the submission that shows how far its job is."""
+    """Redirect to the page of the submission, which shows how far the job is."""
     return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}?job={job.number}#edit", 303)

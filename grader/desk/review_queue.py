@@ -1,4 +1,4 @@
-"""Review queue: why a person should review a submission. A grade depends on it only where the item says so."""
+"""Review queue: which submissions a person should look at, and why. A grade depends on that only where an item says so."""
 
 from __future__ import annotations
 
@@ -63,9 +63,9 @@ def address(group: Group) -> str:
 
 @dataclass(frozen=True)
 class Reason:
-    """Reason to review a submission. `about` is a digest of the fact, so that a review holds for this fact only.
+    """Why a person should look at a submission or at several; `file` is the file to repair if code does not run, else "".
 
-    `file` is the file to repair if code does not run, else "".
+    `about` is a digest of the sentence and of `who`, under which a review is stored, so that it holds for this fact only.
     """
 
     kind: str
@@ -86,7 +86,8 @@ class Reason:
 class Item:
     """One item of the queue: a reason for one submission, for several (`others`) or for the class (no id).
 
-    `gives_zero` says that the grade is blank while the item is open, and 0 once a person has reviewed it.
+    `review` is None while the item is open. `gives_zero` says that the grade is blank until then, and 0 once a person has reviewed
+    it.
     """
 
     id: str
@@ -121,11 +122,11 @@ def items(
     lab: Lab,
     policy: LatePolicy | None,
 ) -> list[Item]:
-    """Return the queue: in the order of `KINDS`, then in the order of the class. Times are those of the late policy's zone."""
+    """Return the open and reviewed items: in the order of `KINDS`, then of the class. Times are in the late policy's zone."""
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]
-    found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each, lab, policy)]
-    found += _of_several(final_grades, groups)
+    found += [((id_,), reason) for id_, each in final_grades.items() for reason in _reasons_for_one(each, lab, policy)]
+    found += _reasons_for_several(final_grades, groups)
     found += [((each.id,), Reason(_OF[each.kind], each.text)) for each in contradictions if each.kind in _OF]
     if not any(each.hand_in.marked_late for each in final_grades.values()):  # else each of them has a reason of its own
         found += [(("",), Reason("lateness", each.text)) for each in contradictions if each.kind == "unknown lateness"]
@@ -148,8 +149,8 @@ def items(
     ]
 
 
-def _own(final_grade: FinalGrade, lab: Lab, policy: LatePolicy | None) -> Iterator[Reason]:
-    """Yield the reasons to review one submission by itself."""
+def _reasons_for_one(final_grade: FinalGrade, lab: Lab, policy: LatePolicy | None) -> Iterator[Reason]:
+    """Yield the reasons to look at one submission by itself; none if nothing needs a person."""
     result = final_grade.result
     yield from (Reason("does-not-run", each.sentence, file=each.file) for each in stops(result, lab))
     for repair in result.repairs:
@@ -191,7 +192,7 @@ def _own(final_grade: FinalGrade, lab: Lab, policy: LatePolicy | None) -> Iterat
 
 
 def _near_a_boundary(final_grade: FinalGrade, result: Result) -> Iterator[Reason]:
-    """Yield a reason if partial checks could lift the grade over a boundary less than a point above it."""
+    """Yield a reason if partly passed checks could lift the grade over a boundary less than a point above it."""
     rows = [check for part in result.criteria for check in part.checks if check.outcome == "partial"]
     partial = [check for check in rows if final_grade.check_points(check) == check.points]
     room = round(sum(check.max_points - (check.points or 0.0) for check in partial), 2)
@@ -208,10 +209,10 @@ def _near_a_boundary(final_grade: FinalGrade, result: Result) -> Iterator[Reason
         )
 
 
-def _of_several(
+def _reasons_for_several(
     final_grades: Mapping[str, FinalGrade], groups: Sequence[SimilarityGroup]
 ) -> Iterator[tuple[tuple[str, ...], Reason]]:
-    """Yield the reasons that concern several submissions: missing packages, the same files, similar code."""
+    """Yield each reason that concerns several submissions, with their ids: missing package, same files, similar code."""
     failed = {id_: missing_packages.failed(each.result) for id_, each in final_grades.items()}
     if said := missing_packages.lines(failed):
         ids = tuple(id_ for id_, names in failed.items() if names)

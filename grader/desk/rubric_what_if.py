@@ -43,7 +43,10 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 
 @dataclass(frozen=True)
 class RubricPreview:
-    """Effect of a changed rubric: changed grades, largest change first, both distributions, and grades above their maximum."""
+    """Effect of a changed rubric on a class, for the page: changed grades, largest change first, and means and bars of both.
+
+    `more` changes are not listed. `above` names grades that would be above their maximum.
+    """
 
     changes: tuple[GradeChange, ...]
     more: int
@@ -59,12 +62,9 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Write the changed rubric into OUT; with `do=mark`, regrade the class by it. Else the entered values stay on the page.
+    """Write the changed rubric as a file; with `do=mark`, also regrade the class by it. Else the entered values stay on the page.
 
-    Raises
-    ------
-    OvertakenError
-        See `_refuse_overtaken`.
+    OvertakenError if the class has got another rubric meanwhile.
     """
     _refuse_overtaken(book, web_request)
     try:
@@ -82,7 +82,7 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 200) -> Response:
-    """Return the page with the form, its errors and the preview of changed scores."""
+    """Return the page with the form, its errors, and the preview of changed scores if the entered values differ."""
     final_grades = book.final_grades()
     base = book.rubric
     problem, preview, changed = "", None, base
@@ -121,37 +121,28 @@ def _page(book: Classbook, web_request: WebRequest, message: str, code: int = 20
 
 
 def _entered(web_request: WebRequest) -> dict[str, str]:
-    """Return the entered values of a rubric, by the name of their field."""
+    """Return the values typed into the form by name of field, which `_changed` puts into the rubric."""
     given = {**web_request.query, **web_request.form}
     return {name: values[0].strip() for name, values in given.items() if name not in _NOT_VALUES}
 
 
 def _shown(book: Classbook) -> str:
-    """Return a digest of what the page shows: the rubric that it starts from, and the one that the class is graded by."""
+    """Return a digest of the rubrics behind a page (its starting point and the class's), to notice a change by somebody else."""
     settings = book.store.settings()
     return sha256_of(f"{book.rubric.text}\0{settings.rubric if settings else ''}".encode("utf-8", "surrogateescape"))
 
 
 def _refuse_overtaken(book: Classbook, web_request: WebRequest) -> None:
-    """Refuse a form if the class has got another rubric since its page: it holds all values, so it would undo that change.
+    """Raise OvertakenError if the class has got another rubric since the page was loaded.
 
-    Raises
-    ------
-    OvertakenError
-        If the page showed another rubric.
+    The form holds all values of a rubric, so it would undo that change.
     """
     if web_request.text("seen") not in ("", _shown(book)):
         raise OvertakenError("Somebody has regraded the class by another rubric since you opened the page")
 
 
 def _changed(base: Rubric, entered: Mapping[str, str]) -> tuple[Rubric, str]:
-    """Return the changed rubric and its text.
-
-    Raises
-    ------
-    RubricError
-        With every problem of the changed rubric.
-    """
+    """Return the rubric with the entered values, and its text for a file; RubricError with every problem of it."""
     data: dict[str, Any] = yaml.safe_load(base.text)
     _change_late(data, entered)
     fields = {name: _number(text) for name, text in entered.items() if text}
@@ -174,7 +165,7 @@ def _changed(base: Rubric, entered: Mapping[str, str]) -> tuple[Rubric, str]:
 
 
 def _late_fields(rubric: Rubric) -> list[tuple[str, str, str]]:
-    """Return name, label and present value of each field of the late policy."""
+    """Return name, label and present value of each field of the late policy, for the form."""
     policy: Mapping[str, Any] = yaml.safe_load(rubric.text).get("late") or {}
     return [(_LATE + name, label, _in_a_field(policy.get(name))) for name, label in LATE_KEYS.items() if label]
 
@@ -184,7 +175,7 @@ def _in_a_field(value: object) -> str:
 
 
 def _change_late(data: dict[str, Any], entered: Mapping[str, str]) -> None:
-    """Change the late policy to what the form has; an empty due date takes it away."""
+    """Change the late policy in a rubric's data to what was entered; an empty due date removes the policy."""
     fields = {name: _number(entered[_LATE + name]) for name in LATE_KEYS if _LATE + name in entered}
     policy = {name: value for name, value in {**(data.pop("late", None) or {}), **fields}.items() if value != ""}
     if policy.get("due"):
@@ -192,20 +183,20 @@ def _change_late(data: dict[str, Any], entered: Mapping[str, str]) -> None:
 
 
 def _errors(entered: Mapping[str, str]) -> dict[str, str]:
-    """Return what is wrong with which field: those that take a number. The rubric itself says it of the late policy."""
+    """Return what is wrong with each number field, to show it there; parsing the rubric finds errors of the late policy."""
     numbers = {name: _number(text) for name, text in entered.items() if text and not name.startswith(_LATE)}
     wrong = [name for name, value in numbers.items() if isinstance(value, str) or not 0 <= value <= LARGEST]
     return dict.fromkeys(wrong, f"Enter a number from 0 to {LARGEST:g}.")
 
 
 def _without_places(problem: str) -> str:
-    """Return what is wrong with a rubric without lines of the file that was made of the form, and in words."""
+    """Return the problems of an entered rubric without line numbers, which the form has not, and with faults in words."""
     message = re.sub(r"^what was entered(:\d+)?: ", "", problem, flags=re.MULTILINE)
     return re.sub(r"\b[a-z]+(-[a-z]+)+\b", lambda found: words.fault_in_words(found[0]), message)
 
 
 def _number(text: str) -> float | int | str:
-    """Return the number in a text, or the text itself for the rubric reader to refuse."""
+    """Return the number in a text, or the text itself, which parsing the rubric then refuses with a message."""
     value = decimal(text)
     if value is None:
         return text
@@ -213,7 +204,7 @@ def _number(text: str) -> float | int | str:
 
 
 def _preview(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> RubricPreview:
-    """Return the changed scores, the largest change first, and the means before and after."""
+    """Return the changed scores, the largest change first, with means and distributions before and after."""
     changes = grade_changes(before, after)
     top = max((each.result.max_score for side in (before, after) for each in side.values()), default=100.0)
     scores = [graded(side.values()) for side in (before, after)]

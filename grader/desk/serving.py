@@ -1,4 +1,4 @@
-"""HTTP server of the desk, bound to the loopback address."""
+"""HTTP server of the review desk, bound to the loopback address."""
 
 from __future__ import annotations
 
@@ -18,13 +18,7 @@ _AT_ONCE = 64
 
 
 def open_socket(port: int) -> socket.socket:
-    """Open a socket on the loopback address; port 0 takes any free port.
-
-    Raises
-    ------
-    RequestError
-        If the port is taken.
-    """
+    """Open a socket on the loopback address; port 0 takes any free port. RequestError if the port is taken."""
     made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -37,7 +31,7 @@ def open_socket(port: int) -> socket.socket:
 
 
 def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
-    """Return the HTTP server of the desk, not started yet."""
+    """Return the HTTP server of the desk, which `serve` starts."""
     config = uvicorn.Config(
         application(book, keys, author),
         log_level="warning",
@@ -53,13 +47,7 @@ def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
 
 
 def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
-    """Run the desk until interrupted. `announce` is called with the address that holds the access token.
-
-    Raises
-    ------
-    RequestError
-        If the port is taken.
-    """
+    """Run the desk until interrupted; RequestError if the port is taken. `announce` gets the address with the access token."""
     with open_socket(port) as listening:
         keys = Keys(listening.getsockname()[1])
         made = server(book, keys, author)

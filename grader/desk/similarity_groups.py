@@ -1,4 +1,4 @@
-"""Groups of mutually similar submissions: twelve copies are one group, not 66 pairs."""
+"""Groups of mutually similar submissions, so that twelve copies are one item for a person, not 66 pairs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from grader.report.similarity import Pair
 
 @dataclass(frozen=True)
 class SimilarityGroup:
-    """A group of similar submissions; `share` and `lines` are the least and the most that two of them share."""
+    """Submissions all similar to each other; `share` and `lines` of code are the least and the most that two of them share."""
 
     ids: tuple[str, ...]
     share: tuple[float, float]
@@ -18,7 +18,7 @@ class SimilarityGroup:
 
 
 def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
-    """Yield groups of submissions all similar to each other, largest first; every similar pair is in at least one."""
+    """Yield groups of submissions all similar to each other, largest first; every pair of similar ones is in at least one."""
     by_ids = {frozenset((pair.first, pair.second)): pair for pair in pairs}
     near: dict[str, set[str]] = {}
     for pair in pairs:
@@ -36,7 +36,7 @@ def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
 
 
 def _extended(ids: list[str], near: dict[str, set[str]]) -> list[str]:
-    """Extend a pair by submissions that are similar to all members, one at a time."""
+    """Extend a pair by submissions that are similar to all members, one at a time; `near` are the similar ones of each."""
     candidates = set.intersection(*(near[id_] for id_ in ids))
     while candidates:
         joins = min(candidates, key=lambda id_: (-len(near[id_] & candidates), id_))

@@ -40,7 +40,7 @@ _WITHOUT = (
 
 @dataclass(frozen=True)
 class Typed:
-    """A form for `target` that was refused: what was typed, and what is wrong with which field."""
+    """A refused form with an override of `target`, a check, a criterion, the total or the bonus: typed text and errors by field."""
 
     target: str
     points: str
@@ -50,7 +50,7 @@ class Typed:
 
 @dataclass(frozen=True)
 class _PageExtras:
-    """Content of a submission's page beside its result: regrade requests, and a form that was refused."""
+    """What a submission's page shows beside the result: regrade requests, and a refused form, None if there is none."""
 
     requests: Sequence[RegradeRequest]
     typed: Typed | None = None
@@ -58,9 +58,10 @@ class _PageExtras:
 
 @dataclass(frozen=True)
 class Overrides:
-    """Override, comment and regrade requests of one target: a check, a criterion, the total or the bonus.
+    """What the page shows of one target (a check, a criterion, the total or the bonus): override, comment, regrade requests.
 
-    `effect` says before it is saved how an override changes the final grade.
+    `covered` is the criterion or total whose override replaces this one, "" if none. `effect` says before it is saved how an
+    override changes the final grade.
     """
 
     target: str
@@ -85,7 +86,7 @@ class Overrides:
 
 @dataclass(frozen=True)
 class Place:
-    """A line of a submitted file to which a check's feedback links."""
+    """A line of a submitted file for a link beside a check; `anchor` is the file's id on the page."""
 
     path: str
     anchor: str
@@ -94,7 +95,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Row:
-    """One check: its feedback, its overrides, and the lines of code that it is about."""
+    """One check on the page: its feedback, its overrides (None if it takes none), and the lines of code that it is about."""
 
     row: words.CheckText
     overrides: Overrides | None
@@ -122,7 +123,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def repair(book: Classbook, web_request: WebRequest) -> Response:
-    """Preview, suggest, save or undo a repair: start it, and show the page that says how it goes on."""
+    """Start a preview, suggestion, saving or undoing of a repair; show its progress, or the form again with its errors."""
     final_grade = one(book, web_request)
     found = repairing.change(book, web_request, final_grade)
     if isinstance(found, Job):
@@ -138,7 +139,7 @@ def _page(
     code_: int = 200,
     typed: Typed | None = None,
 ) -> Response:
-    """Return the page of a submission: report, code, history and forms."""
+    """Return the page of a submission: report, code, history and forms; `typed` is a refused form, `editor` an open repair."""
     items = queue(book)
     history = book.history(final_grade.id)
     requests = [each for each in book.store.regrade_requests() if each.id == final_grade.id]
@@ -193,7 +194,7 @@ def _page(
 
 
 def override(book: Classbook, web_request: WebRequest) -> Response:
-    """Record the override or comment of a form, or undo or withdraw the last one, and show the page again."""
+    """Store the override or comment of a form, or undo or withdraw the last one, and show the page again."""
     final_grade = one(book, web_request)
     target, points, comment = map(web_request.text, ("target", "points", "comment"))
     if web_request.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
@@ -213,7 +214,7 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
-    """Return the errors of a form that overrides `target` for these submissions, by field; empty if it can be recorded."""
+    """Return the errors of a form that overrides `target` for these submissions, by field; empty if it can be stored."""
     errors = {} if comment else {"comment": "say why in a comment"}
     for each in final_grades:
         request = OverrideRequest(each.id, target, points, comment, alone=not points)
@@ -232,13 +233,13 @@ def picture(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def _comments(book: Classbook) -> list[str]:
-    """Return the comments that were used before, most frequent first, for the forms to suggest."""
+    """Return the comments used before in this class, most frequent first, for the forms to suggest; empty if there are none."""
     used = Counter(each.comment for _, each in book.store.history() if each.comment not in ("", "undone", "withdrawn"))
     return [printable(comment, 300) for comment, _ in used.most_common(_MOST_COMMENTS)]
 
 
 def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
-    """Return the grade of the submission in the address, blank for a person without one; raise RequestError if it is unknown."""
+    """Return the grade of the submission in the address, blank for a person without one; RequestError if it is unknown."""
     id_ = web_request.path["id"]
     final_grade = book.final_grades().get(id_) or book.absent().get(id_)
     if final_grade is None:
@@ -248,14 +249,14 @@ def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
 
 @dataclass(frozen=True)
 class _Code:
-    """Finds the code of a check: the lines that it names, or the definitions of its criterion."""
+    """Finds the code that a check is about, for links on the page: the lines its feedback names, or its criterion's functions."""
 
     submitted_files: SubmittedFiles
     named: Mapping[str, set[int]]
     defined: Mapping[str, Sequence[tuple[str, int]]]
 
     def places(self, check: CheckResult, part: str) -> tuple[Place, ...]:
-        """Return the lines that the check names, or else the definitions of its criterion."""
+        """Return the lines that the check's feedback names, or else the definitions of the criterion `part`; empty if not shown."""
         mine = [(path, line) for path, lines in named_lines([check], self.named).items() for line in sorted(lines)]
         return tuple(
             Place(printable(path), anchor, line)
@@ -271,7 +272,7 @@ def _part(
     shown: Drawn,
     extras: _PageExtras,
 ) -> PartView:
-    """Return one criterion or extension for the page: its checks, charts and overrides."""
+    """Return one criterion or extension as the page shows it: checks, charts and overrides; an extension cannot be overridden."""
     lab = final_grade.result.lab
     figures = Markup(shown.get(part.id, ""))
     by_hand = isinstance(part, CriterionResult)
@@ -291,7 +292,7 @@ def _part(
 
 
 def _overrides(final_grade: FinalGrade, target: str, extras: _PageExtras) -> Overrides:
-    """Return what the form of an override shows for a target: maximum, automatic points, the override in force, requests."""
+    """Return what the form for overriding `target` shows: maximum, automatic points, override in force, comment, requests."""
     comments = (each for each in final_grade.adjustments if each.alone and each.criterion == target)
     return Overrides(
         target,
@@ -307,7 +308,7 @@ def _overrides(final_grade: FinalGrade, target: str, extras: _PageExtras) -> Ove
 
 
 def _effect(final_grade: FinalGrade, target: str) -> str:
-    """Return how an override of `target` changes the final grade, with the numbers that a total leaves out."""
+    """Return a sentence on how an override of `target` changes the final grade, with the numbers that a total leaves out."""
     if target == BONUS:
         return "A bonus is added to the final grade, also to a total."
     if target != TOTAL:
@@ -319,7 +320,7 @@ def _effect(final_grade: FinalGrade, target: str) -> str:
 
 
 def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict[str, str]:
-    """Return the key of each form: ``m`` the total, ``o`` the bonus, ``b`` the most likely target.
+    """Return the keyboard shortcut of each form: ``m`` the total, ``o`` the bonus, ``b`` the most likely target.
 
     That is the target of an open regrade request, else the first check that lost points, else the total.
     """
@@ -336,7 +337,7 @@ def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict
 
 @dataclass(frozen=True)
 class Neighbours:
-    """The previous and next submission, and the next that needs review; "" where there is none."""
+    """Links to the previous and next submission, and to the next that needs review; "" where there is none."""
 
     place: int
     of: int

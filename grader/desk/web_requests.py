@@ -1,4 +1,4 @@
-"""Request parsing with bounds: form fields, numbers, the author."""
+"""Requests to the desk, parsed with bounds on size and number of fields: form fields, numbers, the author."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ _NAME = 80
 
 
 class TooLargeError(Exception):
-    """Exception: the body of a request is larger than any form of the desk."""
+    """Exception: the body of a request is larger than any form of the desk, so that it is not read to the end."""
 
 
 @dataclass(frozen=True)
 class WebRequest:
-    """One HTTP request to the desk, with its fields read.
+    """One HTTP request to the desk with its fields read, as every handler gets it.
 
     Attributes
     ----------
     author
-        The name under which a decision is recorded.
+        The name under which a decision is stored.
     form
         The form fields, each with all its values; empty for GET.
     query
@@ -48,7 +48,7 @@ class WebRequest:
         return (self.form.get(name) or self.query.get(name) or [""])[0].strip()
 
     def number(self, name: str) -> int | None:
-        """Return a field as a whole number; None if it is missing or not one."""
+        """Return a form or query field as a whole number; None if it is missing or not one."""
         text = self.text(name)
         return int(text) if text.isascii() and text.isdigit() and len(text) < 16 else None
 
@@ -57,7 +57,7 @@ class WebRequest:
 
 
 async def read(request: Request, cookie: str, author: str) -> WebRequest:
-    """Read the fields of a request; its author is the name in the cookie, else `author`.
+    """Read the fields of a request within bounds; its author is the name in the cookie, else `author`.
 
     Raises
     ------
@@ -78,7 +78,7 @@ async def read(request: Request, cookie: str, author: str) -> WebRequest:
 
 
 def name(text: str) -> str:
-    """Return a typed name, under which decisions are recorded, without control characters; "" if it is blank."""
+    """Return a typed name, under which decisions are stored, without control characters; "" if it is blank."""
     return printable(text.strip(), _NAME)
 
 
@@ -87,7 +87,7 @@ def in_cookie(text: str) -> str:
 
 
 def _fields(text: str) -> dict[str, list[str]]:
-    """Parse form fields; refuse a form with too many."""
+    """Parse form fields; raise RequestError for a form with too many."""
     found: dict[str, list[str]] = {}
     try:
         for key, value in parse_qsl(text, keep_blank_values=True, max_num_fields=_MOST_FIELDS):

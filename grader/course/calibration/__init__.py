@@ -1,1 +1,1 @@
-"""Calibration: a sample that a person marks by hand, the comparison of those marks with the grader's points, and a proposal."""
+"""Calibration: people mark a sample by hand, their marks are compared with the grades, and better deductions are proposed."""

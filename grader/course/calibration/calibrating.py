@@ -1,4 +1,4 @@
-"""Calibration of a class on record: write a sample to mark, and write the comparison with the marks."""
+"""Calibration of a graded class: write a sample for people to mark by hand, and compare their marks with the grades."""
 
 from __future__ import annotations
 
@@ -35,16 +35,21 @@ _DIGEST = 12
 
 @dataclass(frozen=True)
 class Summary:
-    """Comparison of the grades of a class with marks given by people, for the page, the terminal and the review desk.
+    """Result of a calibration, which page, terminal and review desk show: how far the grades agree with people's marks.
 
     Attributes
     ----------
+    criteria
+        The agreement in each criterion, and in all together.
     faults
-        The agreement for each fault that the grader names in a cell (criterion of a submission) where points and marks differ.
+        The agreement for each fault (diagnosed mistake) that is named where points and marks differ.
     dots
-        The mean of the marks and the grader's points, both in percent, with the number of cells that have them; most cells first.
+        Points of a diagram: mean mark and grader's points of a criterion, in percent, and how often they occur; most frequent
+        first.
     differences
-        Each cell where points and marks differ, with the name of the submission and the grader's deductions.
+        Each criterion of a submission where points and marks differ, with the submission's name and the grader's deductions.
+    proposal
+        Deductions that fit the marks better; None with too few marks, or if they cannot be computed.
     """
 
     criteria: tuple[Agreement, ...]
@@ -57,12 +62,12 @@ class Summary:
 
 
 def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
-    """Draw a sample, write its page and its blank table into `folder`, and return lines on what to do next.
+    """Draw a sample for people to mark by hand, write a page and a blank table for it into `folder`, and return what to do next.
 
     Raises
     ------
     RequestError
-        If nothing is graded.
+        If no class was graded in `out`, or no submission was graded as it was handed in.
     """
     with Store.existing(out) as store:
         results = store.present()
@@ -83,12 +88,12 @@ def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
 
 
 def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path]) -> list[str]:
-    """Compare marks with the grades, write the page into `folder`, and return the lines for the terminal.
+    """Compare the marks in `files` with the grades, write the page into `folder`, and return lines for the terminal.
 
     Raises
     ------
     RequestError
-        If a file has a problem, or nothing can be compared.
+        If a file has a wrong row or no marks, or no marked submission can be compared.
     """
     with Store.existing(out) as store:
         given = [read(store, file) for file in files]
@@ -103,22 +108,22 @@ def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path]) -
 
 
 def read(store: Store, file: Path) -> Marks:
-    """Read the file with a person's marks for a class on record."""
+    """Read one person's table of marks, with submissions found by name in `store`; raise RequestError for a wrong row."""
     return read_marks(file, adjusting.person_lookup(store).by, comparison.maxima(store.present()))
 
 
 def short_digest(rubric: Rubric) -> str:
-    """Return the short digest of a rubric that a file of marks keeps, to notice marks made under another rubric."""
+    """Return the start of a rubric's digest; tables of marks hold it, to notice marks made under another rubric."""
     return rubric.sha256[:_DIGEST]
 
 
 def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Sequence[Marks]) -> Summary:
-    """Compare marks with a class that is graded by this rubric.
+    """Compare marks that people gave by hand with the final grades of a class, which was graded by `rubric`.
 
     Raises
     ------
     RequestError
-        If nothing can be compared.
+        If no submission can be compared, because all that are marked are repaired or not graded.
     """
     cells = comparison.compare({id_: each.result for id_, each in final_grades.items()}, marks)
     if not cells:
@@ -152,7 +157,7 @@ def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Seq
 def _notes(
     rubric: Rubric, final_grades: Mapping[str, FinalGrade], cells: Sequence[ComparedCell], marks: Sequence[Marks]
 ) -> Iterator[str]:
-    """Yield what a reader has to know about this comparison, a line each."""
+    """Yield warnings for a reader of the comparison: another rubric, submissions left out, too few marks for a proposal."""
     for each in marks:
         if each.rubrics - {short_digest(rubric)}:
             yield f"{each.marker}: marked under another rubric than the class has now; points are compared as they are"

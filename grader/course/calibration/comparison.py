@@ -1,4 +1,4 @@
-"""Comparison of the grader's points with marks given by hand: how far apart, where, and in which direction."""
+"""Comparison of the grader's points with marks that people gave by hand: how far apart, where, and in which direction."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HEAD = ("Cells", "Markers apart", "We from their mean", "We give more (+)", "No 
 
 @dataclass(frozen=True)
 class ComparedCell:
-    """One criterion of one submission: the grader's points, and the mark of each person who gave one."""
+    """One criterion of one submission, as calibration compares it: the grader's result, and the marks of at least one person."""
 
     id: str
     criterion: CriterionResult
@@ -38,23 +38,23 @@ class ComparedCell:
 
     @property
     def difference(self) -> float:
-        """The grader's points minus the mean of the marks: positive where the grader is milder."""
+        """The grader's points minus the mean of the marks: positive where the grader is milder, negative where it is harder."""
         return self.criterion.points - self.mean
 
     @property
     def apart(self) -> float | None:
-        """The mean distance between two markers; None with one marker."""
+        """The mean distance in points between two people who marked this, to compare the grader with; None with one mark."""
         pairs = [abs(a.points - b.points) for a, b in combinations(self.marks, 2)]
         return statistics.fmean(pairs) if pairs else None
 
     @property
     def is_outside(self) -> bool:
-        """Whether no marker accepts the grader's points."""
+        """Whether the grader's points lie outside the range of every mark, so that no person would accept them."""
         return not any(mark.accepts(self.criterion.points) for mark in self.marks)
 
     @property
     def kind(self) -> str:
-        """Name of the difference between points and marks, such as "missed fault" or "too hard"; "" where there is none."""
+        """How the points differ from the marks: "false deduction", "missed fault", "too mild" or "too hard"; "" if they agree."""
         if abs(self.difference) <= _FULL:
             return ""
         most = self.criterion.max_points - _FULL
@@ -66,25 +66,27 @@ class ComparedCell:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """The ids of the faults that the grader names in this criterion, each once."""
+        """The ids of the faults (diagnosed mistakes) that the grader names in this criterion, each once; empty if none."""
         return tuple(dict.fromkeys(id_ for check in self.criterion.checks for id_ in check.misconceptions))
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far the grader's points are from the marks, over some cells (criteria of submissions).
+    """One row of the comparison table: how far the grader's points are from people's marks in some cells.
+
+    A cell is one criterion of one submission.
 
     Attributes
     ----------
     apart
-        Mean distance between two markers, in points; None with one marker.
+        Mean distance between the marks of two people, in points; None if one person marked.
     distance, uncertainty
         Mean distance between the grader's points and the mean of the marks, and half of its 95 % interval (Student's t over the
         submissions, as the cells of one submission are not independent); `uncertainty` is None below three submissions.
     difference
         Mean of the grader's points minus the marks: positive where the grader is milder.
     outside
-        Number of cells in which no marker accepts the grader's points.
+        Number of cells in which no person accepts the grader's points.
     """
 
     title: str
@@ -97,7 +99,7 @@ class Agreement:
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The numbers as text, in the columns of `HEAD`."""
+        """The row's numbers as text for the columns `HEAD` of the table; "–" in place of a missing `apart`."""
         return (
             str(self.cells),
             "–" if self.apart is None else f"{self.apart:.2f}",
@@ -108,9 +110,9 @@ class Agreement:
 
 
 def compare(results: Mapping[str, Result], marks: Sequence[Marks]) -> list[ComparedCell]:
-    """Return every marked cell of a submission that was graded as it was handed in, in the order of the class.
+    """Pair each criterion that people marked with the grader's result, in the order of `results`.
 
-    A repaired submission is left out: the marker saw the files before the repair.
+    Repaired submissions are left out, because people marked the files before the repair, and so are those without a grade.
     """
     return [
         ComparedCell(id_, part, given)
@@ -126,12 +128,15 @@ def is_comparable(result: Result) -> bool:
 
 
 def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
-    """Return the maximum points of every cell (criterion of a submission) of a class."""
+    """Return the maximum points by submission id and criterion id, so that a mark above its maximum is refused."""
     return {(id_, part.id): part.max_points for id_, result in results.items() for part in result.criteria}
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Summarize under `title` how far points and marks are apart in these cells, of which there must be at least one."""
+    """Summarize as one row of the comparison table how far points and marks are apart in `cells`, criteria of submissions.
+
+    There must be at least one of them.
+    """
     apart = [each.apart for each in cells if each.apart is not None]
     distances: dict[str, list[float]] = {}
     for each in cells:
@@ -149,21 +154,24 @@ def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
 
 
 def by_criterion(cells: Sequence[ComparedCell]) -> list[Agreement]:
-    """Return the agreement in each criterion, then in all of them."""
+    """Return the rows of the comparison table: the agreement in each criterion, then in all together."""
     titles = dict.fromkeys(cell.criterion.title for cell in cells)
     each = [agreement(title, [cell for cell in cells if cell.criterion.title == title]) for title in titles]
     return [*each, agreement("All", cells)]
 
 
 def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
-    """Return the agreement in the cells where a fault is named, for each fault that differs, the largest distance first."""
+    """Return the agreement for each fault (diagnosed mistake) in a criterion where points and marks differ, worst first.
+
+    Each is over all criteria of submissions that name the fault, also those where they agree.
+    """
     named = dict.fromkeys(fault for cell in cells if cell.kind for fault in cell.faults)
     each = [agreement(fault, [cell for cell in cells if fault in cell.faults]) for fault in named]
     return sorted(each, key=lambda agreed: (-agreed.distance, agreed.title))
 
 
 def differing(cells: Iterable[ComparedCell]) -> list[ComparedCell]:
-    """Return the cells where points and marks differ: false deductions, then missed faults, then the largest differences."""
+    """Return the criteria where points and marks differ, for a person to read: false deductions, missed faults, then the rest."""
     return sorted(
         (cell for cell in cells if cell.kind),
         key=lambda cell: (_FIRST.get(cell.kind, len(_FIRST)), -abs(cell.difference), cell.id),
@@ -171,7 +179,7 @@ def differing(cells: Iterable[ComparedCell]) -> list[ComparedCell]:
 
 
 def table(rows: Sequence[Agreement]) -> list[str]:
-    """Return the lines of a Markdown table, which also reads well on a terminal."""
+    """Format agreements as the lines of a Markdown table with aligned columns, which also reads well on a terminal."""
     cells = [("", *HEAD), *((each.title, *each.texts) for each in rows)]
     first, *others = (max(map(len, column)) for column in zip(*cells, strict=True))
     rule = [f"| {'-' * first} |", *(f" {'-' * (width - 1)}: |" for width in others)]

@@ -1,4 +1,4 @@
-"""Marks that a person gave by hand: a CSV with a row for each submission and criterion."""
+"""Marks that a person gave by hand, as a CSV with a row for each submission and criterion: reading, checking, writing."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Cell = tuple[str, str]
 
 @dataclass(frozen=True)
 class Mark:
-    """Points that a person gives in one criterion, the range that they would accept too, and their sentence."""
+    """Points that a person gives one criterion by hand, the range from `low` to `high` that they accept too, and a comment."""
 
     points: float
     low: float
@@ -35,10 +35,10 @@ class Mark:
 
 @dataclass(frozen=True)
 class Marks:
-    """The marks that one person gave by hand to a sample of the class.
+    """The marks that one person gave by hand to a sample of the class, as read from a CSV.
 
-    `ids` are all submissions of the table, marked or not. `rubrics` holds the short digests of the rubrics that the marking page
-    showed; empty for a table without them.
+    `cells` maps submission id and criterion id to the mark. `ids` are all submissions of the table, marked or not. `rubrics` holds
+    the digests of the rubrics shown to the person; empty for a table without them.
     """
 
     marker: str
@@ -48,16 +48,16 @@ class Marks:
 
 
 def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float]) -> Marks:
-    """Read the marks of one person. Rows without points are left out.
+    """Read a CSV with one person's marks, to compare them with the grades. Rows without points are left out.
 
     Parameters
     ----------
     path
         A CSV with the columns `NEEDED`, in any order; the others of `COLUMNS` are optional.
     find
-        Returns the id of the submission that a cell of the column `id` names.
+        Returns the id of the submission that a name or number in the column `id` means.
     most
-        The maximum of each cell that can be marked.
+        The maximum points of all that can be marked, by submission id and criterion id.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
                 raise RequestError(f"no criterion {printable(criterion)}; the criteria are {', '.join(criteria)}")
             if cell in found:
                 raise RequestError(f"a second mark for {printable(word)} in {criterion}; remove one of the two rows")
-            found[cell] = mark_of(row, most[cell])
+            found[cell] = parse_mark(row, most[cell])
         except RequestError as problem:
             raise RequestError(f"{source}:{line}: {problem}") from problem
     rubrics = frozenset(filter(None, (row.get("rubric") for _, row in rows)))
@@ -90,17 +90,17 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
 
 
 def _plain(text: str) -> str:
-    """Return a cell without spaces around it and the apostrophe that keeps a spreadsheet from taking it for a formula."""
+    """Return a CSV cell without surrounding spaces, and without the apostrophe by which our CSV files disarm formulas."""
     return (text[1:] if text[1:] and csv_cell(text[1:]) == text else text).strip()
 
 
-def mark_of(row: Mapping[str, str], most: float) -> Mark:
-    """Return the mark in the fields points, low, high and comment as typed; a range that stays blank is the points alone.
+def parse_mark(row: Mapping[str, str], most: float) -> Mark:
+    """Parse a row's points, low, high and comment, as typed, into a mark; a blank low or high takes the value of points.
 
     Raises
     ------
     RequestError
-        If a field is not a number from low to high, all between 0 and `most`, the points of the criterion.
+        If a field is no number from 0 to `most`, the criterion's maximum, or points lie outside low to high.
     """
     points, low, high = (_number(row, name, most) for name in ("points", "low", "high"))
     if not low <= points <= high:
@@ -117,7 +117,7 @@ def _number(row: Mapping[str, str], column: str, most: float) -> float:
 
 
 def as_table(cells: Sequence[Cell], marks: Mapping[Cell, Mark], rubric: str) -> str:
-    """Return the CSV of a person's marks of a sample, with blank points where there are none yet."""
+    """Return the CSV of a person's marks, with blank points where a mark is missing; each row holds the digest `rubric`."""
     rows: list[Sequence[str]] = [COLUMNS]
     for cell in cells:
         mark = marks.get(cell)

@@ -1,7 +1,7 @@
-"""Proposal of deductions that come closest to marks given by hand. Nothing here changes a grade.
+"""Proposal of new deductions that bring the grades closer to marks given by hand. Nothing here changes a grade.
 
-A deduction follows the marks of the cells (criteria of submissions) in which its fault alone is named. Its proposed value is the
-mean of what these marks deduct and of the present value, which counts as two marks.
+Only marks where one fault alone is named change its deduction. The proposed value is the mean of what these marks deduct and of the
+present value, which counts as two marks.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _STEP = 0.5
 
 @dataclass(frozen=True)
 class ChangedDeduction:
-    """Deduction that the proposal changes, before and after, and the number of marked cells that it follows."""
+    """One line of a proposal: a fault, its deduction before and after, and how many marked criteria the change rests on."""
 
     fault: str
     before: float
@@ -37,20 +37,20 @@ class ChangedDeduction:
 
 @dataclass(frozen=True)
 class Proposal:
-    """Changed deductions, and their effect on the distance from the marks.
+    """Deductions that would fit marks given by hand better, with their effect; a person may copy them into the rubric.
 
     Attributes
     ----------
     changes
-        Empty if the present values are as good.
+        Empty if the present deductions fit as well.
     rubric
         The rubric with the changes.
     before, after
-        Mean distance from the marks in all compared cells, with the present and the proposed values.
+        Mean distance in points from the marks, with the present and with the proposed deductions.
     unseen
         `after`, with each submission measured by a proposal made without it: what to expect of work that nobody marked.
     unnamed
-        The part of `after` that lies in cells where no fault is named.
+        The part of `after` in criteria where the grader names no fault, which no deduction can change.
     moved
         Each person whose final grade would change, the largest change first: name, present grade, future grade.
     """
@@ -64,7 +64,7 @@ class Proposal:
     moved: tuple[tuple[str, float, float], ...]
 
     def sentences(self) -> list[str]:
-        """Return what the proposal does to the distance, and what remains."""
+        """Return sentences for a reader: the distance from the marks before and after, what remains, and how many grades change."""
         rest = f"{self.unnamed:.2f} of it lies in cells where no fault is named. No deduction reaches them; read them one by one."
         remains = [rest] if self.unnamed >= 0.005 else []
         if not self.changes:
@@ -77,7 +77,7 @@ class Proposal:
         ]
 
     def block(self) -> list[str]:
-        """Return the lines to paste into `rubric.yaml`."""
+        """Return the changed deductions as lines to paste into `rubric.yaml`; empty if nothing changes."""
         lines = [
             f"  {each.fault}: {each.after:g} # {each.before:g} at present; {words.counted(each.cells, 'mark')}"
             for each in self.changes
@@ -86,12 +86,12 @@ class Proposal:
 
 
 def propose(rubric: Rubric, cells: Sequence[ComparedCell], final_grades: Mapping[str, FinalGrade]) -> Proposal | None:
-    """Return the proposal that the compared cells support; None with fewer than `FEWEST` submissions.
+    """Compute deductions that fit the marks better; None if fewer than `FEWEST` submissions are marked, too few to rely on.
 
     Raises
     ------
     RequestError
-        If the class cannot be marked again by this rubric without running it.
+        If the class cannot be regraded by this rubric without running the submissions again.
     """
     marked = dict.fromkeys(cell.id for cell in cells)
     if len(marked) < FEWEST:
@@ -120,14 +120,14 @@ def _with(rubric: Rubric, changes: Sequence[ChangedDeduction]) -> Rubric:
 
 
 def _distance(cells: Sequence[ComparedCell], final_grades: Mapping[str, FinalGrade]) -> float:
-    """Return the sum of the distances between points and marks."""
+    """Return the sum of the distances, in points, between final grades and mean marks, over these criteria of submissions."""
     results = {id_: each.result for id_, each in final_grades.items()}
     points = {(id_, part.id): part.points for id_, result in results.items() for part in result.criteria}
     return sum(abs(points[cell.key] - cell.mean) for cell in cells)
 
 
 def _changes(rubric: Rubric, cells: Sequence[ComparedCell]) -> list[ChangedDeduction]:
-    """Return the deductions that change.
+    """Return the deductions that change, each by the marks of criteria in which the grader names this fault and no other.
 
     A fault of any file, such as one that does not run, keeps its deduction: it costs whatever needs the file.
     """
@@ -140,10 +140,10 @@ def _changes(rubric: Rubric, cells: Sequence[ComparedCell]) -> list[ChangedDeduc
 
 
 def _change(rubric: Rubric, fault: str, cells: Sequence[ComparedCell]) -> ChangedDeduction | None:
-    """Return what the marks of the cells change of the deduction of a fault.
+    """Return the changed deduction of a fault by the marks in `cells`, criteria in which it is the only fault.
 
-    None where it moves by less than a step, and for a fault that deducts more in one submission than in another, such as a fault of
-    one sensor: one number for all would be wrong for some.
+    None where it moves by less than half a point, and for a fault that deducts more in one submission than in another, such as a
+    fault of one sensor: one number for all would be wrong for some.
     """
     checks = [[check for check in cell.criterion.checks if fault in check.misconceptions] for cell in cells]
     deducted = [words.points_lost(its) for its in checks]

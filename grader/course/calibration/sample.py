@@ -1,4 +1,4 @@
-"""A sample of a class to mark by hand: many faults, every criterion, and some sound work."""
+"""Sample of a class for people to mark by hand without seeing grades: many faults, every criterion, some sound work."""
 
 from __future__ import annotations
 
@@ -31,9 +31,10 @@ _MOST_PICTURES = 4
 
 @dataclass(frozen=True)
 class BlindSubmission:
-    """A submission as its marker sees it: numbered code, submitted pictures, drawn figures, and nothing of the grader's result.
+    """A submission as shown to a person who marks it by hand: code, pictures and figures, nothing of the grader's result.
 
-    `files` are pairs of path and text with line numbers, `pictures` pairs of path and PNG in base64.
+    `files` are pairs of path and text with line numbers, `pictures` pairs of path and PNG in base64. `figures` is the HTML of the
+    figures that the code drew.
     """
 
     id: str
@@ -45,12 +46,12 @@ class BlindSubmission:
 def draw(results: Mapping[str, Result], size: int) -> list[str]:
     """Return the ids of a sample to mark by hand: the same for the same results, in an order that reveals no grade.
 
-    A quarter is sound work. Each other one adds the most that the sample does not show yet: faults, and criteria that lose points.
+    A quarter has full points. Each further submission adds the most that the sample lacks: faults, and criteria that lose points.
 
     Raises
     ------
     RequestError
-        If no submission can be compared with marks.
+        If no submission was graded as it was handed in, so that marks could not be compared.
     """
     able = {id_: results[id_] for id_ in sorted(results, key=_shuffled) if is_comparable(results[id_])}
     if not able:
@@ -73,7 +74,7 @@ def _shuffled(id_: str) -> str:
 
 
 def to_mark(store: Store, lab: Lab, id_: str, result: Result) -> BlindSubmission:
-    """Return a submission of a sample as the marker sees it, the files that the lab asks for first."""
+    """Return a submission for a person to mark blind, the lab's files first; without files if the database has none."""
     kept = unpack(store.files(str(result.provenance.get("submission_sha256", "")))).files
     first = [name for name in lab.files if name in kept]
     kept = {path: kept[path] for path in (*first, *sorted(kept.keys() - set(first)))}
@@ -93,7 +94,7 @@ def _numbered(text: str) -> str:
 
 
 def _without_remarks(chart: Chart) -> Chart | None:
-    """Return a figure that the student's code drew, as its reader sees it; None for every other chart: they show the truth."""
+    """Keep only the curves that the student's code drew in a chart; None if there are none, as the others show the solution."""
     panels = [
         replace(panel, curves=tuple(curve for curve in panel.curves if curve.role == "drawn")) for panel in chart.panels
     ]

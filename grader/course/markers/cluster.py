@@ -1,7 +1,7 @@
-"""Many submissions on a running Dask cluster: one at a time for each of its worker processes.
+"""Grading of a class on a running Dask cluster: each worker process grades one submission at a time.
 
-If a worker is lost, Dask gives its submission to another one. Submissions and results travel as plain data; rubric and traces
-go once to every worker.
+If a worker is lost, Dask gives its submission to another one. Submissions and results travel as plain data. Rubric and traces
+(reference recordings) go once to every worker.
 """
 
 from __future__ import annotations
@@ -44,23 +44,23 @@ _SETTINGS = {
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, address: str, bounds: Bounds
 ) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
-    """Mark every submission on a cluster and yield each as it is done, in no particular order.
+    """Grade every submission on a cluster; yield each with its outcome as soon as it is known, in no particular order.
 
     Parameters
     ----------
     submissions
-        Taken as workers are free, so that a class need not fit into memory.
+        Taken as workers are free, so that a class need not fit into memory. If there is none, no cluster is needed.
     open_marker
-        Makes a marker; called in each worker process, so it must be picklable.
+        Opens a marker, which grades submissions; called in each worker process, so it must be picklable.
     address
         Address of the Dask scheduler, as "tcp://host:8786" or "tls://host:8786". Dask's configuration names the certificates.
     bounds
-        Time and memory after which a marker is ended.
+        Time and memory beyond which the grading of one submission is ended.
 
     Raises
     ------
     RequestError
-        If no cluster answers there, or one of its workers cannot mark this class.
+        If no cluster answers there, or one of its workers cannot grade this class.
     GraderError
         If the cluster is lost, or has no worker for `NO_WORKERS_TIMEOUT_S`.
     """
@@ -73,7 +73,7 @@ def mark_all(
 
 @contextmanager
 def _reporting_lost_scheduler(address: str) -> Iterator[None]:
-    """Turn any exception into a GraderError that says that the cluster was lost."""
+    """Turn any exception in this ``with`` block into a GraderError: the cluster was lost, and the same command resumes the run."""
     try:
         yield
     except Exception as problem:
@@ -88,7 +88,7 @@ def _lost(address: str) -> GraderError:
 
 @contextmanager
 def _connected(address: str) -> Iterator[Client]:
-    """Connect to the Dask scheduler at this address; refuse the request without Dask or without a scheduler."""
+    """Yield a client of the Dask scheduler and close it; RequestError if Dask is not installed or no scheduler answers."""
     try:
         import dask  # noqa: PLC0415 - an extra
         from distributed import Client  # noqa: PLC0415
@@ -111,11 +111,11 @@ def _connected(address: str) -> Iterator[Client]:
 
 
 class _NoSchedulerError(Exception):
-    """No Dask scheduler answers at the address; the message says why."""
+    """Exception: no Dask scheduler answers at the address given by the user; the message says why."""
 
 
 async def _find_scheduler(address: str) -> None:
-    """Check that a Dask scheduler answers. A client would wait for ever for a server that accepts and stays silent."""
+    """Raise _NoSchedulerError unless a Dask scheduler answers soon. Dask's own client would wait for ever for a silent server."""
     from distributed import Security, rpc  # noqa: PLC0415
 
     try:
@@ -132,7 +132,10 @@ async def _find_scheduler(address: str) -> None:
 
 @contextmanager
 def _grading_plugins(client: Client, open_marker: OpenMarker, bounds: Bounds, address: str) -> Iterator[str]:
-    """Install the grading plugin of this run in every worker, yield the run's name, and close the markers at the end."""
+    """Install a grading plugin in every Dask worker, yield the run's name for its tasks, and remove it at the end.
+
+    RequestError if the cluster has no worker, or one that cannot grade.
+    """
     from grader.course.markers.cluster_worker import GradingPlugin, versions  # noqa: PLC0415
 
     with _reporting_lost_scheduler(address):
@@ -153,7 +156,7 @@ def _grading_plugins(client: Client, open_marker: OpenMarker, bounds: Bounds, ad
 
 
 def _set_up(client: Client, plugin: GradingPlugin, address: str) -> None:
-    """Install the grading plugin on all workers; refuse the request if a worker cannot grade."""
+    """Install the grading plugin on all workers; raise RequestError if one cannot grade, for example with other versions."""
     try:
         client.register_plugin(plugin)
     except RequestError as problem:
@@ -166,7 +169,7 @@ def _set_up(client: Client, plugin: GradingPlugin, address: str) -> None:
 
 
 class _Tasks:
-    """Queue of submissions, and the tasks that run on the cluster.
+    """The submissions of one run on a cluster: those that wait, and the Dask tasks that grade the others.
 
     There are at most as many tasks as workers: when a worker dies, Dask blames every task that it had been given.
     """
@@ -179,7 +182,7 @@ class _Tasks:
         self._sent = 0
 
     def run(self) -> Iterator[tuple[Submission, MarkerAnswer]]:
-        """Send submissions to the workers; yield each with its outcome as it is done."""
+        """Grade all submissions on the cluster; yield each with its outcome as soon as it is known."""
         while self._hand_out():
             future = self._next_done()
             task = self._out.pop(future)
@@ -188,14 +191,14 @@ class _Tasks:
                 yield task.submission, outcome
 
     def _hand_out(self) -> bool:
-        """Give every idle worker a task; return False when no task is left to wait for."""
+        """Give every idle worker a submission; return False when no task is left to wait for, which ends the run."""
         at_once = max(1, self._workers())
         while len(self._out) < at_once and (task := self._backlog.next()) is not None:
             self._send(task)
         return bool(self._out)
 
     def _send(self, task: Task) -> None:
-        """Submit one task to Dask under a key of its own; its future enters the queue `_done` when it ends."""
+        """Start one Dask task that grades a submission; when it ends, its future enters the queue `_done`."""
         from grader.course.markers.cluster_worker import mark  # noqa: PLC0415
 
         self._sent += 1
@@ -206,7 +209,7 @@ class _Tasks:
         future.add_done_callback(self._done.put)
 
     def _next_done(self) -> Future[Any]:
-        """Wait for a future that has ended; raise GraderError if the cluster is without workers for too long."""
+        """Wait for a task to end and return its future; GraderError after `NO_WORKERS_TIMEOUT_S` without any worker."""
         without_s = 0.0
         while True:
             try:
@@ -220,12 +223,12 @@ class _Tasks:
                 )
 
     def _workers(self) -> int:
-        """Return the number of workers that are connected to the scheduler."""
+        """Return how many workers the cluster has, so that each gets one task; GraderError if the cluster is lost."""
         with _reporting_lost_scheduler(self._address):
             return len(self._client.nthreads())
 
     def _outcome(self, future: Future[Any], task: Task) -> MarkerAnswer | None:
-        """Return the outcome of a task; None if it will be retried."""
+        """Return the outcome of an ended task; None if it will be retried. Raise the error of a worker that cannot grade at all."""
         from distributed import KilledWorker  # noqa: PLC0415
 
         if future.cancelled():

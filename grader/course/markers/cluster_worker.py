@@ -1,6 +1,6 @@
-"""Code that runs in a worker process of a Dask cluster: a pool of one warm marker for each run.
+"""Grading in a worker process of a Dask cluster: each run keeps a marker open there, the object that grades submissions.
 
-The marker has a process of its own, as on a single machine, so it can be ended without ending the worker.
+The marker has a process of its own, as on a single machine, so that it can be ended without ending the worker.
 """
 
 from __future__ import annotations
@@ -26,28 +26,29 @@ _OURS = ("imugrade", "python")
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
-    """Return the versions that must be equal on every machine that marks a class: of Python, imugrade and the lab's packages."""
+    """Return the versions of imugrade, Python and the lab's packages; they must be equal on all machines for equal grades."""
     python = ".".join(platform.python_version_tuple()[:2])
     return {"imugrade": __version__, "python": python, **{name: version(name) for name in packages}}
 
 
 def plain(result: Result) -> dict[str, Any]:
-    """Return a result as plain data for the network: text, bytes and numbers."""
+    """Return a result as plain data (text, bytes and numbers), which a worker sends back over the network."""
     record = json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)
     return {"record": record, "charts": result.evidence.charts, "fingerprint": list(result.evidence.fingerprint)}
 
 
 def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
-    """Mark one submission with the marker that the run's plugin holds. Dask executes this function as a task."""
+    """Grade one submission with the marker that the plugin of this run holds. Dask calls this as a task on a worker."""
     plugin = get_worker().plugins[run]
     assert isinstance(plugin, GradingPlugin)
     return plugin.mark(Submission(**submission))
 
 
 class GradingPlugin(WorkerPlugin):
-    """Dask worker plugin that holds the marker of one run; Dask installs it in every present and future worker.
+    """Dask worker plugin that keeps a marker, which grades submissions, open for a whole run, because opening one is slow.
 
-    A process has one marker at a time. If a killed run left its marker open, the plugin of the next run closes it.
+    Dask installs it in every present and future worker. A process has one marker at a time: if a killed run left its marker open,
+    the plugin of the next run closes it.
 
     Parameters
     ----------
@@ -80,7 +81,9 @@ class GradingPlugin(WorkerPlugin):
         self._leave_if_idle()
 
     def mark(self, submission: Submission) -> dict[str, Any]:
-        """Return the result as plain data, or the failure as "trouble" and, if the marker was ended, its reason as "stopped".
+        """Grade a submission and return its result as plain data, or the reason as "trouble" if there is none.
+
+        Then "stopped" is the reason, too, if a limit on time or memory ended the grading, else "".
 
         Raises
         ------
@@ -95,7 +98,7 @@ class GradingPlugin(WorkerPlugin):
                 self._leave_if_idle()
 
     def _marked(self, pool: Pool, submission: Submission) -> dict[str, Any]:
-        """Grade one submission in the pool; return the plain result, or the reason why there is none."""
+        """Grade one submission for `mark`. An error names this worker and closes the marker, so the next call opens another."""
         try:
             ((_, outcome),) = pool.run(iter([submission]))
         except (RequestError, GraderError) as problem:
@@ -115,7 +118,7 @@ class GradingPlugin(WorkerPlugin):
                 )
 
     def _pool_here(self) -> Pool:
-        """Return this worker's pool. A pool of an earlier run in this process is closed first."""
+        """Return this run's pool, with the marker that grades, opened on the first call. One left by an earlier run is closed."""
         if self._pool is None:
             self._agree()
             if GradingPlugin._taken_by is not None:
@@ -131,7 +134,7 @@ class GradingPlugin(WorkerPlugin):
             self._opened.close()
 
     def _leave_if_idle(self) -> None:
-        """Close the marker unless it is marking; `mark` closes it afterwards in that case."""
+        """Close the marker, which grades submissions, when the run is over; if it is grading just now, `mark` closes it later."""
         if self._at_work.acquire(blocking=False):
             try:
                 if GradingPlugin._taken_by is self:

@@ -1,8 +1,7 @@
-"""Pool of worker processes, each with one warm marker, that marks many submissions in parallel.
+"""Pool of worker processes that grade many submissions in parallel. Each keeps one marker, the object that grades, open.
 
-If a marker dies, a fresh one marks its submission again. A submission that two markers failed on is returned as `Unmarked` with
-the reason, which is not a zero. A marker that exceeds the time or memory of any sound work is ended; a submission on which
-two markers were ended is returned as `Ended`.
+If a worker process fails, another one grades its submission again. A submission that fails twice is returned with the reason: as
+`Ended` if it exceeded the limits on time or memory, which leave any sound work enough; else as `Unmarked`, which is not a zero.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ KILLED = "the marking process was killed"
 
 
 class Marking(Protocol):
-    """Protocol of a marker, which grades one submission after the other in a worker process."""
+    """Protocol of a marker, which grades one submission after the other; `cpu_s` may lower the rubric's limit of CPU seconds."""
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
@@ -41,21 +40,21 @@ OpenMarker = Callable[[], AbstractContextManager[Marking]]
 
 @dataclass(frozen=True)
 class Unmarked:
-    """Outcome of a submission that the grader failed to mark, with the reason."""
+    """Outcome of a submission on which the grader itself failed, with the reason. All its points stay open; it is not a zero."""
 
     reason: str
 
 
 @dataclass(frozen=True)
 class Ended:
-    """Outcome of a submission whose marking exceeded the limits on time or memory, with the reason."""
+    """Outcome of a submission given up because it exceeded the limits on time or memory, with the reason. It earns nothing."""
 
     reason: str
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Limits on the process that grades one submission. Sound work takes a small part of them, even on a busy machine."""
+    """Limits on the process that grades one submission, beyond which it is killed. Sound work takes a small part of them."""
 
     wall_s: float = 600.0
     memory_bytes: int = 3 << 30
@@ -67,7 +66,7 @@ MarkerAnswer: TypeAlias = "Result | Unmarked | Ended"
 
 @dataclass
 class Task:
-    """Submission in the queue, with the reasons of failed attempts; `stopped` is the reason if a marker was ended."""
+    """A submission being graded, with the reasons of failed attempts; `stopped` is the limit it exceeded, "" if none."""
 
     submission: Submission
     reasons: list[str] = field(default_factory=list)
@@ -75,21 +74,21 @@ class Task:
 
 
 class Backlog:
-    """Queue of submissions to mark; those to be retried come first. Submissions are taken from the iterator one at a time."""
+    """Queue of submissions to grade, taken from an iterator one at a time; those whose grading failed come first."""
 
     def __init__(self, submissions: Iterator[Submission], attempts: int = ATTEMPTS) -> None:
         self._submissions, self._attempts = submissions, attempts
         self._again: deque[Task] = deque()
 
     def next(self) -> Task | None:
-        """Return the next submission to mark; None if there is none at present."""
+        """Return the next submission to grade; None if none is waiting, though a failed one may still come back."""
         if self._again:
             return self._again.popleft()
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
     def failed(self, task: Task, reason: str) -> Unmarked | Ended | None:
-        """Queue a failed task again and return None, or return its outcome after the last attempt."""
+        """Queue a failed task for another attempt and return None; after the last attempt, return its outcome."""
         task.reasons.append(reason)
         if len(task.reasons) < self._attempts:
             self._again.append(task)
@@ -100,18 +99,18 @@ class Backlog:
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int, bounds: Bounds = _BOUNDS
 ) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
-    """Mark every submission and yield each as it is done, in no particular order.
+    """Grade every submission on this machine; yield each with its outcome as soon as it is known, in no particular order.
 
     Parameters
     ----------
     submissions
         Taken one at a time, so that a class need not fit into memory.
     open_marker
-        Makes a marker; called in each worker process, so it must be picklable.
+        Opens a marker, which grades submissions; called in each worker process, so it must be picklable.
     jobs
         Largest number of worker processes. They are started when there is work for them.
     bounds
-        Time and memory after which a marker is ended.
+        Time and memory beyond which the grading of one submission is ended.
 
     Raises
     ------
@@ -123,16 +122,16 @@ def mark_all(
 
 
 class Pool:
-    """Pool of worker processes, each with one marker, kept from one run to the next; a context manager.
+    """Worker processes that grade submissions, kept from one run to the next, because starting them is slow; a context manager.
 
-    A process is given a submission when it has none, so the one that ended a process is known, and no other is marked again.
+    Each process has one submission at a time. So it is known which submission ended a process, and no other is graded again.
 
     Parameters
     ----------
     open_marker, jobs, bounds
         See `mark_all`.
     attempts
-        Number of markers that may fail on a submission before it is returned without a result.
+        Number of processes that may fail on a submission before it is returned without a result.
     """
 
     def __init__(self, open_marker: OpenMarker, jobs: int, bounds: Bounds, attempts: int = ATTEMPTS) -> None:
@@ -157,13 +156,13 @@ class Pool:
     def run(
         self, submissions: Iterator[Submission], cpu_s: float | None = None
     ) -> Iterator[tuple[Submission, MarkerAnswer]]:
-        """Mark submissions as `mark_all` does; `cpu_s` may lower the rubric's limit on the CPU time of each submission."""
+        """Grade submissions as `mark_all` does; `cpu_s` may lower the rubric's limit of CPU seconds for each, None keeps it."""
         backlog = Backlog(submissions, self._attempts)
         while self._hand_out(backlog, cpu_s):
             ready = connection.wait([process.line for process in self._busy], _POLL_S)
             for process in [each for each in self._busy if each.line in ready]:
                 task = process.task
-                outcome = self._received(process, backlog)
+                outcome = self._receive_outcome(process, backlog)
                 self._hand_out(backlog, cpu_s)  # so that it works while the caller records this one
                 if outcome is not None:
                     yield task.submission, outcome
@@ -171,20 +170,17 @@ class Pool:
                 process.stop_beyond(self._bounds)
 
     def _hand_out(self, backlog: Backlog, cpu_s: float | None) -> bool:
-        """Give each idle process a task, and start one while there are fewer than `jobs`; return whether any has a task."""
+        """Give tasks to idle processes, starting new ones up to `jobs`; return whether any is grading, else the run ends."""
         while len(self._busy) < self._jobs and (task := backlog.next()) is not None:
             process = self._idle.pop() if self._idle else _MarkerProcess(self._open_marker)
             process.mark(task, cpu_s)
             self._busy.append(process)
         return bool(self._busy)
 
-    def _received(self, process: _MarkerProcess, backlog: Backlog) -> MarkerAnswer | None:
-        """Return the outcome that a process has sent; None if it has only opened its marker, or if its task will be retried.
+    def _receive_outcome(self, process: _MarkerProcess, backlog: Backlog) -> MarkerAnswer | None:
+        """Return the outcome that a process has sent; None if it has only got ready, or if its submission will be tried again.
 
-        Raises
-        ------
-        GraderError, RequestError
-            If the marker could not be opened, because no submission caused that.
+        GraderError or RequestError if the process could not get ready, because no submission caused that.
         """
         message = process.receive()
         if isinstance(message, _Opened):
@@ -203,7 +199,7 @@ class Pool:
 
 @dataclass(frozen=True)
 class _Opened:
-    """Message of a worker process: its marker is open."""
+    """Message of a worker process: it is ready to grade, so the time of its first submission counts from now."""
 
 
 _Message: TypeAlias = "_Opened | Result | str | Exception"
@@ -211,7 +207,7 @@ _Message: TypeAlias = "_Opened | Result | str | Exception"
 
 
 class _MarkerProcess:
-    """Worker process with one marker, and the task that it was given last."""
+    """A worker process that grades, as the pool sees it: the pipe to it, its latest task, and why it was stopped."""
 
     task: Task
 
@@ -232,7 +228,7 @@ class _MarkerProcess:
             self.line.send((task.submission, cpu_s))
 
     def receive(self) -> _Message:
-        """Return the next message of the process; that it was killed, if it ended without one."""
+        """Return the next message of the process; if it ended without one, the limit it exceeded or that it was killed."""
         try:
             message: _Message = self.line.recv()
         except (EOFError, OSError):
@@ -240,7 +236,7 @@ class _MarkerProcess:
         return message
 
     def stop_beyond(self, bounds: Bounds) -> None:
-        """Kill the process if it exceeds the bounds. Its time starts when its marker has opened."""
+        """Kill the process if it exceeds a limit on time or memory. Getting ready to grade does not count."""
         if self.began is None or self.stopped:
             return
         if time.monotonic() - self.began > bounds.wall_s:
@@ -254,20 +250,20 @@ class _MarkerProcess:
         self._process.kill()
 
     def close(self) -> None:
-        """Let the process close its marker and end, and wait for that."""
+        """Close the pipe, at which the process cleans up and ends, and wait until it has, so that none is left."""
         self.line.close()
         self._process.join()
 
 
 def _memory_of(pid: int | None) -> int:
-    """Return the resident memory of a process in bytes; 0 on systems without `/proc`."""
+    """Return the resident memory of a process in bytes; 0 if it has ended or the system has no `/proc`."""
     with suppress(OSError, ValueError, IndexError), open(f"/proc/{pid}/statm", encoding="ascii") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     return 0
 
 
 def _serve(line: connection.Connection[_Message, Any], begin: Callable[[], None], open_marker: OpenMarker) -> None:
-    """Open a marker in this process and mark what comes over the line, until it is closed or the grader fails."""
+    """Run a worker process: open the marker that grades, grade what comes through the pipe `line`, until it closes or fails."""
     begin()
     with ExitStack() as stack, suppress(EOFError, OSError):
         try:

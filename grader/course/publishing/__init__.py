@@ -1,1 +1,1 @@
-"""Files written from the record: the pages of OUT, exports and comparisons, and the contradictions found in them."""
+"""Files written from the class database: pages and results, exports for platforms, comparisons, and contradictions in them."""

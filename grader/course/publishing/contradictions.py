@@ -1,4 +1,4 @@
-"""Contradictions of a class: grades that cannot be right as they stand, each named where the class is shown or exported."""
+"""Contradictions of a class: grades that cannot be right as they stand, shown to the instructor before an export."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Kind = Literal["above maximum", "two grades", "not judged", "no row", "unknown l
 
 @dataclass(frozen=True)
 class Contradiction:
-    """A contradiction between a grade and the settings or the file, which `export` names before it writes.
+    """A grade that cannot be right, such as an override above its maximum; export and review desk show it to a person.
 
     Attributes
     ----------
@@ -46,11 +46,11 @@ def contradictions(
     Parameters
     ----------
     final_grades
-        Every submission on record, by id.
+        Every submission in the class database, by id.
     settings
-        The settings on record.
+        The settings of the class; None if none are stored, and then there is no late policy.
     without_row
-        Graded submissions without a row in the file that is exported, each with what is missing there.
+        Graded submissions without a row in the file to export, each with what is missing there; None if there is no such file.
     """
     found = [each for final_grade in final_grades.values() for each in _of_submission(final_grade)]
     found += _two_grades(final_grades)
@@ -70,7 +70,7 @@ def _of_submission(final_grade: FinalGrade) -> Iterator[Contradiction]:
 
 
 def _two_grades(final_grades: Mapping[str, FinalGrade]) -> Iterator[Contradiction]:
-    """Yield the people who were given points without a submission, and whose submission came later."""
+    """Yield a contradiction for each person who got points without a submission and whose submission came later."""
     given = [each for each in final_grades.values() if each.has_no_submission]
     if not given:
         return
@@ -101,9 +101,10 @@ def _above_its_maximum(final_grade: FinalGrade, override: Adjustment) -> str:
 
 
 def untimed(final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None) -> list[str]:
-    """Return the ids of the hand-ins from which the late policy deducts nothing because their time is unknown.
+    """Return the ids of the submissions from which the late policy deducts nothing because their time is unknown.
 
-    A person who set the total has decided about lateness, too. If the platform marks those that are late, the others are in time.
+    Empty without a late policy. A person who set the total has decided about lateness, too. If the platform marks those that are
+    late, the others are in time.
     """
     if settings is None or not settings.has_late_policy:
         return []

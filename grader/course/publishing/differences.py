@@ -1,4 +1,4 @@
-"""Comparison of two gradings of a class: changed scores, the checks behind them, and changed settings."""
+"""Comparison of two gradings of a class for `imugrade diff`: changed scores, the checks behind them, changed settings."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _CAUSES = {
 
 
 def lines_of(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield the differences of two gradings as lines: changed weights, a block for each changed submission, the means."""
+    """Yield the differences of two gradings as lines for the terminal: weights, then each changed submission, then the means."""
     both = [id_ for id_ in old if id_ in new]
     causes = {id_: _changed(old[id_], new[id_]) for id_ in both}
     common = [cause for cause in _CAUSES.values() if len(both) > 1 and all(cause in each for each in causes.values())]
@@ -64,7 +64,7 @@ def _changed(old: FinalGrade, new: FinalGrade) -> list[str]:
 
 
 def _block(old: FinalGrade, new: FinalGrade, changed: list[str]) -> list[str]:
-    """Return the lines on what changed for this submission alone; none if neither its checks nor its other facts differ."""
+    """Return lines on what changed in one submission, with the causes that are not common to all; empty if nothing differs."""
     lines = [*_checks(old.result, new.result), *_other_changes(old, new)]
     return [*lines, f"changed: {', '.join(changed)}"] if lines and changed else lines
 
@@ -78,7 +78,7 @@ def _checks(old: Result, new: Result) -> Iterator[str]:
 
 
 def _changed_weights(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade], both: list[str]) -> Iterator[str]:
-    """Yield a line on each check that is worth other points than before, once for the class."""
+    """Yield a line for each check whose maximum points differ, once for the class so that no submission repeats it."""
     changed: dict[tuple[str, float, float], None] = {}
     for id_ in both:
         was, now = _by_id(old[id_].result), _by_id(new[id_].result)
@@ -88,7 +88,7 @@ def _changed_weights(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade
 
 
 def _is_same_share(before: CheckResult | None, after: CheckResult | None) -> bool:
-    """Return whether a check has the same outcome and the same share of other points."""
+    """Return whether a check differs in its weight alone, so that it needs no line of its own; False if one grading lacks it."""
     if before is None or after is None or before.outcome != after.outcome or before.max_points == after.max_points:
         return False
     shares = [(check.points or 0.0) / check.max_points if check.max_points else 0.0 for check in (before, after)]
@@ -108,7 +108,7 @@ def _outcome_in_words(check: CheckResult | None) -> str:
 
 
 def _other_changes(old: FinalGrade, new: FinalGrade) -> Iterator[str]:
-    """Yield a line on each repair, override and late deduction that differs."""
+    """Yield a line for each repair, override and late deduction of a submission that differs between the two gradings."""
     repaired = [words.repairs(side.result) for side in (old, new)]
     yield from (f"no longer: {line}" for line in repaired[0] if line not in repaired[1])
     yield from (line for line in repaired[1] if line not in repaired[0])

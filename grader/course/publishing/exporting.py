@@ -1,4 +1,4 @@
-"""Export of a graded class for upload to a platform: the grades, and the report of each student."""
+"""Export of a graded class for upload to a platform such as Canvas: the file of grades, and a zip of the students' reports."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 
 @dataclass(frozen=True)
 class Export:
-    """Request of an export: class, platform, files and options.
+    """Request of an export, as the command line or the review desk makes it: class, platform, files and options.
 
-    `template` is the file that the platform exported, `feedback` the zip to write the reports to. `scaled` converts points to the
-    maximum of the platform's assignment. `unreadable` is the grade of empty and unreadable submissions, and `missing` that of
-    people without a submission, each one of `BLANK_OR_ZERO`.
+    `target` is the file to write, None for a default in `out`. `template` is the file that the platform exported, `feedback` the
+    zip to write the reports to. `scaled` converts points to the maximum of the platform's assignment. `unreadable` is the grade of
+    empty and unreadable submissions, and `missing` that of people without a submission, each one of `BLANK_OR_ZERO`.
     """
 
     out: Path
@@ -51,7 +51,7 @@ class Export:
 
 @dataclass(frozen=True)
 class Draft:
-    """Content of a grades file before it is written, and the people and rows that it affects.
+    """The file of grades before it is written, and whom it affects how, so that a person can look before the upload.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Draft:
     unmatched: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield a line for each kind of row that occurs: graded, blank, 0, replaced, locked, unmatched."""
+        """Yield lines with the number of grades and the names of people or rows: blank, 0, replaced, locked, unmatched."""
         yield f"graded: {self.graded}"
         named = {
             "blank": self.blank,
@@ -95,7 +95,7 @@ class Draft:
 
 @dataclass(frozen=True)
 class ExportPlan:
-    """An export that is ready to be written, with what it would do."""
+    """A prepared export with all that it would do, which a person reads before anything is written."""
 
     order: Export
     draft: Draft
@@ -105,18 +105,18 @@ class ExportPlan:
 
     @property
     def stops(self) -> bool:
-        """Return whether a contradiction stops the export, unless a person allows it."""
+        """Return whether a contradiction, such as two grades for a person, stops the export unless a person allows it."""
         return any(each.stops_export for each in self.contradictions)
 
     def lines(self) -> Iterator[str]:
-        """Yield the lines of the draft, the contradictions, and a line on grades made with other settings than the class has."""
+        """Yield lines to read before the export: whom it affects, contradictions, and grades made with other settings."""
         yield from self.draft.lines()
         yield from (printable(each.text, 2000) for each in self.contradictions)
         if self.other_settings:
             yield f"graded by other settings than the class: {', '.join(self.other_settings)} (grade them again)"
 
     def write(self) -> tuple[list[str], list[str]]:
-        """Write the grades and the requested reports; return lines on the files, and on reports that the platform cannot place."""
+        """Write the grades and any requested reports; return lines on both, and lines on reports to send in another way."""
         order = self.order
         target = order.target or order.out / order.platform.gradebook
         write_whole(target, self.draft.data)
@@ -133,13 +133,13 @@ class ExportPlan:
 
 
 def plan(order: Export) -> ExportPlan:
-    """Prepare the file of grades without writing it, so that the effects can be shown first.
+    """Prepare the file of grades without writing it, so that a person sees the effects first.
 
     Raises
     ------
     RequestError
-        If nothing was graded in OUT, the platform takes no grades, the template is missing, superfluous or of another
-        platform, or reports that are asked for do not match the record.
+        If nothing was graded in the output folder, the platform takes no grades, the template is missing, superfluous or of another
+        platform, or reports that are asked for do not match the class database.
     """
     _refuse_unfit(order)
     with Store.existing(order.out) as store:
@@ -162,11 +162,11 @@ def plan(order: Export) -> ExportPlan:
 
 
 def _draft(order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Draft:
-    """Return the grades as the platform gets them: in its own file, filled in, or in one that is written from nothing."""
+    """Return the grades in the platform's own file if it is given as the template, else in a new file."""
     missing = "" if order.missing == "blank" else order.missing
-    blank = tuple(_blank(final_grades, () if missing else absent))
+    blank = tuple(_blank_grades(final_grades, () if missing else absent))
     if order.template is not None:
-        return _filled(order, final_grades, absent, missing, blank)
+        return _fill_template(order, final_grades, absent, missing, blank)
     assert order.platform.write is not None
     count = sum(len(each.people) for each in final_grades.values() if each.final is not None)
     names = tuple(words.absentees(absent, (each.hand_in for each in final_grades.values()))) if missing else ()
@@ -174,7 +174,7 @@ def _draft(order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequen
 
 
 def _refuse_unfit(order: Export) -> None:
-    """Refuse a platform that takes no grades, a missing template, and one that is not wanted."""
+    """Raise RequestError if the platform takes no grades, or its template is missing, or one is given that it does not take."""
     fill, write, template = order.platform.fill, order.platform.write, order.template
     if fill is None and write is None:
         raise RequestError(f"--format {order.platform.name}: {order.platform.title} cannot import grades")
@@ -187,8 +187,8 @@ def _refuse_unfit(order: Export) -> None:
     )
 
 
-def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Iterator[str]:
-    """Yield those of the class who have no grade, with the reason."""
+def _blank_grades(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Iterator[str]:
+    """Yield each person who gets a blank grade, with the reason, so that no blank surprises; `absent` are without a submission."""
     for final_grade in final_grades.values():
         if final_grade.final is None:
             empty = "empty or unreadable; give points in the review desk, or --unreadable 0"
@@ -198,14 +198,14 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
         yield f"{name}: {words.NO_SUBMISSION}"
 
 
-def _filled(
+def _fill_template(
     order: Export,
     final_grades: Mapping[str, FinalGrade],
     absent: Sequence[Person],
     missing: str,
     blank: tuple[str, ...],
 ) -> Draft:
-    """Return the platform's own file with the grades filled in, and the lists of people to review."""
+    """Return the platform's own file with the grades filled in, and the people and rows that a person should review."""
     assert order.template is not None
     assert order.platform.fill is not None
     data = read_file(order.template, MAX_TEMPLATE, "give the file that the platform exports")
@@ -215,7 +215,7 @@ def _filled(
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
     not_there = {
-        final_grade.id: [_one_of(final_grade, person) for person in filled.without_row(final_grade)]
+        final_grade.id: [_member_name(final_grade, person) for person in filled.without_row(final_grade)]
         for final_grade in final_grades.values()
         if final_grade.final is not None
     }
@@ -231,8 +231,8 @@ def _filled(
     )
 
 
-def _one_of(final_grade: FinalGrade, person: Person) -> str:
-    """Return the name of one of those who submitted, with the id if somebody else of the class has the name."""
+def _member_name(final_grade: FinalGrade, person: Person) -> str:
+    """Return a group member's name for the list of missing rows; with the submission's id if two of the class share the name."""
     name = person.name or final_grade.id
     return f"{name} ({final_grade.id})" if final_grade.namesake and name != final_grade.id else name
 
@@ -243,7 +243,7 @@ _WORDS = re.compile(r"[^\W_]+")  # platforms split names at "_"
 
 
 def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, int, list[str]]:
-    """Return a zip with a report for each person under the platform's names, how many, and lines on those it may not place."""
+    """Return a zip with each person's report under the platform's file name, how many, and lines on those it may not place."""
     buffer = io.BytesIO()
     people = [(each, person) for each in final_grades.values() for person in each.people]
     folders = distinct_ids(

@@ -1,4 +1,4 @@
-"""The files of OUT, written from the record: pages and `result.json` of a submission, gradebook and index of the class."""
+"""Files of the output folder, written from the class database: result and report of each submission, gradebook, index page."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from grader.report.pages import index_page, report_page
 
 
 def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, FinalGrade]:
-    """Write the gradebook and the index of all submissions on record, and return their final grades."""
+    """Write the gradebook and the index page of all submissions in the database; return the final grades that were read for it."""
     final_grades = store.final_grades()
     write_class(out, final_grades, store, lab)
     return final_grades
 
 
 def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store, lab: Lab) -> None:
-    """Write the gradebook and the index of a class; `final_grades` holds every submission on record.
+    """Write the gradebook and the index page of a class; `final_grades` holds every submission in the database.
 
     The gradebook has a row for each person of the roster without a submission, and blank grades for empty submissions.
     """
@@ -42,7 +42,7 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
 
 
 def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab) -> None:
-    """Write `result.json` and the report of one submission unless the digest on record says that they are current.
+    """Write `result.json` and the report of one submission, unless a stored digest says that both are current.
 
     `result.json` holds the automatic points only; the report shows the final grade.
     """
@@ -53,17 +53,17 @@ def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab) -> None:
     for path, text in ((record, to_json(final_grade.result)), (report, page)):
         if (content := text.encode("utf-8", "replace")) != _bytes(path):
             write_whole(path, content)
-    store.keep_page_digest(final_grade.id, _made_from(paths, final_grade, store))
+    store.keep_page_digest(final_grade.id, _source_digest(paths, final_grade, store))
 
 
 def publish_all(out: Path, final_grades: Iterable[FinalGrade], store: Store, lab: Lab) -> None:
-    """Write `result.json` and the report of each submission, unless they are current."""
+    """Write `result.json` and the report of each of these submissions, unless they are current."""
     for final_grade in final_grades:
         publish(out, final_grade, store, lab)
 
 
 def outdated_pages(out: Path, final_grades: Iterable[FinalGrade], store: Store) -> list[str]:
-    """Return the ids of the submissions whose `result.json` or `report.html` is missing, changed or older than the record."""
+    """Return the ids of submissions whose files do not match the database (missing, edited, older); an export refuses them."""
     return [each.id for each in final_grades if not _is_current(out, each, store)]
 
 
@@ -73,12 +73,12 @@ def _paths(out: Path, final_grade: FinalGrade) -> tuple[Path, Path]:
 
 
 def _is_current(out: Path, final_grade: FinalGrade, store: Store) -> bool:
-    """Return whether both files are unchanged since they were written, and were made from the present record."""
-    return store.page_digest(final_grade.id) == _made_from(_paths(out, final_grade), final_grade, store)
+    """Return whether a submission's files are as they were written and fit the database, so that they need not be written again."""
+    return store.page_digest(final_grade.id) == _source_digest(_paths(out, final_grade), final_grade, store)
 
 
-def _made_from(files: Iterable[Path], final_grade: FinalGrade, store: Store) -> str:
-    """Return a digest of these files and of the data that they are made from."""
+def _source_digest(files: Iterable[Path], final_grade: FinalGrade, store: Store) -> str:
+    """Return a digest of a submission's files and of the data behind them; if any of it changes, the files are outdated."""
     id_, decided = final_grade.id, (final_grade.hand_in, final_grade.adjustments, final_grade.unseen)
     facts: tuple[str | bytes, ...] = (store.digest(id_), repr(decided), store.packed_charts(id_), *map(_bytes, files))
     digest = hashlib.sha256()

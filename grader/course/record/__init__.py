@@ -1,1 +1,1 @@
-"""The durable record of a class: results, settings, decisions of people, submitted files."""
+"""The class database, one SQLite file: results, settings, decisions of people, repairs and submitted files."""

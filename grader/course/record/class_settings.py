@@ -1,7 +1,7 @@
-"""Settings of a class: the rubric, roster, attempt rule, scenarios and isolation level that its record keeps.
+"""Settings of a class in its database: rubric, roster, attempt rule, scenarios (simulated motions) and isolation level.
 
-A later command uses them as defaults. Options that differ are compared with them, and their effect on the scores is computed
-before anything is changed.
+A later command uses them as defaults. Options that differ are compared with them, and their effect on the scores is computed before
+anything is changed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _SCENARIOS = "other scenarios (another secret or model, or another version of Mu
 
 @dataclass(frozen=True)
 class ClassSettings:
-    """Settings that a class is graded by.
+    """Settings that a class is graded by, stored with the results so that later commands use or compare them.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class ClassSettings:
     roster, roster_source
         The whole text of the roster, "" where there is none, and the name of its file.
     attempts
-        Which of several attempts counts.
+        Which of several attempts counts: "latest" or "best".
     traces_sha256, hidden
         Digest of the scenarios with the whole text of the robot's model, and whether they come from a secret. A model file that
         changes under the same path makes other scenarios. To find the secret from the digest takes a second of scrypt and
@@ -76,7 +76,7 @@ class ClassSettings:
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
-        """Return the settings of a run with this rubric, roster, attempt rule and traces."""
+        """Return the settings of a run; `traces` are recordings of the scenarios, `attempts` says which of several counts."""
         return cls(
             **_of_rubric(rubric),
             roster=people.text,
@@ -92,12 +92,12 @@ class ClassSettings:
         return self.late != repr(None)
 
     def with_rubric(self, rubric: Rubric) -> ClassSettings:
-        """Return the settings of the class with another rubric in place of its own."""
+        """Return a copy of these settings with another rubric, for a class that is regraded by it."""
         return replace(self, **_of_rubric(rubric))
 
 
 def _of_rubric(rubric: Rubric) -> dict[str, Any]:
-    """Return what a class remembers of its rubric."""
+    """Return the fields of `ClassSettings` that come from the rubric, for new settings and for a change of rubric."""
     return {
         "rubric": rubric.text,
         "rubric_source": rubric.source,
@@ -115,7 +115,7 @@ def to_json(settings: ClassSettings) -> str:
 
 
 def from_json(text: str) -> ClassSettings:
-    """Return the settings that `to_json` wrote; fields that this version does not know are ignored."""
+    """Parse settings from the text that `to_json` wrote; unknown fields, as of a later version, are ignored."""
     record = json.loads(text)
     own = tuple((name, content.encode("utf-8", "surrogateescape")) for name, content in record["own_checks"])
     known = {field.name for field in fields(ClassSettings)}
@@ -123,7 +123,7 @@ def from_json(text: str) -> ClassSettings:
 
 
 def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None) -> Rubric:
-    """Return the rubric of a class: the file at `path`, else the one on record, else the shipped one.
+    """Return the rubric of a class: the file at `path`, else the one in its settings, else the one shipped with the lab.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
 
 
 def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
-    """Return the people of the roster who have no submission and no points on record; none without a roster."""
+    """Return the people of the roster without a submission and without points, to name them; empty without a roster."""
     known = {person for hand_in in hand_ins.values() for person in hand_in.people}
     unplaced = roster.place(
         roster_of(settings).people, hand_ins
@@ -147,9 +147,9 @@ def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> li
 
 
 def roster_of(settings: ClassSettings | None, path: Path | None = None, zone: tzinfo | None = None) -> Roster:
-    """Return the roster of a class: the file at `path`, else the one on record; empty where there is none.
+    """Return the roster of a class: the file at `path`, else the one in its settings; an empty roster without both.
 
-    `zone` is the time zone of times without an offset.
+    `zone` is the time zone of times without an offset; None leaves such times out.
 
     Raises
     ------
@@ -165,22 +165,22 @@ def roster_of(settings: ClassSettings | None, path: Path | None = None, zone: tz
 
 @dataclass(frozen=True)
 class Change:
-    """New settings of a class, and their effect on the scores on record.
+    """Effect of new settings on the scores of a class, shown to a person who then allows or refuses them.
 
     Attributes
     ----------
     causes
         What differs, in words.
     moved, of, means
-        How many of the scores that need no grading change, of how many, and their means before and after.
+        How many of the scores that need no grading change, of how many, and their means before and after (None without scores).
     regraded
-        How many submissions on record are graded again, with a result that is not known yet.
+        How many stored submissions are graded again, with a result that is not known yet.
     chosen_anew
         Whether another of several attempts may count.
     left
-        How many submissions on record are not in the download and stay as they are.
+        How many stored submissions are not in the download and stay as they are.
     to_repair
-        How many submissions on record do not run and may get a repair.
+        How many stored submissions do not run and may get a repair.
     """
 
     causes: tuple[str, ...]
@@ -194,11 +194,11 @@ class Change:
 
     @property
     def moves_scores(self) -> bool:
-        """Return whether a score on record changes or may change."""
+        """Return whether a stored score changes or may change, which `grade` refuses unless a person allows it."""
         return bool(self.moved or self.regraded or self.chosen_anew or self.to_repair)
 
     def in_words(self) -> str:
-        """Return one line: what differs in the settings, and what that does to the scores on record."""
+        """Return one line for a person to decide by: what differs in the settings, and what that does to the scores."""
         effects = [f"{self.moved} of {self.of} scores change" if self.moved else "no score changes"] if self.of else []
         if self.moved and self.means:
             effects.append(f"mean of graded {self.means[0]:.1f} to {self.means[1]:.1f}")
@@ -223,16 +223,16 @@ def change(
     everyone: Mapping[str, FinalGrade],
     hand_ins: Mapping[str, HandIn | None],
 ) -> Change | None:
-    """Compare settings and compute what the new ones do to the scores; None if they are equivalent.
+    """Compute what new settings of a class do to its stored scores; None if no difference matters to a score.
 
     Parameters
     ----------
     rubric
         The rubric of the new settings.
     everyone
-        The class as it is on record.
+        The stored final grade of every submission, by id.
     hand_ins
-        Hand-in of each submission to grade, from the download and the new roster; None if it has several attempts.
+        Who handed in each submission to grade, and when, by the download and the new roster; None if it has several attempts.
     """
     differences = causes(old, new)
     if not differences:
@@ -273,7 +273,7 @@ def change(
 
 
 def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
-    """Say in words what differs between two settings of a class. Rubric text that affects no score is ignored."""
+    """Say in words what differs between two settings of a class; empty if nothing that a score depends on differs."""
     rubric = "another rubric" if old.rubric_sha256 != new.rubric_sha256 else "another late policy"
     found = {
         rubric: (old.rubric_sha256, old.late) != (new.rubric_sha256, new.late),
@@ -287,7 +287,7 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
 
 
 def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> list[str]:
-    """Return the ids of results with another rubric or other scenarios, which an interrupted or partial change left behind."""
+    """Return the ids of results with another rubric or scenarios than the class has, as an interrupted change leaves them."""
     mine = {"rubric_sha256": settings.rubric_sha256, "traces_sha256": settings.traces_sha256}
     return [
         id_
@@ -298,12 +298,12 @@ def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> l
 
 
 def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
-    """Refuse to grade on public scenarios a class that was graded on hidden ones, made from a secret.
+    """Refuse to grade on public scenarios a class that was graded on hidden ones: the scores could not be compared.
 
     Raises
     ------
     RequestError
-        If the record was made with a secret and none is given.
+        If hidden scenarios were made from a secret and `seed`, the secret, is None. A class without settings passes.
     """
     if old is not None and old.hidden and seed is None:
         raise RequestError(
@@ -313,12 +313,9 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
 
 
 def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
-    """Refuse to grade one submission on other scenarios than the hidden ones that its class was graded on.
+    """Refuse to grade one submission, such as a repaired one, on other scenarios than its class was graded on.
 
-    Raises
-    ------
-    RequestError
-        If these traces are not those that the class was graded with.
+    RequestError if the class has hidden scenarios, made from a secret, and `traces`, recordings of scenarios, differ from them.
     """
     if old is not None and old.hidden and old.traces_sha256 != traces.sha256:
         raise RequestError(

@@ -1,4 +1,4 @@
-"""SQLite file of a class: schema, opening, and one-line errors."""
+"""SQLite file with all stored data of a class: tables, opening, transactions, and errors in one line."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ CREATE TABLE tried (what TEXT PRIMARY KEY);
 
 
 class Database:
-    """Connection to the record of a class; a context manager, used from one thread."""
+    """Connection to the SQLite file of a class, base of the classes for its tables; a context manager, used from one thread."""
 
     def __init__(self, out: Path) -> None:
         self.path = out / FILE_NAME
@@ -121,7 +121,7 @@ class Database:
 
     @classmethod
     def existing(cls: type[D], out: Path) -> D:
-        """Open the record of a graded class; raise RequestError if there is none."""
+        """Open the database in the output folder of a graded class; raise RequestError if nothing was graded there."""
         if not (out / FILE_NAME).is_file():
             raise RequestError(
                 f"{printable(str(out), 500)}: no class was graded there; give the output folder of `imugrade grade`"
@@ -132,34 +132,34 @@ class Database:
         self._db.close()
 
     def changes(self) -> int:
-        """Return a number that changes when another connection writes to the record, so that cached pages are read anew."""
+        """Return a number that changes when another connection writes to the file, so that cached pages are read anew."""
         return int(self._value("PRAGMA data_version"))
 
     def _value(self, query: str, *parameters: object) -> Any:
-        """Return the first column of the first row that a query finds; None if it finds none."""
+        """Return the first column of a query's first row; None if there is no row. SQLite's errors become a RequestError."""
         with self._errors_in_one_line():
             row = self._db.execute(query, parameters).fetchone()
             return None if row is None else row[0]
 
     def _read(self, parse: Callable[[Any], T], record: object) -> T:
-        """Parse a value of the record."""
+        """Parse a stored value; raise a one-line RequestError if it holds what imugrade does not write."""
         with self._errors_in_one_line():
             return read(parse, record)
 
     def _write(self, statement: str, *parameters: object) -> int:
-        """Execute one statement in a transaction of its own, and return the number of rows that it changed."""
+        """Execute one statement in a transaction of its own; return how many rows it changed, 0 if none."""
         with self._errors_in_one_line(), self._transaction():
             return self._db.execute(statement, parameters).rowcount
 
     def _address(self) -> str:
-        """Return the SQLite URI of the file. A read-only file without pending writes is opened as immutable."""
+        """Return the URI by which SQLite opens the file. A read-only file without pending writes needs no lock: it is immutable."""
         pending = Path(f"{self.path}-wal")
         settled = not pending.exists() or pending.stat().st_size == 0
         mode = "mode=rwc" if self._writable else "immutable=1" if settled else "mode=ro"
         return f"{self.path.absolute().as_uri()}?{mode}"
 
     def _prepare(self) -> None:
-        """Open or lay out the file.
+        """Create the tables in a new file; raise RequestError for a file of another program or another layout.
 
         WAL keeps a reader from blocking the writer; with it, NORMAL is still safe when the process is killed.
         """
@@ -179,7 +179,7 @@ class Database:
         self._db.execute("PRAGMA foreign_keys = ON")
 
     def _lay_out(self) -> None:
-        """Create the tables unless another process has just done so."""
+        """Create the tables of a new file in one transaction, unless another process has just done so."""
         mark = f"PRAGMA application_id = {_APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}"
         with self._transaction():
             if self._identity()[1] != SCHEMA_VERSION:
@@ -193,7 +193,7 @@ class Database:
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
-        """Commit what is written in this context, or roll it back if it raises."""
+        """Commit all that this context writes, or roll it back if the context raises, so that nothing is half written."""
         self._db.execute("BEGIN IMMEDIATE")
         try:
             yield
@@ -205,7 +205,7 @@ class Database:
 
     @contextmanager
     def _errors_in_one_line(self) -> Iterator[None]:
-        """Turn errors of the disk and of SQLite into a one-line RequestError that names OUT."""
+        """Turn errors of the disk and of SQLite into a one-line RequestError that names the file and the way out."""
         try:
             yield
         except OSError as problem:
@@ -225,11 +225,11 @@ class Database:
 
 
 class ForeignError(Exception):
-    """Exception: a row of the record holds data that imugrade does not write; the message says what is wrong with it."""
+    """Exception: a row of the database holds data that imugrade does not write; the message says what is wrong with it."""
 
 
 def read(parse: Callable[[Any], T], record: object) -> T:
-    """Parse a value of the record; raise ForeignError if that fails, because any program can write to the file."""
+    """Parse a stored value; raise ForeignError if that fails, because any program can write to the file."""
     try:
         return parse(record)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:

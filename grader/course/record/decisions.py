@@ -1,4 +1,4 @@
-"""Decisions of people about a class, recorded with author and time: overrides, comments, reviews, answers to regrade requests."""
+"""Decisions of people about a class, stored with author and time: overrides, comments, reviews, answers to regrade requests."""
 
 from __future__ import annotations
 
@@ -18,27 +18,30 @@ _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decis
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a fact in the review queue and of whom it concerns. If either changes, its review no longer counts."""
+    """Return a digest of a review queue item's sentence and people. If either changes, a review stored under it does not count."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
 def why_empty(result: Result) -> str:
-    """Return why there is nothing to grade in a submission: its notes, or else its status in words."""
+    """Return why there is nothing to grade in a submission, for the review queue: its notes, or else its status in words."""
     return " ".join(words.notes(result)) or words.STATUS[result.status]
 
 
 def is_reviewed(id_: str, result: Result, reviews: Collection[tuple[str, str, str]]) -> bool:
-    """Return whether a person marked an empty or unreadable submission as reviewed."""
+    """Return whether a person reviewed an empty or unreadable submission, so that it counts 0 and is no longer blank."""
     return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in reviews
 
 
 class OvertakenError(RequestError):
-    """Exception: another person changed the same submission since the page was loaded, so that nothing is overwritten."""
+    """Exception: another person changed the same submission after the page was loaded, so the form is refused."""
 
 
 @dataclass(frozen=True)
 class Review:
-    """Record that a person reviewed an item of the queue, or (`done` False) opened it again. `about` is a digest of its fact."""
+    """A person's mark that an item of the review queue is done, or (`done` False) open again.
+
+    `reason` is the kind of the item, and `about` a digest of its sentence: the review counts while that stays the same.
+    """
 
     id: str
     reason: str
@@ -50,7 +53,10 @@ class Review:
 
 @dataclass(frozen=True)
 class RegradeRequest:
-    """A regrade request. `about` is a check or a criterion, "" if the student names none. The text is untrusted."""
+    """A student's request to regrade; `about` is a check or a criterion, "" if none is named, `answered` "" while it is open.
+
+    The text is untrusted.
+    """
 
     id: str
     about: str
@@ -63,10 +69,10 @@ class RegradeRequest:
 
 
 class Decisions(Database):
-    """The tables of `OUT/results.sqlite` for what people decide: overrides, comments, reviews and regrade requests."""
+    """Tables of the class database for what people decide: overrides, comments, reviews and answers to regrade requests."""
 
     def adjust(self, adjustments: Iterable[tuple[str, Adjustment]], seen: int | None = None, what: str = "") -> int:
-        """Append adjustments with the ids of their submissions, all or none. Earlier adjustments stay in the history.
+        """Store adjustments (overrides, bonuses, comments) by submission id, all or none. Earlier ones stay in the history.
 
         Parameters
         ----------
@@ -107,7 +113,7 @@ class Decisions(Database):
                 )
 
     def history(self) -> list[tuple[str, Adjustment]]:
-        """Return every override, bonus and comment ever recorded, with the id of its submission, oldest first."""
+        """Return every override, bonus and comment ever stored, with its submission's id, oldest first; also withdrawn ones."""
         with self._errors_in_one_line():
             rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
             return [
@@ -129,29 +135,32 @@ class Decisions(Database):
             ]
 
     def last_adjustment(self) -> int:
-        """Return the number of the last adjustment on record, for `seen` of `adjust`; 0 if there is none."""
+        """Return the number of the last stored adjustment; a page keeps it as the `seen` of `adjust`. 0 if there is none."""
         return int(self._value("SELECT coalesce(max(seq), 0) FROM adjustments"))
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
-        """Return the adjustments in force, by id of the submission: the last one of each target, unless it is a withdrawal."""
+        """Return the adjustments in force by submission id: the last override and the last comment of each target.
+
+        A withdrawn one is left out. A target is a criterion, a check, the total or the bonus.
+        """
         last: dict[str, dict[tuple[str, bool], Adjustment]] = {}
         for id_, adjustment in self.history():
             last.setdefault(id_, {})[adjustment.criterion, adjustment.alone] = adjustment
         return {id_: tuple(a for a in each.values() if not a.withdraws) for id_, each in last.items()}
 
     def decisions(self) -> dict[int, str]:
-        """Return what each decision on several submissions was about, by the number under which it can be taken back."""
+        """Return what each decision on several submissions was about, by its number, under which it can be undone."""
         with self._errors_in_one_line():
             return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 
     def keep_reviews(self, reviews: Iterable[Review]) -> None:
-        """Record items of the review queue as reviewed, or as open again."""
+        """Store that items of the review queue were reviewed, or opened again; earlier entries stay in the history."""
         with self._errors_in_one_line(), self._transaction():
             query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
             self._db.executemany(query, [astuple(each) for each in reviews])
 
     def reviews(self) -> dict[tuple[str, str, str], Review]:
-        """Return the last review of each id, reason and fact, without those that were taken back."""
+        """Return the last review by submission id, reason and digest of the item, without those that were opened again."""
         with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
         last = {
@@ -161,13 +170,13 @@ class Decisions(Database):
         return {key: review for key, review in last.items() if review.done}
 
     def keep_regrade_requests(self, requests: Iterable[RegradeRequest]) -> int:
-        """Record regrade requests and return how many are new. A request already on record is left unchanged."""
+        """Store regrade requests and return how many are new. One that is stored already, with its answer, stays as it is."""
         query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
         with self._errors_in_one_line(), self._transaction():
             return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in requests)
 
     def regrade_requests(self) -> list[RegradeRequest]:
-        """Return all regrade requests in the order in which they were recorded."""
+        """Return all regrade requests, open and answered, in the order in which they were stored."""
         with self._errors_in_one_line():
             rows = self._db.execute(
                 "SELECT id, about, text, at, answer, author, answered, number FROM appeals ORDER BY number"
@@ -180,12 +189,12 @@ class Decisions(Database):
 
 
 def _automatic_points_text(adjustment: Adjustment) -> str:
-    """Return the automatic points of the checks that an override replaces, as JSON: ``{check: [points, maximum]}``."""
+    """Format the automatic points that an override replaces as JSON, ``{check: [points, maximum]}``, to notice later changes."""
     out_of = adjustment.out_of
     return json.dumps({id_: [points, out_of.get(id_)] for id_, points in adjustment.automatic.items()})
 
 
 def _automatic_points(text: str) -> tuple[dict[str, float | None], dict[str, float]]:
-    """Parse the automatic points that an override replaced: points by check, and maximum by check."""
+    """Parse the JSON of `_automatic_points_text`: points by check, and maximum by check, without those that are unknown."""
     rows = json.loads(text)
     return {id_: row[0] for id_, row in rows.items()}, {id_: row[1] for id_, row in rows.items() if row[1] is not None}

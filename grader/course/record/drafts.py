@@ -1,4 +1,4 @@
-"""Unsaved entries of the review desk, kept in the record so that a reload or a restart of the desk loses none."""
+"""Unsent form entries of the review desk, stored so that a reload or a restart of the desk loses none."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ CREATE TABLE IF NOT EXISTS drafts (
 
 
 class Drafts(Database):
-    """Unsent forms of each author, kept as drafts. A record of an earlier version has no table for them until the first one."""
+    """Table of the class database for drafts: what each person has typed into forms of the review desk and not sent."""
 
     def keep_draft(self, author: str, form: str, fields: str) -> None:
-        """Record what a person has typed into a form and not sent, in place of the earlier draft."""
+        """Store what a person has typed into a form and not sent, in place of the earlier draft of this form."""
         self._write(_TABLE)
         self._write("INSERT OR REPLACE INTO drafts VALUES (?, ?, ?)", author, form, fields)
 
@@ -27,7 +27,7 @@ class Drafts(Database):
             self._write("DELETE FROM drafts WHERE author = ? AND form = ?", author, form)
 
     def drafts(self, author: str) -> dict[str, str]:
-        """Return the fields of each form that this person has filled in and not sent, by form; empty if there is none."""
+        """Return a person's unsent fields (as JSON) by form, to fill the forms again; empty if there are none."""
         if not self._has_drafts():
             return {}
         with self._errors_in_one_line():

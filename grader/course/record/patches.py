@@ -1,4 +1,4 @@
-"""Unified diffs of one text file: creation, and application without any tolerance.
+"""Unified diffs of one text file: creation, and exact application, so that a patch never lands at another place.
 
 The format is that of ``diff -u``: https://www.gnu.org/software/diffutils/manual/html_node/Detailed-Unified.html
 """
@@ -19,15 +19,15 @@ _NO_NEWLINE = b"\\ No newline at end of file\n"
 
 
 def diff_of(path: str, before: bytes, after: bytes) -> str:
-    """Return the unified diff that turns `before` into `after`; "" if they are equal. Bytes that are no UTF-8 are escaped."""
+    """Return the unified diff that turns `before` into `after`; "" if equal. Bytes that are no UTF-8 become lone surrogates."""
     name = printable(path, 200)
     old, new = ([line.decode("utf-8", "surrogateescape") for line in _lines(each)] for each in (before, after))
     found = difflib.unified_diff(old, new, f"a/{name}", f"b/{name}")
     return "".join(line if line.endswith("\n") else f"{line}\n{_NO_NEWLINE.decode()}" for line in found)
 
 
-def applied(before: bytes, diff: str, place: str = "patch") -> bytes:
-    """Apply a unified diff to a file's content and return the result. `place` begins the error messages.
+def apply_patch(before: bytes, diff: str, place: str = "patch") -> bytes:
+    """Apply a unified diff to a file's bytes and return the new bytes. `place` begins the error messages.
 
     Raises
     ------
@@ -47,13 +47,13 @@ def applied(before: bytes, diff: str, place: str = "patch") -> bytes:
 
 
 def _lines(content: bytes) -> list[bytes]:
-    """Split bytes after each newline only."""
+    """Split bytes into lines at each newline only, as ``diff`` does; the newlines stay."""
     *lines, last = content.split(b"\n")
     return [line + b"\n" for line in lines] + ([last] if last else [])
 
 
 def _hunks(diff: Sequence[bytes], place: str) -> Iterator[tuple[int, list[bytes], list[bytes]]]:
-    """Yield each hunk: where it starts, as counted from 0, the lines that stand there, and those that take their place."""
+    """Yield each hunk of a diff: its first line in the old file, counted from 0, its old lines, and its new lines."""
     at = next((at for at, line in enumerate(diff) if line.startswith(b"--- ")), len(diff))
     if not diff[at + 1 : at + 2] or not diff[at + 1].startswith(b"+++ "):
         raise RequestError(f"{place}: not a unified diff; make one with `diff -u OLD NEW` or `git diff`")
@@ -69,7 +69,7 @@ def _hunks(diff: Sequence[bytes], place: str) -> Iterator[tuple[int, list[bytes]
 
 
 def _hunk(diff: Sequence[bytes], at: int, counts: Sequence[int], place: str) -> tuple[list[bytes], list[bytes], int]:
-    """Parse one hunk; return its old lines, its new lines, and the index of the line after it."""
+    """Parse the hunk that begins at line `at`, with `counts` old and new lines; return both, and the index after the hunk."""
     old: list[bytes] = []
     new: list[bytes] = []
     while (len(old), len(new)) != tuple(counts) or diff[at : at + 1] == [_NO_NEWLINE]:

@@ -1,4 +1,4 @@
-"""The record of repairs: who patched which submitted file; files with these patches."""
+"""Log of repairs in the class database: who patched which submitted file; and files with these patches applied."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from grader.base import stamps
 from grader.base.text import printable
 from grader.course.record.database import Database, read
-from grader.course.record.patches import applied
+from grader.course.record.patches import apply_patch
 from grader.engine.results import Repair
 from grader.intake import Submission
 
@@ -20,7 +20,11 @@ _FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, 
 
 @dataclass(frozen=True)
 class LoggedRepair:
-    """A repair as the record keeps it; `file_sha256` is the digest of the file that it was made for, as it was handed in."""
+    """A stored repair: a person's or the grader's diff on a submitted file, with the points that it deducts.
+
+    `file_sha256` is the digest of the file as it was handed in; the repair counts while the student's file is the same. `undone_at`
+    is "" while nobody took the repair back.
+    """
 
     number: int
     id: str
@@ -40,19 +44,19 @@ class LoggedRepair:
 
 
 class RepairLog(Database):
-    """The repairs of a class, one of the tables of its record."""
+    """Table of the class database for repairs, which are patches on submitted files."""
 
     def repairs(self) -> list[LoggedRepair]:
-        """Return every repair ever made, oldest first."""
+        """Return every repair ever made, also those taken back, oldest first."""
         with self._errors_in_one_line():
             return [_logged(row) for row in self._db.execute(f"SELECT {_FIELDS} FROM repairs ORDER BY number")]
 
     def repairs_in_force(self, id_: str = "") -> list[LoggedRepair]:
-        """Return the repairs that nobody took back, oldest first, of one submission; of all if `id_` is ""."""
+        """Return the repairs that nobody took back, oldest first, of submission `id_`; of all if `id_` is ""."""
         return [each for each in self.repairs() if not each.undone_at and id_ in ("", each.id)]
 
     def keep_repair(self, made: LoggedRepair) -> None:
-        """Record a repair under the next free number; the number in `made` is ignored."""
+        """Store a repair under the next free number; the number in `made` is ignored."""
         diff = made.diff.encode("utf-8", "surrogateescape")
         self._write(
             "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
@@ -61,7 +65,7 @@ class RepairLog(Database):
         )
 
     def undo_repair(self, number: int, author: str) -> None:
-        """Record that somebody took a repair back."""
+        """Store that `author` took back the repair with this number; the repair stays in the log."""
         query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
         self._write(query, author, stamps.now(), number)
 
@@ -73,7 +77,7 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
 
 
 def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
-    """Return the value that stands in the record for the digest of a repaired copy of a submission.
+    """Return the value that stands in the key of a repaired copy's result, where other results have the digest of their files.
 
     It is no digest of files: a student who hands in exactly these files has repaired them without help.
     """
@@ -85,15 +89,15 @@ def sha256_of(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def patched(files: Mapping[str, bytes], repairs: Iterable[LoggedRepair | Repair]) -> dict[str, bytes]:
-    """Return submitted files with these repairs applied in order."""
+def apply_repairs(files: Mapping[str, bytes], repairs: Iterable[LoggedRepair | Repair]) -> dict[str, bytes]:
+    """Return submitted files with these repairs applied in order, to grade or show them; RequestError if one does not fit."""
     now = dict(files)
     for each in repairs:
-        now[each.file] = applied(now[each.file], each.diff, f"repair of {printable(each.file, 80)}")
+        now[each.file] = apply_patch(now[each.file], each.diff, f"repair of {printable(each.file, 80)}")
     return now
 
 
 def of_these_files(repairs: Iterable[LoggedRepair], handed_in: Submission) -> list[LoggedRepair]:
-    """Return the repairs that were made for the files as they were handed in."""
+    """Return the repairs made for files exactly as they are in this submission; the other repairs do not count."""
     present = {(path, sha256_of(content)) for path, content in handed_in.files.items()}
     return [each for each in repairs if each.is_for in present]

@@ -1,8 +1,8 @@
-"""The durable record of a class: one SQLite file, and one committed row for each result.
+"""The class database: one SQLite file, in which each result is one row, committed as soon as it is known.
 
-A run that is killed loses at most the submissions that it was marking. The table `results` keeps every result ever recorded.
-The table `class` points to the present result of each submission, so grading a part of a class keeps the rest. Other tables
-hold the hand-ins, the complete history of adjustments, and digests of the written pages.
+A run that is killed loses at most the submissions that it was grading. The table `results` keeps every result ever made. The table
+`class` points to the current result of each submission, so grading a part of a class keeps the rest. Other tables hold who handed
+in, the complete history of adjustments, and digests of the written pages.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND trace
 
 @dataclass(frozen=True)
 class Key:
-    """Everything that a result depends on. Two runs with equal keys give equal results."""
+    """The name of a stored result: all that the result depends on. Equal keys mean equal results, so nothing is graded twice."""
 
     id: str
     submission_sha256: str
@@ -68,21 +68,21 @@ class Key:
 
 
 class Store(Decisions, RepairLog, Drafts):
-    """The record of a class in `OUT/results.sqlite`: results, hand-ins, decisions and settings."""
+    """The class database, `results.sqlite` in the output folder: results, who handed in, decisions, repairs and settings."""
 
     def __init__(self, out: Path) -> None:
         self._known: dict[str, tuple[str, Result]] = {}
         super().__init__(out)
 
     def keep(self, key: Key, result: Result) -> None:
-        """Commit one result and make it the present one, by which the submission counts."""
+        """Store one result at once, and make it the current one, by which the submission counts."""
         with self._errors_in_one_line(), self._transaction():
             evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
             self._db.execute(_KEEP, (*astuple(key), result.status, _text(result), *evidence))
             self._make_current(key)
 
     def recall(self, key: Key) -> Result | None:
-        """Return the result recorded under this key and make it the present one; None if it is missing or incomplete."""
+        """Return the stored result of this key and make it count, as a resumed run does; None if it is missing or incomplete."""
         present = "(SELECT class.seq FROM class WHERE class.id = results.id) IS seq"
         query = f"SELECT record, {present} FROM results {_WHERE} AND status != 'incomplete'"
         with self._errors_in_one_line():
@@ -95,18 +95,18 @@ class Store(Decisions, RepairLog, Drafts):
             return self._parsed(key.id, record)
 
     def result(self, key: Key) -> Result | None:
-        """Return the result recorded under this key without making it the present one; None if there is none."""
+        """Return the stored result of this key and leave the current one as it is; None if there is none."""
         record = self._value(f"SELECT record FROM results {_WHERE}", *astuple(key))
         return None if record is None else self._read(_result, record)
 
     def is_first_search(self, key: Key) -> bool:
-        """Record that a repair of these files was searched for, and return whether that was the first time, so none is repeated."""
+        """Note that a repair of these files was searched for; return whether for the first time, as a search takes long."""
         return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """Regrade a submission by another rubric from its record, and store the result; None if that needs another run."""
+        """Regrade a submission by another rubric without running it, and make that current; None if it must run again."""
         with self._errors_in_one_line(), self._transaction():
-            if (found := self._fitting(key, rubric)) is None:
+            if (found := self._find_regradable(key, rubric)) is None:
                 return None
             seq, before = found
             result = marked(before, rubric)
@@ -116,8 +116,8 @@ class Store(Decisions, RepairLog, Drafts):
             self._known[key.id] = text, result
             return result
 
-    def _fitting(self, key: Key, rubric: Rubric) -> tuple[int, Result] | None:
-        """Return the latest complete result of the same files and scenarios that holds all facts that `rubric` asks for."""
+    def _find_regradable(self, key: Key, rubric: Rubric) -> tuple[int, Result] | None:
+        """Find the latest complete result of the same files and scenarios with all facts for `rubric`: row and result, or None."""
         query = (
             "SELECT seq, record FROM results WHERE id = ? AND submission_sha256 = ? AND traces_sha256 = ? AND grader = ? "
             "AND status != 'incomplete' ORDER BY seq DESC"
@@ -127,15 +127,15 @@ class Store(Decisions, RepairLog, Drafts):
         return next(((seq, result) for seq, result in results if fits(result, rubric)), None)
 
     def settings(self) -> ClassSettings | None:
-        """Return the settings that the class is graded by; None if the record has none."""
+        """Return the settings that the class is graded by; None if none are stored."""
         record = self._value("SELECT record FROM settings ORDER BY number DESC LIMIT 1")
         return None if record is None else self._read(class_settings.from_json, record)
 
     def keep_settings(self, settings: ClassSettings, *, keep_before: bool = False) -> None:
-        """Record the settings of the class.
+        """Store the settings of the class, unless they are equal to the last ones.
 
-        With `keep_before` the present results stay on record as the previous version. Without it the new settings replace the last
-        ones, which is right if they change no score.
+        With `keep_before` the current results are kept as the previous version, to compare with. Without it the new settings
+        replace the last ones, which is right if they change no score.
         """
         if settings == self.settings():
             return
@@ -143,7 +143,7 @@ class Store(Decisions, RepairLog, Drafts):
             self._keep_settings(settings, keep_before)
 
     def _keep_settings(self, settings: ClassSettings, keep_before: bool) -> None:
-        """Write the settings with the next number if the former results are kept, else in place of the last ones."""
+        """Write the settings under the next number if the current results are kept as the previous version, else in place."""
         number = self._value("SELECT coalesce(max(number), 0) FROM settings")
         if keep_before:
             self._db.execute(_FORMER, (number,))
@@ -153,7 +153,7 @@ class Store(Decisions, RepairLog, Drafts):
         self._db.execute("INSERT OR REPLACE INTO settings VALUES (?, ?, ?)", row)
 
     def former(self) -> dict[str, FinalGrade]:
-        """Return the final grades of the previous version with the present overrides; empty if there is no such version."""
+        """Return the final grades before the last change of settings, with the overrides of now; empty if there was no change."""
         query = (
             "SELECT former.id, record, hand_in FROM former JOIN results USING (seq) "
             "WHERE number = (SELECT max(number) FROM former) ORDER BY former.id"
@@ -172,20 +172,16 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
-        """Return whether the submission need not run again.
-
-        On record is either a result under `key` that is not ``incomplete``, or one of the same files and scenarios that can be
-        marked by `rubric` without running code.
-        """
+        """Return whether the submission need not run: a complete result is stored, or can be made by `rubric` from one."""
         if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
             return True
         with self._errors_in_one_line():
-            return self._fitting(key, rubric) is not None
+            return self._find_regradable(key, rubric) is not None
 
     def remark_class(
         self, mark: Callable[[dict[str, FinalGrade]], dict[str, FinalGrade]], rubric: Rubric
     ) -> dict[str, FinalGrade]:
-        """Record the final grades that `mark` computes by another rubric, for the whole class or not at all, and return them.
+        """Store the final grades that `mark` computes by another rubric, for the whole class or not at all, and return them.
 
         One transaction covers reading and writing, so no other process can change a result in between.
         """
@@ -202,13 +198,13 @@ class Store(Decisions, RepairLog, Drafts):
         return after
 
     def present(self) -> dict[str, Result]:
-        """Return the present result of every submission, by id, in the order of the ids."""
+        """Return the current result of every submission, the one that counts, by id and in the order of the ids."""
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._errors_in_one_line():
             return {id_: self._parsed(id_, record) for id_, record in self._db.execute(query)}
 
     def _parsed(self, id_: str, record: str) -> Result:
-        """Parse a present result, with a cache: a run reads each result twice, and parsing takes most of the time."""
+        """Parse a current result, with a cache: a run reads each result twice, and parsing takes most of the time."""
         text, result = self._known.get(id_, ("", None))
         if result is None or text != record:
             result = _result(record)
@@ -216,27 +212,30 @@ class Store(Decisions, RepairLog, Drafts):
         return result
 
     def digest(self, id_: str) -> str:
-        """Return a digest of the present result as it is recorded; "" if there is none."""
+        """Return a digest of a submission's current result, to notice that its pages are outdated; "" if there is none."""
         record = self._value("SELECT record FROM class JOIN results USING (seq) WHERE class.id = ?", id_)
         return "" if record is None else hashlib.sha256(self._read(str.encode, record)).hexdigest()
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
-        """Return the charts of a submission's present result, for its report; empty if there are none."""
+        """Return the charts of a submission's current result, for its report; empty if there are none."""
         return self._read(unpacked, self.packed_charts(id_))
 
     def packed_charts(self, id_: str) -> bytes:
-        """Return the charts of a submission's present result as recorded bytes; empty if there are none."""
+        """Return the charts of a submission's current result as stored bytes, to notice that pages are outdated; may be empty."""
         record = self._value("SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?", id_)
         return b"" if record is None else self._read(_blob, record)
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
-        """Return the fingerprint of every submission's code, hashes that show similar code, by id."""
+        """Return hashes of pieces of every submission's code, by id; submissions that share many are similar."""
         query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._errors_in_one_line():
             return {id_: read(_hashes, record) for id_, record in self._db.execute(query)}
 
     def final_grades(self) -> dict[str, FinalGrade]:
-        """Return the final grade of every submission from result, hand-in and adjustments, by id, in the order of the ids."""
+        """Return the final grade of every submission by id: current result, who handed in and when, and overrides in force.
+
+        A person without a submission is among them only while points are given.
+        """
         hand_ins = self.hand_ins()
         found = self._final_grades(
             (id_, result, hand_ins.get(id_, NOTHING_KNOWN)) for id_, result in self.present().items()
@@ -249,35 +248,35 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
-        """Record who handed in a submission and when, in place of the earlier record."""
+        """Store who handed in a submission and when, in place of the earlier entry."""
         row = (id_, _hand_in_text(hand_in))
         if self._value("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", *row) is None:
             self._write(_HAND_IN, *row)
 
     def page_digest(self, id_: str) -> str:
-        """Return the digests of a submission's pages that `keep_page_digest` last recorded; "" if there are none."""
+        """Return the digest that `keep_page_digest` stored for a submission's pages, to see if they are current; "" if none."""
         return str(self._value("SELECT digest FROM pages WHERE id = ?", id_) or "")
 
     def keep_page_digest(self, id_: str, digests: str) -> None:
         self._write("INSERT OR REPLACE INTO pages VALUES (?, ?)", id_, digests)
 
     def hand_ins(self) -> dict[str, HandIn]:
-        """Return the last recorded hand-in of each submission, by id."""
+        """Return who handed in each submission and when, as last stored, by id."""
         with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
             return {id_: read(_hand_in, record) for id_, record in rows}
 
     def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
-        """Record submitted files unless they are already on record; `pack` is called only if they are not."""
+        """Store submitted files for later review, unless they are stored; `pack` makes the bytes and is called only if needed."""
         if self._value("SELECT 1 FROM files WHERE submission_sha256 = ?", submission_sha256) is None:
             self._write("INSERT OR IGNORE INTO files VALUES (?, ?)", submission_sha256, pack())
 
     def files(self, submission_sha256: str) -> bytes:
-        """Return the files that `keep_files` recorded, packed; empty if there are none."""
+        """Return the packed files that `keep_files` stored for this digest; empty if there are none."""
         return bytes(self._value("SELECT packed FROM files WHERE submission_sha256 = ?", submission_sha256) or b"")
 
     def keep_notices(self, notices: Mapping[str, Sequence[str]]) -> None:
-        """Record the messages of a run about the class, by kind, in place of those of the previous run."""
+        """Store the messages of a run, by kind, for the review queue and the next run; those of the last run are deleted."""
         with self._errors_in_one_line(), self._transaction():
             self._db.execute("DELETE FROM told")
             self._db.executemany(
@@ -292,12 +291,12 @@ class Store(Decisions, RepairLog, Drafts):
         return found
 
     def make_current(self, key: Key) -> None:
-        """Make the result recorded under this key the one by which its submission counts."""
+        """Make the stored result of this key the one by which its submission counts, as for the best of several attempts."""
         with self._errors_in_one_line(), self._transaction():
             self._make_current(key)
 
     def _make_current(self, key: Key) -> None:
-        """Make the result with this key the current one of its submission."""
+        """Do what `make_current` does, within a transaction that the caller has begun."""
         self._db.execute(
             f"INSERT INTO class (id, seq) SELECT id, seq FROM results {_WHERE} "
             "ON CONFLICT (id) DO UPDATE SET seq = excluded.seq",

@@ -1,4 +1,4 @@
-"""Archive of submitted files in the record, with limits on size and number, for later review."""
+"""Archive of submitted files in the class database, with limits on size and number, for review and repairs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _HEAD = struct.Struct("<I")
 
 @dataclass(frozen=True)
 class Kept:
-    """Archived submission: `files` by path, the sizes of `others`, which were left out, and how many `more` there were."""
+    """Submitted files from the database: `files` by path, the sizes of `others` left out, and how many `more` went unlisted."""
 
     files: Mapping[str, bytes]
     others: Mapping[str, int]
@@ -35,7 +35,7 @@ NOTHING_KEPT = Kept({}, {})
 
 
 def pack(files: Mapping[str, bytes]) -> bytes:
-    """Pack the files of a submission for the record, within limits: code first, then small files before large ones."""
+    """Pack submitted files for the database, within limits on size and number: code first, then small files before large ones."""
     chosen: dict[str, bytes] = {}
     left = TOGETHER
     for path, content in sorted(files.items(), key=lambda item: (not is_code(item[0]), len(item[1]), item[0])):
@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack the files of a submission from the bytes that `pack` made; none from empty bytes."""
+    """Unpack the files of a submission from the bytes that `pack` made; none from empty bytes. Damaged bytes raise an error."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()
@@ -71,13 +71,13 @@ def _cut(data: bytes, start: int, sizes: list[tuple[str, int]]) -> Iterator[tupl
 
 
 def source(path: str, content: bytes) -> str:
-    """Return the text of a file; for a notebook, the code of its cells."""
+    """Return the text of a submitted file to show or search, with plain newlines; for a notebook, the code of its cells."""
     text = content.decode("utf-8", "replace").removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     return cells(text) if path.lower().endswith(".ipynb") else text
 
 
 def unshowable(content: bytes) -> str:
-    """Return why the desk does not show a picture, such as one that is not a PNG; "" if the desk shows it."""
+    """Return why the review desk does not show a picture: it is no PNG, or larger than a browser should open; "" if it shows it."""
     if not content.startswith(PNG) or content[12:16] != b"IHDR":
         return "it is not a PNG"
     width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))

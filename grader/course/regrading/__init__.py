@@ -1,1 +1,1 @@
-"""Other grades without running code: overrides, decisions on groups, another rubric."""
+"""Changes of grades without running code: overrides, decisions on groups of submissions, another rubric."""

@@ -1,4 +1,4 @@
-"""Overrides: checked against the record, kept apart from the automatic marks, published at once."""
+"""Overrides and comments by people: validated, stored apart from the automatic points, and published at once."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ALONE = "comment"
 
 @dataclass(frozen=True)
 class OverrideRequest:
-    """A requested override, comment or withdrawal, not validated yet.
+    """An override, a comment or a withdrawal as a person typed it at the desk, in a command or in a table; not validated yet.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class OverrideRequest:
 
 
 def read_overrides(path: Path) -> list[OverrideRequest]:
-    """Read overrides from a CSV with the columns id, criterion, points and comment.
+    """Read overrides from a CSV with the columns id, criterion, points and comment; RequestError if columns are missing.
 
     Blank points withdraw an override. The word `comment` in place of points adds a comment only.
     """
@@ -74,15 +74,10 @@ def _request(row: Mapping[str, str], place: str) -> OverrideRequest:
 
 
 def adjust(lab: Lab, out: Path, store: Store, requests: Sequence[OverrideRequest], author: str, what: str) -> list[str]:
-    """Check and record requests for overrides, all or none, and rewrite the pages; return a line on each request.
+    """Validate and store override requests, all or none, rewrite the pages, and return a line for the terminal on each.
 
-    A request that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an
-    override have changed, the same request confirms it.
-
-    Parameters
-    ----------
-    what
-        The subject of the decision, if it is one decision for several submissions.
+    A request that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an override
+    have changed, the same request confirms it. `what` is the subject of one decision on several submissions, else "".
 
     Raises
     ------
@@ -101,7 +96,7 @@ def adjust(lab: Lab, out: Path, store: Store, requests: Sequence[OverrideRequest
 
 @dataclass(frozen=True)
 class RecordedOverride:
-    """A request for an override as it was recorded; `fresh` is False if it was already in force."""
+    """An override, comment or withdrawal as stored; `fresh` is False if it was in force before, so that no page changes."""
 
     id: str
     adjustment: Adjustment
@@ -117,7 +112,7 @@ def decide(
     seen: int | None = None,
     what: str = "",
 ) -> list[RecordedOverride]:
-    """Check and record requests for overrides, all or none. `Store.adjust` explains `seen` and `what`.
+    """Validate and store override requests, all or none, and write no page. `Store.adjust` explains `seen` and `what`.
 
     Raises
     ------
@@ -137,10 +132,8 @@ def decide(
 def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None) -> OverrideRequest:
     """Return the request that undoes the last override or comment on a target and restores the one before it.
 
-    Parameters
-    ----------
-    alone
-        True undoes a comment, False an override, None the later of the two.
+    A target is a criterion, a check, `total` or `bonus`. `alone` True undoes a comment, False an override, None the later of the
+    two.
 
     Raises
     ------
@@ -152,16 +145,13 @@ def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None)
     rows = [each for each in rows if each.alone == kind]
     if not rows or rows[-1].withdraws:
         raise RequestError(f"adjust: {printable(id_)} has no adjustment of {printable(criterion)} to undo")
-    return _before(id_, rows)
+    return _restoring_request(id_, rows)
 
 
-def undone_decision(store: Store, number: int) -> list[OverrideRequest]:
+def undoing_requests(store: Store, number: int) -> list[OverrideRequest]:
     """Return the requests that undo a decision on several submissions, except where a later override has replaced it.
 
-    Raises
-    ------
-    RequestError
-        If no part of the decision is in force.
+    RequestError if no part of the decision is in force.
     """
     rows: dict[tuple[str, str, bool], list[Adjustment]] = {}
     for id_, each in store.history():
@@ -169,11 +159,11 @@ def undone_decision(store: Store, number: int) -> list[OverrideRequest]:
     last = {key: each for key, each in rows.items() if each[-1].decision == number and not each[-1].withdraws}
     if not last:
         raise RequestError(f"adjust: decision {number} has nothing left to undo")
-    return [_before(id_, each) for (id_, _, _), each in last.items()]
+    return [_restoring_request(id_, each) for (id_, _, _), each in last.items()]
 
 
-def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
-    """Return the request that restores the last but one of these adjustments of one target."""
+def _restoring_request(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
+    """Return the request that restores what was in force before the last of `rows`, all adjustments of one target."""
     last, before = rows[-1], rows[-2] if len(rows) > 1 else None
     if before is None or before.withdraws:
         return OverrideRequest(id_, last.criterion, "", "" if last.alone else "undone", alone=last.alone)
@@ -182,13 +172,13 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
 
 
 def person_lookup(store: Store) -> PersonLookup:
-    """Return what finds submissions by name, e-mail address or number, also for people who have no submission."""
+    """Return a lookup of submission ids by name, e-mail address or number, which also finds people without a submission."""
     handed_in = {id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people}
     return PersonLookup({**{id_: (person,) for id_, person in absent_by_id(store).items()}, **handed_in})
 
 
 def listing(store: Store) -> Iterator[str]:
-    """Yield a line on every adjustment on record, oldest first, with author, time and reason; without any, a line that says so."""
+    """Yield a line on every override, bonus and comment ever made, oldest first, with author and time; or that there is none."""
     decisions, history = store.decisions(), store.history()
     if not history:
         yield "no overrides on record"
@@ -200,7 +190,7 @@ def listing(store: Store) -> Iterator[str]:
 
 
 def said(adjustment: Adjustment) -> str:
-    """Return the points of an adjustment as text; `comment` if it has none, `withdrawn` if it takes an earlier one back."""
+    """Return the points of an override or bonus as text; `comment` for a comment alone, `withdrawn` for a withdrawal."""
     if adjustment.withdraws:
         return "withdrawn"
     return ALONE if adjustment.points is None else words.number(adjustment.points)
@@ -209,7 +199,7 @@ def said(adjustment: Adjustment) -> str:
 def _problem(
     override: OverrideRequest, final_grades: Mapping[str, FinalGrade], said: Set[tuple[str, str, bool]]
 ) -> str:
-    """Return why an override cannot be met, or "". `said` holds every adjusted target, including withdrawn ones."""
+    """Return why a request cannot be met, or "". `said` holds all targets ever adjusted, without which nothing is withdrawn."""
     if override.id not in final_grades:
         return f"{override.place}: there is no submission {printable(override.id)}{guess_at(override.id, final_grades)}"
     final_grade = final_grades[override.id]
@@ -227,7 +217,7 @@ def _problem(
 
 
 def objections(override: OverrideRequest, final_grade: FinalGrade) -> dict[str, str]:
-    """Return the problems of a request for an override, by field of the form, points or comment; empty if it has none."""
+    """Return the problems of a request's points and comment, by field of the form where the desk shows them; empty if none."""
     found = {}
     most = maximum_points(final_grade.result, override.criterion)
     if override.points and not override.alone and most is not None:
@@ -244,13 +234,13 @@ def objections(override: OverrideRequest, final_grade: FinalGrade) -> dict[str, 
 
 
 def targets(final_grade: FinalGrade) -> list[str]:
-    """Return everything that may be overridden: criteria, their checks, the total and a bonus."""
+    """Return the ids of all that a person may override: criteria, their checks, the total and the bonus."""
     criteria = final_grade.result.criteria
     return [*(c.id for c in criteria), *(check.id for c in criteria for check in c.checks), TOTAL, BONUS]
 
 
 def covering(final_grade: FinalGrade, target: str) -> str:
-    """Return the criterion or total whose override replaces the points of `target`; "" if there is none."""
+    """Return the criterion or total whose override already replaces the points of `target`; "" if there is none."""
     holders = [c.id for c in final_grade.result.criteria if any(check.id == target for check in c.checks)]
     above = [*holders, TOTAL] if target not in (TOTAL, BONUS) else []
     return next((each for each in above if final_grade.adjustment(each)), "")
@@ -266,7 +256,7 @@ def _adjustment(override: OverrideRequest, final_grade: FinalGrade, author: str,
 
 
 def _changes_nothing(override: Adjustment, final_grade: FinalGrade) -> bool:
-    """Return whether the override changes nothing: it is in force for the same automatic points, or already withdrawn."""
+    """Return whether an override need not be stored: it is in force for the same automatic points, or withdrawn already."""
     same = (
         each for each in final_grade.adjustments if (each.criterion, each.alone) == (override.criterion, override.alone)
     )

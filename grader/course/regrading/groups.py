@@ -1,4 +1,4 @@
-"""Groups of submissions with the same fault, the same failed check or similar code, and decisions on whole groups."""
+"""Groups of submissions with the same fault, failed check or similar code, so that a person decides on all at once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FAULT, CHECK, ALIKE = "fault", "check", "alike"
 
 @dataclass(frozen=True)
 class Group:
-    """Submissions with a common fault, failed check or code. `checks` maps the ids of the failed checks to their titles."""
+    """Submissions with the same fault (diagnosed mistake), failed check or code; `checks` are the titles of failed checks by id."""
 
     kind: str
     key: str
@@ -30,14 +30,14 @@ class Group:
 
     @property
     def what(self) -> str:
-        """Return the subject of a decision on this group, such as ``fault: <title>``."""
+        """Return what a decision on this group is stored as being about, such as ``fault: <title>``."""
         kind = {FAULT: "fault", CHECK: "lost", ALIKE: "alike"}[self.kind]
         return printable(f"{kind}: {self.title}", 200)
 
 
 @dataclass(frozen=True)
 class Decision:
-    """One decision on several submissions; `made` counts them, `in_force` those without a later override."""
+    """One decision of a person on several submissions; `made` counts them, `in_force` those without a later override."""
 
     number: int
     what: str
@@ -50,7 +50,7 @@ class Decision:
 
 
 def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
-    """Return the groups with two members or more: by fault and by failed check; largest first."""
+    """Return the groups of two or more submissions, to decide on together: by fault, then by failed check, each largest first."""
     faults: dict[str, dict[str, list[CheckResult]]] = {}
     checks: dict[str, dict[str, list[CheckResult]]] = {}
     for id_, final_grade in final_grades.items():
@@ -68,18 +68,15 @@ def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
 
 
 def similar_group(ids: Sequence[str]) -> Group:
-    """Return these submissions, which have the same files or similar code, as a group to decide on together."""
+    """Return submissions with the same files or similar code as a group, named by a digest of their ids, to decide on together."""
     digest = hashlib.sha256(" ".join(ids).encode()).hexdigest()[:16]
     return Group(ALIKE, digest, f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
 
 
 def members_of(store: Store, name: str) -> tuple[str, tuple[str, ...]]:
-    """Return the subject of a decision on all submissions with a fault or failed check, and their ids.
+    """Return the subject of a decision on all submissions with the fault or failed check `name`, and their ids.
 
-    Raises
-    ------
-    RequestError
-        If fewer than two submissions have it.
+    RequestError if fewer than two submissions have it.
     """
     named = {group.key: group for group in groups(store.final_grades())}
     if name not in named:
@@ -88,7 +85,7 @@ def members_of(store: Store, name: str) -> tuple[str, tuple[str, ...]]:
 
 
 def decisions(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[Decision]:
-    """Return all decisions on several submissions, latest first."""
+    """Return all decisions on several submissions, latest first, so that a person can undo one; empty if there is none."""
     made: dict[int, list[Adjustment]] = {}
     for _, each in store.history():
         if each.decision:

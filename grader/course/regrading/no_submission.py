@@ -1,4 +1,4 @@
-"""People of the roster without a submission, who get points for something else, such as an oral exam."""
+"""People of the roster without a submission, who can get points for something else, such as an oral exam."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NOTE = "There is no submission. A person gave the points."
 
 
 def absent_by_id(store: Store) -> dict[str, Person]:
-    """Return the people of the roster without a submission, by the id that points for them are recorded under."""
+    """Return the people of the roster without a submission, by the id under which points for them would be stored."""
     return _by_id(store.settings(), store.final_grades())
 
 
@@ -30,9 +30,9 @@ def _by_id(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade
 
 
 def blank_grades(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:
-    """Return a blank final grade, which is not on record, for each person of the roster without a submission, by id.
+    """Return a blank final grade by id for each person of the roster without a submission, so that pages can show them.
 
-    `final_grades` holds every submission on record; a class without any has no blank grades.
+    Nothing is stored. `final_grades` holds every submission in the class database; a class without any has no blank grades.
     """
     if not final_grades:
         return {}
@@ -42,13 +42,15 @@ def blank_grades(settings: ClassSettings | None, final_grades: Mapping[str, Fina
         name.casefold() for name in (*(e.name for e in final_grades.values()), *(p.name for p in absent.values()))
     )
     return {
-        id_: FinalGrade(id_, _result(id_, person, like), HandIn((person,)), namesake=names[person.name.casefold()] > 1)
+        id_: FinalGrade(
+            id_, _blank_result(id_, person, like), HandIn((person,)), namesake=names[person.name.casefold()] > 1
+        )
         for id_, person in absent.items()
     }
 
 
 def admit(store: Store, ids: Collection[str]) -> dict[str, FinalGrade]:
-    """Record a result without a submission for those of these ids that have none, and return their final grades.
+    """Store a blank result for those of `ids` that have no submission, so that they can get points; return their final grades.
 
     The grade is blank, and the class shows the person as without a submission, until there is an override.
     """
@@ -64,16 +66,16 @@ def admit(store: Store, ids: Collection[str]) -> dict[str, FinalGrade]:
     return admitted
 
 
-def _row(check: CheckResult) -> CheckResult:
-    """Return the row of a check that had nothing to look at."""
+def _skipped_check(check: CheckResult) -> CheckResult:
+    """Return the result of a check that had no submission to look at: skipped, and without points."""
     return CheckResult(
         check.id, check.title, "skipped", 0.0, check.max_points, said=_NOTE, lab_step=check.lab_step, keeps=0.0
     )
 
 
-def _result(id_: str, person: Person, like: Result) -> Result:
-    """Return a result without points, with the criteria of another result of the class."""
-    criteria = tuple(replace(part, checks=tuple(map(_row, part.checks))) for part in like.criteria)
+def _blank_result(id_: str, person: Person, like: Result) -> Result:
+    """Return a result without points for a person without a submission, with the criteria of `like`, a result of the class."""
+    criteria = tuple(replace(part, checks=tuple(map(_skipped_check, part.checks))) for part in like.criteria)
     return replace(
         like,
         submission=person.name or id_,

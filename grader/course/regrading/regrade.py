@@ -1,4 +1,4 @@
-"""Regrading by another rubric from the record: other weights, caps, dates or deductions need no sandbox."""
+"""Regrading of stored results by another rubric: other weights, caps, dates or deductions run no code."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _A_LINE = 10  # names
 
 
 def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, FinalGrade]:
-    """Return the final grades of a class by another rubric. Nothing is written, and adjustments are kept.
+    """Return the final grades that a class has by another rubric. Nothing is written, and overrides are kept.
 
     Raises
     ------
     RequestError
-        If the submissions have to run again: the rubric has other limits, another model or other checks, or the record is older.
+        If the submissions have to run again: the rubric has other limits, another model or other checks, or a result is older.
     """
     others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:
@@ -39,12 +39,9 @@ def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str
 
 
 def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
-    """Regrade a class by another rubric, record the results, and write gradebook and index. `publish` writes the reports.
+    """Regrade a class by another rubric: store the results, and write gradebook and index. The caller writes the reports.
 
-    Raises
-    ------
-    RequestError
-        In the cases of `regraded`. The record is then unchanged.
+    RequestError, in the cases of `regraded`, leaves the class database unchanged.
     """
     after = store.remark_class(lambda before: regraded(before, rubric), rubric)
     write_class(out, after, store, rubric.lab)

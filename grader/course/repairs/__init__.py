@@ -1,1 +1,1 @@
-"""Repairs of submitted files: made, suggested, and made again after a regrade."""
+"""Repairs, which are patches on submitted files: made by people, suggested by the grader, and kept through a regrade."""

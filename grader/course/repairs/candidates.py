@@ -1,4 +1,4 @@
-"""Candidates for a repair: edits of one place in a file that does not run, generated in a process with limits.
+"""Candidates for a repair: edits of one place in a file that does not run, made in a process with limits.
 
 Python's parser reads the student's text once for each edit. A text can make it run for minutes, fill the memory or end its process,
 so a separate process with limits on time and memory does it. If that process dies, there are no candidates.
@@ -42,14 +42,14 @@ _STATEMENTS = ("return", "break", "continue", "pass")
 
 @dataclass(frozen=True)
 class Candidates:
-    """Edited copies of a file, each a possible repair, and the CPU time that it took to make them."""
+    """Edited copies of a file, each a possible repair that is graded next, and the CPU seconds that it took to make them."""
 
     files: tuple[bytes, ...] = ()
     cpu_s: float = 0.0
 
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
-    """Return at most `most` edited copies, made in a new process with limits; none if the process exceeded a limit."""
+    """Return at most `most` edited copies as `candidates` makes them, in a new process; none if it exceeded a limit."""
     with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
         made = executor.submit(_within_limits, content, row, name, most, cpu_s)
@@ -62,7 +62,7 @@ def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S)
 
 
 def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -> Candidates:
-    """Limit the CPU time and memory of this process, then return the candidates."""
+    """Limit the CPU time and memory of this process, because the file is hostile, and return its candidates."""
     began = time.process_time()
     used = math.ceil(began)  # starting the process took that long
     with suppress(ImportError):  # Windows has no such limits; the time of the call is bounded there, too
@@ -75,6 +75,8 @@ def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -
 
 def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:
     """Yield edited copies of a file as possible repairs, likeliest first; all parse, each to a different syntax tree.
+
+    There is none for a file that is larger than `_LARGEST` or not UTF-8.
 
     Parameters
     ----------
@@ -89,19 +91,19 @@ def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:
         return
     if len(content) > _LARGEST:
         return
-    known = {_meaning(text)}
+    known = {_syntax_tree(text)}
     lines = text.split("\n")
-    edits = _of_a_line(lines, row, name) if None not in known else _of_syntax(lines, row)
+    edits = _runtime_edits(lines, row, name) if None not in known else _syntax_edits(lines, row)
     for edited in itertools.islice(edits, _MOST_PARSED):
         new = "\n".join(edited)
-        meaning = _meaning(new)
+        meaning = _syntax_tree(new)
         if meaning is not None and meaning not in known:
             known.add(meaning)
             yield new.encode()
 
 
-def _meaning(text: str) -> str | None:
-    """Return the syntax tree of a program as text; None if it does not parse."""
+def _syntax_tree(text: str) -> str | None:
+    """Return the syntax tree of a program as text, to notice edits that change nothing; None if it does not parse."""
     try:
         return ast.dump(ast.parse(text))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -115,27 +117,27 @@ def _with(lines: _Lines, row: int, *new: str) -> list[str]:
     return [*lines[:row], *new, *lines[row + 1 :]]
 
 
-def _of_syntax(lines: _Lines, row: int) -> Iterator[list[str]]:
-    """Yield edits of the line of a syntax error, or of one of the lines just above it."""
+def _syntax_edits(lines: _Lines, row: int) -> Iterator[list[str]]:
+    """Yield edits of a file that does not parse: of the whole file, of the line `row` of the error, and of three lines above."""
     if not 0 <= row < len(lines):
         return
-    yield from _whole(lines)
+    yield from _whole_file_edits(lines)
     rows = [row, *(each for each in range(row - 1, max(-1, row - 4), -1) if lines[each].strip())]
     for each in rows:
         line = lines[each]
         if line.translate(_TYPOGRAPHIC) != line:
             yield _with(lines, each, line.translate(_TYPOGRAPHIC))
-        yield from (_with(lines, each, new) for new in (*_other_languages(line), *_keywords(line)))
-        yield from (_with(lines, each, new) for new in _depths(lines, each))
+        yield from (_with(lines, each, new) for new in (*_foreign_habit_edits(line), *_keyword_edits(line)))
+        yield from (_with(lines, each, new) for new in _indentation_edits(lines, each))
     for each in rows:
-        yield from (_with(lines, each, new) for new in _one_token(lines[each]))
+        yield from (_with(lines, each, new) for new in _token_edits(lines[each]))
     for each in rows:
         if lines[each].rstrip().endswith(":"):
             depth = len(lines[each]) - len(lines[each].lstrip()) + 4
             yield _with(lines, each, lines[each], " " * depth + "pass")
 
 
-def _whole(lines: _Lines) -> Iterator[list[str]]:
+def _whole_file_edits(lines: _Lines) -> Iterator[list[str]]:
     """Yield copies of the file without merge conflict markers, without pasted prompts, and with spaces in place of tabs."""
     if any(line.startswith(("<<<<<<<", ">>>>>>>")) for line in lines):
         ours, keep = [], True
@@ -154,8 +156,8 @@ def _whole(lines: _Lines) -> Iterator[list[str]]:
         yield from ([line.expandtabs(width) for line in lines] for width in (4, 8))
 
 
-def _other_languages(line: str) -> Iterator[str]:
-    """Yield edits of habits from other languages, such as ``print x``, ``else if``, ``i++`` and ``=`` in a condition."""
+def _foreign_habit_edits(line: str) -> Iterator[str]:
+    """Yield the line without habits from other languages, such as ``print x``, ``else if``, ``i++`` and ``=`` in a condition."""
     yield from (
         new
         for new in (
@@ -169,8 +171,8 @@ def _other_languages(line: str) -> Iterator[str]:
     )
 
 
-def _keywords(line: str) -> Iterator[str]:
-    """Yield the line with a misspelt keyword put right: ``retrun``, ``esle``, ``dfe``."""
+def _keyword_edits(line: str) -> Iterator[str]:
+    """Yield the line with a misspelt keyword put right, such as ``retrun``, ``esle`` or ``dfe``."""
     for found in _NAME.finditer(line):
         near = difflib.get_close_matches(found[0], keyword.kwlist, 2, _CLOSE)
         swapped = [each for each in keyword.kwlist if sorted(each) == sorted(found[0])]
@@ -178,8 +180,8 @@ def _keywords(line: str) -> Iterator[str]:
         yield from (line[: found.start()] + each + line[found.end() :] for each in meant)
 
 
-def _depths(lines: _Lines, row: int) -> Iterator[str]:
-    """Yield the line with the indentations of nearby lines, the closest first."""
+def _indentation_edits(lines: _Lines, row: int) -> Iterator[str]:
+    """Yield the line `row` with the indentation of nearby lines, or 4 spaces more; the smallest change first."""
     line = lines[row]
     own = len(line) - len(line.lstrip())
     near = [each for each in lines[max(0, row - 30) : row + 5] if each.strip()]
@@ -188,7 +190,7 @@ def _depths(lines: _Lines, row: int) -> Iterator[str]:
     yield from (" " * depth + line.lstrip() for depth in sorted(depths - {own}, key=lambda depth: abs(depth - own))[:6])
 
 
-def _one_token(line: str) -> Iterator[str]:
+def _token_edits(line: str) -> Iterator[str]:
     """Yield the line with one token inserted or removed, starting at its end, where a token is usually missing."""
     code = line.split("#", maxsplit=1)[0].rstrip()
     ends = [each.end() for each in _TOKEN.finditer(line) if each.end() <= len(code)]
@@ -199,20 +201,20 @@ def _one_token(line: str) -> Iterator[str]:
             yield line[: token.start()] + line[token.end() :]
 
 
-def _of_a_line(lines: _Lines, row: int, name: str) -> Iterator[list[str]]:
-    """Yield edits of the line at which a function stops, then edits of the whole function."""
+def _runtime_edits(lines: _Lines, row: int, name: str) -> Iterator[list[str]]:
+    """Yield edits of a file that parses but stops: of the line `row`, if known, then of the function or class `name`."""
     text = "\n".join(lines)
     if row >= 0:
         line = lines[row]
-        for new in _other_names(line, text, _parameters(lines, row)):
+        for new in _name_edits(line, text, _parameters(lines, row)):
             yield _with(lines, row, new)
-        for new in _asked_for_none(line):
+        for new in _none_test_edits(line):
             yield _with(lines, row, new)
-    yield from _without_self(lines, name)
-    yield from _with_return(lines, name)
+    yield from _missing_self_edits(lines, name)
+    yield from _missing_return_edits(lines, name)
 
 
-def _other_names(line: str, text: str, parameters: Sequence[str]) -> Iterator[str]:
+def _name_edits(line: str, text: str, parameters: Sequence[str]) -> Iterator[str]:
     """Yield the line with one name replaced: by a similar name of the file, with ``self.`` or ``np.`` added, or by a parameter."""
     known = {*_NAME.findall(text), *_WORDS, *_STATEMENTS}
     seldom = {name for name in known if len(re.findall(rf"\b{name}\b", text)) == 1}
@@ -233,7 +235,7 @@ def _other_names(line: str, text: str, parameters: Sequence[str]) -> Iterator[st
 
 
 def _parameters(lines: _Lines, row: int) -> Sequence[str]:
-    """Return the parameters of the function around a line, found by a text search."""
+    """Return the parameters of the function around the line `row`, found by a text search; empty outside of functions."""
     head = next((at for at in range(row, -1, -1) if re.match(r"\s*(?:async )?def ", lines[at])), None)
     if head is None:
         return ()
@@ -241,7 +243,7 @@ def _parameters(lines: _Lines, row: int) -> Sequence[str]:
     return [name for name in _NAME.findall(re.sub(r"=[^,]*|:[^,]*", "", signature)) if name]
 
 
-def _asked_for_none(line: str) -> Iterator[str]:
+def _none_test_edits(line: str) -> Iterator[str]:
     """Yield the line with ``is None`` in place of truth tests and comparisons that fail for arrays."""
     changes = [(r"== *None", "is None"), (r"!= *None", "is not None"), (r"\bnot ([\w.]+)(?= *:)", r"\1 is None")]
     changes += [(r"\bif ([\w.]+) *:", r"if \1 is not None:"), (r"= ([\w.]+) or ", r"= \1 if \1 is not None else ")]
@@ -249,7 +251,7 @@ def _asked_for_none(line: str) -> Iterator[str]:
 
 
 def _functions(text: str, name: str) -> list[ast.FunctionDef]:
-    """Return the function of this name, or the methods of the class of this name."""
+    """Return the function of this name, or the methods of the class of this name; empty if the text has neither."""
     with suppress(SyntaxError, ValueError, RecursionError, MemoryError):
         for node in ast.parse(text).body:
             if isinstance(node, ast.FunctionDef) and node.name == name:
@@ -259,7 +261,7 @@ def _functions(text: str, name: str) -> list[ast.FunctionDef]:
     return []
 
 
-def _without_self(lines: _Lines, name: str) -> Iterator[list[str]]:
+def _missing_self_edits(lines: _Lines, name: str) -> Iterator[list[str]]:
     for function in _functions("\n".join(lines), name):
         first = function.args.args[0].arg if function.args.args else ""
         if name[:1].isupper() and first != "self" and not function.decorator_list:
@@ -267,35 +269,35 @@ def _without_self(lines: _Lines, name: str) -> Iterator[list[str]]:
             yield _with(lines, row, re.sub(r"\((?=\S)", "(self, " if first else "(self", lines[row], count=1))
 
 
-def _with_return(lines: _Lines, name: str) -> Iterator[list[str]]:
-    """Yield copies in which a function without a final ``return`` returns its last value."""
+def _missing_return_edits(lines: _Lines, name: str) -> Iterator[list[str]]:
+    """Yield copies in which the required function or method, if it lacks a final ``return``, returns its last value."""
     for function in _functions("\n".join(lines), name):
         returned = [each for each in ast.walk(function) if isinstance(each, ast.Return) and each.value is not None]
         last = function.body[-1]
         if function.name == "__init__" or (returned and isinstance(last, ast.Return)) or last.end_lineno is None:
             continue
         depth = " " * last.col_offset
-        for value in _values(function.body):
+        for value in _return_values(function.body):
             yield [*lines[: last.end_lineno], f"{depth}return {value}", *lines[last.end_lineno :]]
 
 
-def _values(body: Sequence[ast.stmt]) -> Iterator[str]:
-    """Return candidates for a missing `return`: what the function prints or names at its end, or assigned last."""
+def _return_values(body: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield candidates for the value of a missing ``return``: what a function prints, names or assigns last."""
     last = body[-1]
     if isinstance(last, ast.Expr):
         call = last.value
         printed = isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "print"
         shown = call.args if printed and isinstance(call, ast.Call) else [call]
         yield ", ".join(ast.unparse(each) for each in shown if not isinstance(each, ast.Constant | ast.JoinedStr))
-    names = list(dict.fromkeys(_set_in(body)))
+    names = list(dict.fromkeys(_assigned_names(body)))
     if isinstance(last, ast.Assign | ast.AugAssign | ast.If):
         yield from (f"{names[-1]}.copy()", names[-1]) if names else ()
     if len(names) > 1:
         yield f"{names[-2]}, {names[-1]}"
 
 
-def _set_in(body: Iterable[ast.stmt]) -> Iterator[str]:
-    """Yield the names and attributes that statements assign, in order."""
+def _assigned_names(body: Iterable[ast.stmt]) -> Iterator[str]:
+    """Yield the names and attributes that statements assign, in order, because the last ones are likely return values."""
     for node in body:
         targets = (
             node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AugAssign) else []
@@ -304,4 +306,4 @@ def _set_in(body: Iterable[ast.stmt]) -> Iterator[str]:
             parts = target.elts if isinstance(target, ast.Tuple) else [target]
             yield from (ast.unparse(each) for each in parts if isinstance(each, ast.Name | ast.Attribute))
         if isinstance(node, ast.If):
-            yield from _set_in([*node.body, *node.orelse])
+            yield from _assigned_names([*node.body, *node.orelse])

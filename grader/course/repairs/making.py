@@ -1,7 +1,7 @@
-"""Repairs: patches on submitted files, graded like any submission, minus a deduction.
+"""Repairs: patches on submitted files. The repaired copy is graded like any submission, minus a deduction.
 
-The log keeps every repair, and the record the result of the submission as it was handed in. The present result of a repaired
-submission is that of its repaired copy. A regrade grades that copy again while the student's file is the same.
+The log keeps every repair, and the class database the result of the submission as it was handed in. The result that counts is that
+of the repaired copy. A regrade grades that copy again while the student's file is the same.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from grader.course.markers.pool import OpenMarker
 from grader.course.publishing.out_files import publish_all, write_class
 from grader.course.record.database import read
 from grader.course.record.decisions import OvertakenError
-from grader.course.record.patches import LARGEST, applied, diff_of
+from grader.course.record.patches import LARGEST, apply_patch, diff_of
 from grader.course.record.repair_log import (
     MAX_COMMENT,
     LoggedRepair,
+    apply_repairs,
     of_these_files,
-    patched,
     repaired_sha256,
     sha256_of,
 )
@@ -51,9 +51,9 @@ MOST = 20
 
 @dataclass(frozen=True)
 class RepairRequest:
-    """A repair that somebody wants: the whole text of the file as it should be, or a unified diff on it.
+    """A repair as a person asks for it: the whole new text of a file (`fixed`), or a unified diff on the file (`patch`).
 
-    `seen_sha256` is the digest of the file that the author edited; "" skips the comparison.
+    `seen_sha256` is the digest of the file that the author edited, to notice a repair by somebody else; "" skips the comparison.
     """
 
     id: str
@@ -67,7 +67,7 @@ class RepairRequest:
 
 @dataclass(frozen=True)
 class Grading:
-    """Rubric and traces of a class, and the function that grades a submission by them in the sandbox."""
+    """How repaired copies of a class are graded: rubric, traces (reference recordings), and `mark`, which grades in the sandbox."""
 
     rubric: Rubric
     traces: Traces
@@ -79,7 +79,7 @@ class Grading:
 
 @dataclass(frozen=True)
 class GradingSettings:
-    """Rubric and traces of a class, and a picklable function that opens a sandboxed marker with them."""
+    """How repaired copies of a class are graded, before a marker, which does it in the sandbox, is opened; it can be pickled."""
 
     rubric: Rubric
     traces: Traces
@@ -90,14 +90,14 @@ class GradingSettings:
 
     @contextmanager
     def opened(self) -> Iterator[Grading]:
-        """Open a grading in this process. Its marker is opened when the first submission is graded, and closed at the end."""
+        """Yield a `Grading` for this process. The sandbox starts when the first submission is graded, and is closed at the end."""
         with ExitStack() as stack:
             marker = cache(lambda: stack.enter_context(self.open_marker()))
             yield self.by(lambda submission, cpu_s=None: marker().mark(submission, cpu_s))
 
 
 def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> str:
-    """Grade the repaired copy and record the repair; return a line on it. The pages of OUT are left as they are.
+    """Grade a repaired copy and store the repair; return a line with the grades. The caller writes the pages.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
         final_grade = _final_grade(store, request.id)
         handed_in = files_handed_in(store, final_grade)
         before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
-        made = validated_repair(request, final_grade, patched(handed_in.files, before), handed_in, author)
+        made = validated_repair(request, final_grade, apply_repairs(handed_in.files, before), handed_in, author)
         result = repaired(handed_in, final_grade, [*before, made], grading, store)
         store.keep_repair(made)
         store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [*before, made])), result)
@@ -119,9 +119,9 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
 
 @dataclass(frozen=True)
 class RepairPreview:
-    """The grades of a submission without and with a repair that is not recorded.
+    """The grades of a submission without and with a repair that is not stored, for a person to decide by.
 
-    `problem` says why this repair could not be recorded; "" if it could.
+    `problem` says why this repair could not be stored; "" if it could.
     """
 
     before: Result
@@ -130,7 +130,7 @@ class RepairPreview:
 
 
 def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPreview:
-    """Grade a submission with a repair in the sandbox. Nothing is recorded.
+    """Grade a submission with a repair in the sandbox, for a person to decide by. Nothing is stored.
 
     Raises
     ------
@@ -142,14 +142,14 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPrevie
         handed_in = files_handed_in(store, final_grade)
         before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
         complete = replace(request, comment=request.comment or "preview")
-        made = validated_repair(complete, final_grade, patched(handed_in.files, before), handed_in, "")
-        original = _original(final_grade, handed_in, grading, store)
+        made = validated_repair(complete, final_grade, apply_repairs(handed_in.files, before), handed_in, "")
+        original = _original_result(final_grade, handed_in, grading, store)
         result = _graded(handed_in, original, [*before, made], grading)
         return RepairPreview(final_grade.result, result, _refusal(final_grade.id, result, original))
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Suggestion | None]:
-    """Search for a repair of one place of the files with the repairs in force; nothing is recorded.
+    """Search for a repair of one place at which a submission, with its repairs in force, stops. Nothing is stored.
 
     Returns
     -------
@@ -160,13 +160,13 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Su
         handed_in = files_handed_in(store, final_grade)
         present = replace(final_grade.result, repairs=())  # the points before any deduction
         before = of_these_files(store.repairs_in_force(final_grade.id), handed_in)
-    now = replace(handed_in, files=patched(handed_in.files, before))
+    now = replace(handed_in, files=apply_repairs(handed_in.files, before))
     found = suggest(now, present, grading.rubric.lab, grading.mark)
     return RepairPreview(present, found.result if found else present), found
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
-    """Yield a line on what a suggested repair earns, then its diff; a line that says so if there is none. Nothing is recorded."""
+    """Yield a line on what a suggested repair earns, then its diff; a line that says so if there is none. Nothing is stored."""
     grades, found = suggestion(out, who, grading)
     if found is None:
         yield f"{printable(who, 80)}: no repair to suggest"
@@ -181,7 +181,7 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
 def validated_repair(
     request: RepairRequest, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
 ) -> LoggedRepair:
-    """Return the repair of a request, or raise RequestError if it is not valid; `now` holds the files as repaired so far."""
+    """Return a request as a repair to store; RequestError if it is not valid. `now` holds the files as repaired so far."""
     most = final_grade.result.max_score
     if request.file not in now:
         raise RequestError(
@@ -198,7 +198,7 @@ def validated_repair(
     content = now[request.file]
     if request.seen_sha256 not in ("", sha256_of(content)):
         raise OvertakenError(f"repair: another person has repaired {printable(request.file, 120)} since you opened it")
-    fixed = applied(content, request.patch) if request.patch is not None else request.fixed or b""
+    fixed = apply_patch(content, request.patch) if request.patch is not None else request.fixed or b""
     if len(fixed) > LARGEST:
         raise RequestError(f"repair: the repaired file has more than {LARGEST} bytes")
     if fixed == content:
@@ -211,14 +211,14 @@ def validated_repair(
 def repaired(
     handed_in: Submission, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading, store: Store
 ) -> Result:
-    """Return the result of a submission with these repairs.
+    """Grade a submission with these repairs, and return the result that is to count.
 
     Raises
     ------
     RequestError
         If the original was not graded by these settings or earns more than the copy, or there are more than `MOST` repairs.
     """
-    original = _original(final_grade, handed_in, grading, store)
+    original = _original_result(final_grade, handed_in, grading, store)
     if len(repairs) > MOST:
         raise RequestError(
             f"repair: {printable(final_grade.id, 80)} has {MOST} repairs already; remove one with --undo"
@@ -229,8 +229,8 @@ def repaired(
     return made
 
 
-def _original(final_grade: FinalGrade, handed_in: Submission, grading: Grading, store: Store) -> Result:
-    """Return the result of the submission as it was handed in, by the settings of the class."""
+def _original_result(final_grade: FinalGrade, handed_in: Submission, grading: Grading, store: Store) -> Result:
+    """Return the stored result of the files as handed in, below which no repair may fall; RequestError if there is none."""
     original = store.result(grading.key(final_grade.id, handed_in.sha256))
     if original is None:
         raise RequestError(
@@ -240,12 +240,12 @@ def _original(final_grade: FinalGrade, handed_in: Submission, grading: Grading, 
 
 
 def _graded(handed_in: Submission, original: Result, repairs: Sequence[LoggedRepair], grading: Grading) -> Result:
-    result = grading.mark(replace(handed_in, files=patched(handed_in.files, repairs)))
+    result = grading.mark(replace(handed_in, files=apply_repairs(handed_in.files, repairs)))
     return _with_repairs(result, original, repairs)
 
 
 def _refusal(id_: str, made: Result, original: Result) -> str:
-    """Return why a repaired copy does not count: it was not graded, or earns less than what was handed in."""
+    """Return why a repaired copy does not count: it was not graded, or earns less than what was handed in; "" if it counts."""
     earned = round(sum(part.points for part in made.criteria), 2)
     if made.status == "graded" and earned >= original.score:
         return ""
@@ -256,7 +256,7 @@ def _refusal(id_: str, made: Result, original: Result) -> str:
 
 
 def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepair]) -> Result:
-    """Return the result of a repaired copy with the name and digest of the original submission."""
+    """Return a copy's result under the original's name and digest, with repairs and original faults for the report."""
     checks = [check for criterion in original.criteria for check in criterion.checks]
     given = tuple(
         Repair(each.file, each.diff, each.deduction, each.author, each.at, each.comment, original.score)
@@ -280,7 +280,7 @@ def _final_grade(store: Store, who: str) -> FinalGrade:
 
 
 def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
-    """Return the submission as it was handed in, from the record; raise RequestError if code may be missing there."""
+    """Return a submission as it was handed in, from the class database; RequestError if code may be missing there."""
     sha256 = str(final_grade.result.provenance.get("submission_sha256", ""))
     kept = read(unpack, store.files(sha256))
     if not kept.files or kept.more or any(map(is_code, kept.others)):
@@ -291,7 +291,7 @@ def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
 
 
 def publish(out: Path, who: str, grading: Grading) -> None:
-    """Write the pages of a submission and of its class anew after a repair."""
+    """Write the pages of a submission, named by id or person, and of its class anew after a repair."""
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)
@@ -303,12 +303,12 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
-    """Take back the last repair in force of a submission or file; return a line on it. The pages of OUT are left as they are.
+    """Take back the last repair in force, of `file` unless that is ""; return a line on it. The caller writes the pages.
 
     Raises
     ------
     RequestError
-        If there is no such repair.
+        If there is no such repair, or no result without it can be had because the class was graded by other settings.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
@@ -336,7 +336,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
 
 
 def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedRepair]:
-    """Return the repairs that nobody took back and that the present results do not contain, so that they do not count."""
+    """Return the repairs that nobody took back but that no result contains, so that a person hears that they do not count."""
     counting = {
         (id_, each.file, each.diff) for id_, final_grade in final_grades.items() for each in final_grade.result.repairs
     }
@@ -344,7 +344,7 @@ def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedR
 
 
 def listing(out: Path) -> Iterator[str]:
-    """Yield a line on every repair ever made, oldest first, with its diff below; the line says if it does not count any more.
+    """Yield a line on every repair ever made, oldest first, then its diff; the line says if the repair does not count any more.
 
     Without any repair, one line says so.
     """

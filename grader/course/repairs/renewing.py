@@ -19,7 +19,7 @@ BY_ITSELF = "Applied automatically: with this edit of one place the code runs."
 
 
 def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
-    """Make repaired copies the present results again after a regrade of the original files.
+    """Make the results of repaired copies count again after a regrade of the original files.
 
     Yields
     ------
@@ -33,7 +33,7 @@ def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[
         return
     final_grades = store.final_grades()
     for id_ in sorted(by_id.keys() & set(ids) & final_grades.keys()):
-        for found in _renewed(store, final_grades[id_], by_id[id_], grading):
+        for found in _renew_one(store, final_grades[id_], by_id[id_], grading):
             yield id_, found
 
 
@@ -63,15 +63,10 @@ def apply_suggested(store: Store, ids: Iterable[str], grading: Grading) -> Itera
 def _search_and_apply(
     store: Store, final_grade: FinalGrade, already_repaired: set[tuple[str, str]], grading: Grading
 ) -> Result | None:
-    """Search once for a repair of a submission, apply it, and record it with its result.
+    """Search once for a repair of a submission, apply it, and store it with its result.
 
-    Parameters
-    ----------
-    already_repaired : (file, digest) of each file that has a repair, in force or taken back
-
-    Returns
-    -------
-    The repaired result. None if a repair was searched before, none is found, or the file is in `already_repaired`.
+    `already_repaired` holds (file, digest) of each file with a repair, in force or taken back. None if a repair was searched for
+    before, none is found, or its file is among these.
     """
     handed_in = files_handed_in(store, final_grade)
     if not store.is_first_search(grading.key(final_grade.id, handed_in.sha256)):
@@ -87,10 +82,10 @@ def _search_and_apply(
     return result
 
 
-def _renewed(
+def _renew_one(
     store: Store, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading
 ) -> Iterator[Result | str]:
-    """Yield the result of each repair that still fits the submitted files, and a message for each that does not."""
+    """Yield a line for each repair whose file the student changed, then the result with all others, or why they do not count."""
     name = printable(final_grade.id, 80)
     try:
         handed_in = files_handed_in(store, final_grade)

@@ -36,7 +36,7 @@ _DOES_NOT_PARSE = "does-not-import"
 
 @dataclass(frozen=True)
 class Suggestion:
-    """An edited file with its diff, the result of the submission with it, and how many other edits led to the same grade."""
+    """A repair that the grader suggests: an edited file, its diff, its result, and how many other edits led to the same grade."""
 
     file: str
     content: bytes
@@ -47,7 +47,7 @@ class Suggestion:
 
 @dataclass(frozen=True)
 class _Place:
-    """A line of a file, counted from 0, at which the submission stops; -1 where only the function is known."""
+    """Where a submission stops: the line `row` of `file`, counted from 0, -1 if unknown; `name` is the function required there."""
 
     file: str
     row: int
@@ -56,14 +56,14 @@ class _Place:
 
 @dataclass
 class _Left:
-    """Budget of candidates and CPU seconds that is left for the other places of a submission."""
+    """Budget of candidates and CPU seconds for all places of a submission; it shrinks as candidates are graded."""
 
     candidates: int = MOST
     cpu_s: float = SECONDS
 
 
 def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: MarkCopy) -> Suggestion | None:
-    """Return a repair of the place that costs most points and whose valid repairs all earn the same; None without such a place.
+    """Return a repair of the costliest place at which code stops and all repairs that work earn the same; None without one.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: MarkCopy) -> 
 def _validated(
     handed_in: Submission, graded: Result, place: _Place, mark: MarkCopy, left: _Left
 ) -> Iterator[tuple[bytes, Result]]:
-    """Grade the candidates; yield those that earn more points and with which the file no longer stops."""
+    """Grade candidates for a place within the budget `left`; yield those that earn more and with which the file runs."""
     stopped = {(check.where.file, check.id) for check in _stopping(graded) if check.where}
     made = limited(handed_in.files[place.file], place.row, place.name, left.candidates)
     left.cpu_s -= made.cpu_s
@@ -101,13 +101,13 @@ def _validated(
 
 
 def _stopping(result: Result) -> list[CheckResult]:
-    """Return the checks that failed because code does not run."""
+    """Return the checks that failed because code does not run (it raises, hangs, crashes or does not parse)."""
     checks = (check for part in result.criteria for check in part.checks)
     return [check for check in checks if check.outcome in _STOPPED or _DOES_NOT_PARSE in check.misconceptions]
 
 
 def _places(result: Result, handed_in: Submission, lab: Lab) -> list[_Place]:
-    """Return the places at which the submission stops, the costliest first."""
+    """Return the places at which a submission stops, the costliest first; empty if all of its code runs."""
     cost: dict[_Place, float] = {}
     for part in result.criteria:
         stopping = [check for check in part.checks if check in _stopping(result) or _returns_nothing(check)]
@@ -125,7 +125,7 @@ def _returns_nothing(check: CheckResult) -> bool:
 
 
 def _definition(name: str, handed_in: Submission) -> Where | None:
-    """Return the file that defines a name, without a line; None if no file does."""
+    """Return the first Python file that defines the function or class `name`, without a line; None if no file does."""
     defines = re.compile(rf"^(?:class|def)[ \t]+{re.escape(name)}\b".encode(), re.MULTILINE)
     files = (path for path, content in handed_in.files.items() if path.endswith(".py") and defines.search(content))
     return next((Where(path) for path in files), None)

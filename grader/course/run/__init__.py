@@ -1,1 +1,1 @@
-"""A run of `imugrade grade`: submissions found, graded, recorded, with warnings."""
+"""A run of `imugrade grade`: submissions are found, graded and stored, with warnings at the end."""

@@ -1,4 +1,4 @@
-"""Grading of single submissions by the settings that a class on record was graded by."""
+"""Grading of single submissions, such as repaired copies, by the settings that their class was graded by."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grader.engine.lab import Lab
 
 
 def settings_on_record(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> GradingSettings:
-    """Return the rubric, traces and marker that graded the class in OUT; the shipped ones if no settings are on record.
+    """Return how the class in the output folder `out` was graded, for repairs; the lab's own settings if none are stored.
 
     Raises
     ------

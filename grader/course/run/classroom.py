@@ -1,4 +1,4 @@
-"""Class run, from submissions to the output folder: resume, mark, record, publish."""
+"""Grading of a class, from submissions to the output folder: reuse stored results, grade the rest, store, publish."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ together."""
 
 
 class ProgressListener(Protocol):
-    """Protocol of what shows the progress of a run: a bar, lines, or nothing."""
+    """Protocol of an object that shows a user the progress of a run: a bar, lines, or nothing."""
 
     def started(self, total: int) -> None: ...
 
@@ -57,11 +57,12 @@ class ProgressListener(Protocol):
 
 @dataclass
 class RunOutcome:
-    """Outcome of a run: results by id, how many are from the record, unplaced files and warnings.
+    """What a run did, for the lines that `imugrade grade` prints at its end: results by id, counts, and warnings.
 
-    `grades` holds the final grades of the graded submissions. `remarks` holds replaced submissions, outdated overrides and the
-    warnings that the previous run did not give; `known` counts the warnings that it did give and that still hold. `contradictions`
-    are given by every run. `remarked` counts recorded results that were regraded because the rubric had changed.
+    `grades` holds the final grades. `resumed` counts results taken from the class database, `remarked` those of them regraded
+    because the rubric had changed. `leftovers` are files that belong to no submission. `remarks` holds replaced submissions,
+    outdated overrides and new warnings; `known` counts the warnings of the previous run that still hold. `contradictions` are given
+    by every run.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -78,13 +79,13 @@ class RunOutcome:
         return [id_ for id_, result in self.results.items() if result.status == "incomplete"]
 
     def below(self, points: float) -> list[str]:
-        """Return the ids of the fully judged submissions with fewer points than these."""
+        """Return the ids of submissions with fewer points than these, without those that the grader could not judge in full."""
         judged = {id_: result for id_, result in self.results.items() if result.status != "incomplete"}
         return [id_ for id_, result in judged.items() if result.score < points]
 
 
 def on_record(out: Path) -> ClassSettings | None:
-    """Return the settings that the class in OUT is graded by; None where none are on record."""
+    """Return the settings that the class in the output folder was graded by; None where none are stored."""
     if not (out / FILE_NAME).is_file():
         return None
     with Store.existing(out) as store:
@@ -92,19 +93,19 @@ def on_record(out: Path) -> ClassSettings | None:
 
 
 def lab_on_record(out: Path) -> Lab:
-    """Return the lab of the class in OUT; the one that `IMUGRADE_LAB` names, or the shipped one, if none is on record."""
+    """Return the lab of the class in the output folder; if none is stored, the one `IMUGRADE_LAB` names, or the shipped one."""
     settings = on_record(out)
     return chosen_lab(settings.lab if settings else "")
 
 
 def change(request: GradeRequest, found: Class) -> Change | None:
-    """Compute the effect of this run's settings on the scores on record; None if the settings are equal.
+    """Compute what the settings of a run do to the stored scores, for a person to allow or refuse; None if nothing differs.
 
     Raises
     ------
     RequestError
-        If the class on record was graded on hidden scenarios and these are the public ones, or `only` a part of the class would be
-        graded by other settings than the rest.
+        If the class was graded on hidden scenarios and these are the public ones, or `only` a part of the class would be graded by
+        other settings than the rest.
     """
     if not (request.out / FILE_NAME).is_file():
         return None
@@ -125,7 +126,7 @@ def change(request: GradeRequest, found: Class) -> Change | None:
 
 
 def forecast(request: GradeRequest, found: Class) -> list[str]:
-    """Return lines on how many submissions a run would grade, and for which other files than on record would then count."""
+    """Return lines on how many submissions a run would grade, and for which submissions other files would then count."""
     kept: list[bool] = []
     given: dict[str, set[str]] = {}
     present: dict[str, Result] = {}
@@ -151,7 +152,7 @@ def installed_since(store: Store, lab: Lab) -> set[str]:
 
 
 def _is_on_record(store: Store, key: Key, request: GradeRequest, again: Collection[str]) -> bool:
-    """Return whether a run need not mark a submission; `again` holds the ids that it marks in any case."""
+    """Return whether a stored result serves, so that a run need not grade; `again` holds ids that it grades in any case."""
     return not request.force and key.id not in again and store.has(key, request.rubric)
 
 
@@ -160,15 +161,15 @@ def _key(submission: Submission, request: GradeRequest) -> Key:
 
 
 def grade_class(request: GradeRequest, found: Class, progress: ProgressListener) -> RunOutcome:
-    """Grade every submission that is not recorded yet and write `request.out`.
+    """Grade every submission without a stored result, and write the output folder.
 
-    Each result is committed and its files are written as it arrives; the gradebook and the index are written at the
-    end, also when the run is interrupted.
+    Each result is stored and its files are written as it arrives; the gradebook and the index are written at the end, also when the
+    run is interrupted.
 
     Raises
     ------
     RequestError
-        If OUT cannot be written, nothing here isolates students' code, or scores on record would change without `request.change`.
+        If OUT cannot be written, nothing here isolates students' code, or scores would change without `request.change`.
     GraderError
         If no marker can be opened.
     """
@@ -213,7 +214,7 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
 
 
 def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> None:
-    """Record the weakest isolation level of the class."""
+    """Store the weakest isolation level used in the class, so that later gradings are not isolated less; nothing if unknown."""
     levels = [isolation_level.name for isolation_level in LEVELS]
     used = [name for each in final_grades.values() if (name := each.result.provenance.get("isolation")) in levels]
     settings = store.settings()
@@ -222,7 +223,7 @@ def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> Non
 
 
 class _Run:
-    """One pass over the class."""
+    """One run over a class while it goes on: attempts found so far, stored results to reuse, repairs that no longer count."""
 
     def __init__(self, request: GradeRequest, store: Store, progress: ProgressListener, outcome: RunOutcome) -> None:
         self._request = request
@@ -236,7 +237,7 @@ class _Run:
         self.lost_repairs: list[str] = []
 
     def renew_repairs(self) -> None:
-        """Let repaired copies count again for the submissions whose files are the same as when they were repaired."""
+        """Apply the stored repairs to this run's submissions while their files are the same, then suggested ones if so set."""
         request = self._request
         with making.GradingSettings(request.rubric, request.traces, opener(request)).opened() as grading:
             for id_, found in renewing.renew(self._store, list(self._outcome.results), grading):
@@ -254,7 +255,7 @@ class _Run:
         self._publish(final_grade)
 
     def keep_people(self, named: Mapping[str, HandIn]) -> None:
-        """Record the roster's people for hand-ins that are not in the download."""
+        """Store the people that the roster has for submissions outside of this download, and write their pages anew."""
         for id_, hand_in in named.items():
             self._store.keep_hand_in(id_, hand_in)
         if named:
@@ -263,7 +264,7 @@ class _Run:
                 self._publish(final_grades[id_])
 
     def grade(self, entries: Sequence[ClassEntry]) -> None:
-        """Grade all submissions; record, publish and report each result as it arrives."""
+        """Grade all submissions; store, publish and report each result as it arrives, so that a killed run loses little."""
         with ReadingProcess() as reader:
             for submission, marked in self._marked(entries, reader):
                 self._resume()
@@ -276,7 +277,7 @@ class _Run:
         self._choose_best_attempt()
 
     def _resume(self) -> None:
-        """Make the results on record count that were found so far, marked by the present rubric."""
+        """Reuse the stored results found so far, regraded if the rubric has changed: make them count, publish and report them."""
         while self._on_record:
             key = self._on_record.popleft()
             known = self._store.recall(key)
@@ -289,7 +290,10 @@ class _Run:
             self._keep_and_report(key, known, resumed=True)
 
     def _choose_best_attempt(self) -> None:
-        """Choose the best attempt after late deductions, the first of equal ones; an attempt with open points comes before all."""
+        """Let the best of several attempts count, after late deductions, the first of equal ones.
+
+        An attempt on which the grader failed counts before all, so that the grade stays open.
+        """
         own: dict[str, list[tuple[Key, FinalGrade]]] = {}
         for key, attempt in self._attempts.items():
             own.setdefault(key.id, []).append((key, self._final_grade(key, attempt)))
@@ -311,7 +315,7 @@ class _Run:
         return mark_all(submissions, opener(request), jobs, bounds)
 
     def _submissions_to_mark(self, entries: Sequence[ClassEntry], reader: ReadingProcess) -> Iterator[Submission]:
-        """Yield the submissions to mark, and list those on record; nothing is written here, as the pool decides when it runs."""
+        """Yield the submissions to grade, and list those with a stored result. It writes nothing: the pool decides when it runs."""
         for entry, submission in reader.each(entries):
             key = _key(submission, self._request)
             if key in self._attempts:  # the same files were handed in twice: the first hand-in counts
@@ -323,7 +327,7 @@ class _Run:
                 yield submission
 
     def _keep_and_report(self, key: Key, result: Result, *, resumed: bool) -> None:
-        """Record, publish and report a result."""
+        """Note the result of an attempt (one submission of the same people), store who handed in, write pages, report progress."""
         attempt = self._attempts[key]
         attempt.result = result
         final_grade = self._final_grade(key, attempt)
@@ -347,7 +351,7 @@ class _Run:
 
 @dataclass
 class _Attempt:
-    """One attempt of the same people, with its result once it is known."""
+    """One of the submissions that the same people handed in; its result is None until it is known."""
 
     hand_in: HandIn
     result: Result | None = None
@@ -358,7 +362,7 @@ def _jobs(request: GradeRequest) -> int:
 
 
 def opener(request: GradeRequest) -> OpenMarker:
-    """Return the function with which each worker process opens its marker; it is picklable, because it is sent there."""
+    """Return the function that opens a marker, which grades submissions; it is picklable, because worker processes get it."""
     return partial(
         guarded_marker, request.rubric, request.traces, request.isolation_level, request.trusted, request.at_least
     )
@@ -368,7 +372,7 @@ def opener(request: GradeRequest) -> OpenMarker:
 def guarded_marker(
     rubric: Rubric, traces: Traces, isolation_level: str | None, trusted: bool, at_least: str = ""
 ) -> Iterator[Marking]:
-    """Open a marker for students' code; refuse if it is neither isolated nor `trusted`, or isolated less than `at_least`."""
+    """Open a marker, which grades student code; RequestError if it isolates less than `at_least`, or not and is not `trusted`."""
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.isolates and not trusted:
             raise RequestError(

@@ -1,4 +1,4 @@
-"""Request of a class run."""
+"""What a user asks of `imugrade grade`."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from grader.people.roster import NO_ROSTER, Roster
 
 @dataclass(frozen=True)
 class GradeRequest:
-    """Request of a class run: submissions, output folder, rubric, traces and options.
+    """What a user asks of `imugrade grade`: submissions, output folder, rubric, traces (reference recordings) and options.
 
     An empty `only` grades all; `jobs` None starts one process per core; `cluster` None grades on this machine; `shape` None
-    recognises each path. `change` allows scores on record to change. `at_least` is the weakest isolation level allowed.
+    recognises each path. `change` allows stored scores to change. `at_least` is the weakest isolation level allowed, "" any.
     """
 
     paths: tuple[Path, ...]

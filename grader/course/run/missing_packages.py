@@ -1,4 +1,4 @@
-"""Packages that submissions import and that student code cannot import on this machine.
+"""Packages that submissions import and that student code cannot import on this machine, for the instructor to install.
 
 Only well-known packages are named. A student chooses the names in an import, and an instructor would install what is named here.
 """
@@ -41,7 +41,7 @@ _MANY, _SHARE = 3, 0.1
 
 
 def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
-    """Return the known packages that a submission imports in any Python file or notebook, with the points that may need them.
+    """Return the well-known packages that a submission imports in any Python file or notebook, with the points that may need them.
 
     These are the points of the criteria whose names the importing files define; if they define none, those of all criteria.
     """
@@ -61,7 +61,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
-    """Return by id which known packages submissions import that student code cannot import here. No code is run."""
+    """Return by submission id the well-known packages that it imports and that are not installed here. No code is run."""
     there = available(rubric.lab)
     with ReadingProcess() as reader:
         found = {entry.id: imported(submission, rubric) for entry, submission in reader.each(entries)}
@@ -69,7 +69,7 @@ def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
 
 
 def failed(result: Result) -> Mapping[str, float]:
-    """Return the known packages whose import failed when a submission was graded, with the points of the checks that raised."""
+    """Return the well-known packages whose import failed in grading, each with the points lost in checks that raised."""
     checks = [check for part in result.parts for check in part.checks]
     texts = (*result.notes, *(check.got for check in checks))
     lost = sum(check.max_points - (check.points or 0.0) for check in checks if check.outcome == "error")
@@ -77,14 +77,14 @@ def failed(result: Result) -> Mapping[str, float]:
 
 
 def many(missing: Missing) -> Missing:
-    """Return only those missing packages that many submissions import, so that a package of one student is left out."""
+    """Keep only those missing packages that many submissions import, so that a package of one student is left out."""
     users = Counter(name for names in missing.values() for name in names)
     least = max(_MANY, _SHARE * len(missing))
     return {id_: {name: n for name, n in names.items() if users[name] >= least} for id_, names in missing.items()}
 
 
 def available(lab: Lab) -> set[str]:
-    """Return the names that student code can import from installed packages on this machine."""
+    """Return the names of installed packages that student code can import on this machine."""
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders(), lab.packages)}
 
 

@@ -20,13 +20,7 @@ _WORD = r"[A-Z]?[^\W\d_A-Z]+|[A-Z]+"
 
 
 def refuse_guessable(secret: str | None) -> None:
-    """Refuse a secret that is short, a word or two, a number, or a placeholder of the documentation.
-
-    Raises
-    ------
-    RequestError
-        If the secret is guessable.
-    """
+    """Raise RequestError if students can guess the secret, and thus the hidden scenarios. None, for public scenarios, passes."""
     why = guessable(secret) if secret is not None else ""
     if why:
         raise RequestError(
@@ -36,7 +30,7 @@ def refuse_guessable(secret: str | None) -> None:
 
 
 def guessable(secret: str) -> str:
-    """Return why a secret can be guessed, as the end of a message; "" if it is strong enough."""
+    """Return why a secret can be guessed, as the end of an error message; "" if it is strong enough."""
     if len(secret) < MIN_LENGTH:
         return f"it has fewer than {MIN_LENGTH} characters"
     if len(set(secret)) < MIN_DIFFERENT:

@@ -1,4 +1,4 @@
-"""Find the submissions of a class, and apply the roster and the late policy to them."""
+"""Submissions of a class: find them, match them with the roster, and apply the late policy."""
 
 from __future__ import annotations
 
@@ -23,9 +23,11 @@ from grader.report import words
 
 @dataclass(frozen=True)
 class Class:
-    """Submissions of a class, with the lines to print about them and the mismatches between class and roster.
+    """The submissions of a class of students that a run found, and what an instructor should know of them.
 
-    `others` are hand-ins on record that are not in the download, with the people that the roster has for them.
+    `entries` are the submissions, `leftovers` files that belong to none. `notices` are lines on what was read, `absent` people
+    without a submission, `unknown` submissions that the roster lacks, `doubtful` lines on unclear matches and times. `others` are
+    submissions stored earlier that are not in this download, with the people that the roster has for them.
     """
 
     entries: tuple[ClassEntry, ...]
@@ -38,7 +40,7 @@ class Class:
 
 
 def find(request: GradeRequest) -> Class:
-    """Find the submissions of a class, and apply the roster and the late policy to them.
+    """Find the submissions of a class, match them with the roster, and apply the late policy, before any is graded.
 
     Raises
     ------
@@ -54,10 +56,10 @@ def find(request: GradeRequest) -> Class:
             f"{some([*map(str, request.paths)], 3)}: no submission found there; give a folder of submissions or an archive"
         )
     placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
-    entries = _chosen(
+    entries = _select(
         submissions, request.only, PersonLookup({id_: each.people for id_, each in placed.hand_ins.items()})
     )
-    dated = tuple(replace(entry, hand_in=_judged(entry, placed, request.rubric)) for entry in entries)
+    dated = tuple(replace(entry, hand_in=_apply_late_policy(entry, placed, request.rubric)) for entry in entries)
     unknown = placed.unknown if listed else ()
     others = {
         id_: each for id_, each in _recorded(request.out).items() if id_ not in {entry.id for entry in submissions}
@@ -72,7 +74,7 @@ def find(request: GradeRequest) -> Class:
 
 
 def _recorded(out: Path) -> dict[str, HandIn]:
-    """Return the hand-ins on record, so that a student graded earlier is not reported as absent."""
+    """Return who handed in which stored submission, so that a student graded earlier is not reported as absent."""
     if not (out / FILE_NAME).is_file():
         return {}
     with Store.existing(out) as store:
@@ -80,12 +82,12 @@ def _recorded(out: Path) -> dict[str, HandIn]:
 
 
 def _with_people(entry: ClassEntry) -> HandIn:
-    """Return the hand-in of an entry; if no platform names the people, the submission's name stands for them."""
+    """Return who handed in a submission and when; if no platform names people, the submission's name stands for them."""
     return replace(entry.hand_in, people=entry.hand_in.people or (Person(entry.name, entry.id),))
 
 
-def _judged(entry: ClassEntry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
-    """Add the roster's facts to a hand-in and apply the late policy. The platform's time takes precedence over the roster's."""
+def _apply_late_policy(entry: ClassEntry, placed: roster.RosterMatch, rubric: Rubric) -> HandIn:
+    """Add the roster's times and grace days to who handed in, and apply the late policy. The platform's time beats the roster's."""
     row = placed.rows.get(entry.id, roster.NO_FACTS)
     hand_in = replace(
         entry.hand_in,
@@ -99,7 +101,7 @@ def _judged(entry: ClassEntry, placed: roster.RosterMatch, rubric: Rubric) -> Ha
 
 
 def _contradicting_times(entries: Sequence[ClassEntry], placed: roster.RosterMatch) -> Iterator[str]:
-    """Yield a line for each submission whose times in the roster and on the platform differ."""
+    """Yield a warning for each submission whose times in the roster and on the platform differ; the platform's counts."""
     for entry in entries:
         by_roster, known = placed.rows.get(entry.id, roster.NO_FACTS).submitted, entry.hand_in.submitted
         if by_roster and known and by_roster != known:
@@ -107,13 +109,13 @@ def _contradicting_times(entries: Sequence[ClassEntry], placed: roster.RosterMat
 
 
 def _unread_times(request: GradeRequest) -> Iterator[str]:
-    """Yield a line if the roster has times without an offset, as a worksheet of Moodle has, and the class has no time zone."""
+    """Yield a warning if the late policy cannot use the roster's times: they have no UTC offset, and it names no time zone."""
     if request.roster.has_local_times and request.rubric.late is not None:
         yield f"{request.roster.source}: its times are not read, as they have no offset from UTC; add `tz` to the late policy"
 
 
 def listing(found: Class) -> Iterator[str]:
-    """Yield a line for each submission found: its id, people, time and lateness, without those that are unknown."""
+    """Yield a line for each submission found, as `grade --list` prints it: id, people, time, lateness; without unknown ones."""
     for entry in found.entries:
         hand_in = entry.hand_in
         people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)
@@ -122,7 +124,7 @@ def listing(found: Class) -> Iterator[str]:
 
 
 def _without_output_folder(entries: tuple[ClassEntry, ...], request: GradeRequest) -> tuple[ClassEntry, ...]:
-    """Drop an empty OUT folder from the submissions; refuse an OUT that is a submission or the class folder itself."""
+    """Drop an empty output folder from the submissions; RequestError if it is a submission or the class folder itself."""
     out = os.path.realpath(request.out)
     within = [entry for entry in entries if os.path.realpath(entry.path) == out]
     if out in map(os.path.realpath, request.paths) or any(entry.read().status != "empty" for entry in within):
@@ -132,8 +134,8 @@ def _without_output_folder(entries: tuple[ClassEntry, ...], request: GradeReques
     return tuple(entry for entry in entries if entry not in within)
 
 
-def _chosen(entries: tuple[ClassEntry, ...], only: tuple[str, ...], who: PersonLookup) -> list[ClassEntry]:
-    """Return the entries that `--only` names, or all without it; refuse a word that matches no submission."""
+def _select(entries: tuple[ClassEntry, ...], only: tuple[str, ...], who: PersonLookup) -> list[ClassEntry]:
+    """Return the submissions that `--only` names, or all without it; RequestError for a word that matches none."""
     ids = [entry.id for entry in entries]
     wanted = {who.by(word): word for word in only}
     for id_, word in wanted.items():

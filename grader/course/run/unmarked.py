@@ -1,4 +1,4 @@
-"""Results of submissions that no marker finished."""
+"""Results of submissions that no marker finished grading, so that they appear in the class all the same."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from grader.intake import Submission
 
 
 def unjudged(submission: Submission, request: GradeRequest, reason: str) -> Result:
-    """Return the result of a submission that the grader failed on: all points are open, none is lost."""
+    """Return the result of a submission that the grader failed on: all points are open, none is lost, the status is incomplete."""
     note = f"The grader failed on this submission ({printable(reason, 300)}); grade it again"
     row = CheckResult("", "", "not_judged", None, 0.0, fault=printable(reason, 300))
     return _without_marker(submission, request, "incomplete", row, note)
 
 
 def stopped(submission: Submission, request: GradeRequest, reason: str) -> Result:
-    """Return the result of a submission whose marking was ended twice: every check timed out and earns nothing."""
+    """Return the result of a submission whose grading exceeded the limits twice: every check timed out and earns nothing."""
     note = (
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
@@ -35,7 +35,7 @@ def stopped(submission: Submission, request: GradeRequest, reason: str) -> Resul
 def _without_marker(
     submission: Submission, request: GradeRequest, status: Status, row: CheckResult, note: str
 ) -> Result:
-    """Return a result in which every check of the criteria has the same outcome."""
+    """Return a result in which every check of the rubric has the outcome of `row`, with `note` as the reason."""
     known = known_checks(request.rubric.lab, request.rubric.own_checks)
     titles = {id_: check.title for id_, check in known.items()}
     found = Result(

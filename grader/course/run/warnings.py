@@ -18,7 +18,7 @@ _A_FEW = 5  # names
 
 
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Yield lines about equal and empty submissions, missing packages, and the roster."""
+    """Yield warnings: equal, empty, unreadable, timed-out or repaired submissions, missing packages, and gaps of the roster."""
     for ids in equal(final_grades.values()):
         yield from named_lines("the same files were handed in by", ids)
     nothing = [
@@ -37,7 +37,7 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
 
 
 def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
-    """Yield lines about submissions late only on the platform, and due dates for unknown names; none without a late policy."""
+    """Yield warnings: submissions late only on the platform, and due dates for unknown names; none without a late policy."""
     if policy is None:
         return
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
@@ -52,7 +52,7 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
 
 
 def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iterator[str]:
-    """Yield a line about submissions on record that are not in the download, if the download holds half of the class or more.
+    """Yield a warning about stored submissions that are not in a download with half of the class or more.
 
     A smaller download holds resubmissions only, so nobody is missing from it.
     """
@@ -62,7 +62,7 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
 
 
 def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield lines about submissions on record that now count by other files, with the final grades of both."""
+    """Yield warnings about stored submissions that now count by other files, with the final grades before and after."""
     changed = [
         f"{id_} ({_final(before[id_])} → {_final(now)})"
         for id_, now in after.items()
@@ -72,9 +72,9 @@ def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) 
 
 
 def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield lines about overrides whose automatic points have changed since: the override stays in force."""
+    """Yield warnings about overrides that stay in force although their automatic points have changed: `OUTDATED`, then a count."""
     lines = [
-        _outdated(final_grade, adjustment)
+        _outdated_warning(final_grade, adjustment)
         for final_grade in final_grades.values()
         for adjustment in final_grade.outdated()
     ]
@@ -96,8 +96,8 @@ def _final(final_grade: FinalGrade) -> str:
     return "blank" if final_grade.final is None else words.number(final_grade.final)
 
 
-def _outdated(final_grade: FinalGrade, adjustment: Adjustment) -> str:
-    """Return the warning about an override whose automatic points have changed."""
+def _outdated_warning(final_grade: FinalGrade, adjustment: Adjustment) -> str:
+    """Return the warning about an override whose automatic points have changed, with the points then and now."""
     now = automatic_points(final_grade.result, adjustment.criterion)
     then = [points for points in adjustment.automatic.values() if points is not None]
     worth_then = sum(adjustment.out_of.values())
