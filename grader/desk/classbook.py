@@ -135,7 +135,7 @@ class Classbook:
         return self._similar
 
     def shared(self, first: str, second: str) -> frozenset[int]:
-        """Return hashes of the code that two submissions share, without the lab's code and code that half of the class has."""
+        """Return hashes of the code that two submissions share, without the lab's code and code of half the class; may be empty."""
         own = own_hashes(self.store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 
@@ -165,7 +165,7 @@ class Classbook:
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
 
     def mark_by(self, rubric: Rubric) -> None:
-        """Regrade the class by another rubric from stored results, without running code, and write its pages anew."""
+        """Regrade the class by another rubric from stored results, running no code, and write its pages anew in the background."""
         marked = remark(self.out, self.store, rubric)
         self._rubric, self._seen = None, -1
         self._publisher.changed(marked)

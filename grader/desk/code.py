@@ -65,7 +65,7 @@ class SubmittedFiles:
 
 
 def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles:
-    """Prepare the stored files of a submission for its page; `named` holds the lines that checks name, by file."""
+    """Prepare the stored files of a submission to show on its page; `named` holds the lines that checks name, by file."""
     paths = list(kept.files)
     texts = [path for path in paths if path.lower().endswith(_TEXTS)]
     pictures = [path for path in paths if kept.files[path].startswith(PNG)]

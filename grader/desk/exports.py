@@ -92,7 +92,7 @@ def _page(
     plan: ExportPlan | None = None,
     code: int = 200,
 ) -> Response:
-    """Return the export page, with the errors of a refused form, or what a stopped export would do."""
+    """Return the export page; after a refused form with its errors, and with a `plan` that stops with what it would do."""
     settings = book.store.settings()
     everybody = book.final_grades().values()
     people = (person for each in everybody for person in each.people)

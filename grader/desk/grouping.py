@@ -20,7 +20,7 @@ from grader.people.final_grade import BONUS, TOTAL
 
 
 def show_all(book: Classbook, web_request: WebRequest) -> Response:
-    """Return the page with all groups of submissions and the decisions made on them."""
+    """Return the page with all groups of submissions that can be decided on together, and the decisions already made."""
     found = groups(book.final_grades())
     kinds = {FAULT: "Same fault", CHECK: "Same failed check"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}

@@ -150,7 +150,7 @@ def items(
 
 
 def _reasons_for_one(final_grade: FinalGrade, lab: Lab, policy: LatePolicy | None) -> Iterator[Reason]:
-    """Yield the reasons to look at one submission by itself; none if nothing needs a person."""
+    """Yield the reasons why a person should look at this submission by itself, such as code that does not run; may be none."""
     result = final_grade.result
     yield from (Reason("does-not-run", each.sentence, file=each.file) for each in stops(result, lab))
     for repair in result.repairs:

@@ -36,7 +36,7 @@ def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
 
 
 def _extended(ids: list[str], near: dict[str, set[str]]) -> list[str]:
-    """Extend a pair by submissions that are similar to all members, one at a time; `near` are the similar ones of each."""
+    """Extend a pair, one at a time, by submissions similar to all members; `near` holds for each submission those similar to it."""
     candidates = set.intersection(*(near[id_] for id_ in ids))
     while candidates:
         joins = min(candidates, key=lambda id_: (-len(near[id_] & candidates), id_))

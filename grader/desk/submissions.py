@@ -194,7 +194,7 @@ def _page(
 
 
 def override(book: Classbook, web_request: WebRequest) -> Response:
-    """Store the override or comment of a form, or undo or withdraw the last one, and show the page again."""
+    """Store the override or comment of a form, or undo or withdraw the last one, and answer a regrade request with it."""
     final_grade = one(book, web_request)
     target, points, comment = map(web_request.text, ("target", "points", "comment"))
     if web_request.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
@@ -214,7 +214,7 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
-    """Return the errors of a form that overrides `target` for these submissions, by field; empty if it can be stored."""
+    """Return what is wrong with an override of `target` for any of these submissions, by form field; empty if it can be stored."""
     errors = {} if comment else {"comment": "say why in a comment"}
     for each in final_grades:
         request = OverrideRequest(each.id, target, points, comment, alone=not points)

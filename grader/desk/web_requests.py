@@ -87,7 +87,7 @@ def in_cookie(text: str) -> str:
 
 
 def _fields(text: str) -> dict[str, list[str]]:
-    """Parse form fields; raise RequestError for a form with too many."""
+    """Parse form fields into all values of each name; RequestError for more than `_MOST_FIELDS`, to bound the work."""
     found: dict[str, list[str]] = {}
     try:
         for key, value in parse_qsl(text, keep_blank_values=True, max_num_fields=_MOST_FIELDS):

@@ -101,7 +101,7 @@ def _above_its_maximum(final_grade: FinalGrade, override: Adjustment) -> str:
 
 
 def untimed(final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None) -> list[str]:
-    """Return the ids of the submissions from which the late policy deducts nothing because their time is unknown.
+    """Return the ids of submissions whose time is unknown, so that the late policy deducts nothing, to tell the instructor.
 
     Empty without a late policy. A person who set the total has decided about lateness, too. If the platform marks those that are
     late, the others are in time.

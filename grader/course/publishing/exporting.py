@@ -162,7 +162,7 @@ def plan(order: Export) -> ExportPlan:
 
 
 def _draft(order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Draft:
-    """Return the grades in the platform's own file if it is given as the template, else in a new file."""
+    """Build the file of grades before it is written: the platform's own file filled in if it is the template, else a new one."""
     missing = "" if order.missing == "blank" else order.missing
     blank = tuple(_blank_grades(final_grades, () if missing else absent))
     if order.template is not None:
@@ -243,7 +243,7 @@ _WORDS = re.compile(r"[^\W_]+")  # platforms split names at "_"
 
 
 def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, int, list[str]]:
-    """Return a zip with each person's report under the platform's file name, how many, and lines on those it may not place."""
+    """Return a zip of all reports, named so that the platform finds each person, their number, and lines on any it cannot place."""
     buffer = io.BytesIO()
     people = [(each, person) for each in final_grades.values() for person in each.people]
     folders = distinct_ids(

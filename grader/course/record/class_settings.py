@@ -115,7 +115,7 @@ def to_json(settings: ClassSettings) -> str:
 
 
 def from_json(text: str) -> ClassSettings:
-    """Parse settings from the text that `to_json` wrote; unknown fields, as of a later version, are ignored."""
+    """Parse settings from the text that `to_json` wrote; unknown fields, as a later version writes, are ignored."""
     record = json.loads(text)
     own = tuple((name, content.encode("utf-8", "surrogateescape")) for name, content in record["own_checks"])
     known = {field.name for field in fields(ClassSettings)}
@@ -138,7 +138,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
 
 
 def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
-    """Return the people of the roster without a submission and without points, to name them; empty without a roster."""
+    """Return the people of the roster without a submission or points, to list them as missing; empty without a roster."""
     known = {person for hand_in in hand_ins.values() for person in hand_in.people}
     unplaced = roster.place(
         roster_of(settings).people, hand_ins
@@ -174,7 +174,7 @@ class Change:
     moved, of, means
         How many of the scores that need no grading change, of how many, and their means before and after (None without scores).
     regraded
-        How many stored submissions are graded again, with a result that is not known yet.
+        How many submissions on record are graded again, with a result that is not known yet.
     chosen_anew
         Whether another of several attempts may count.
     left
@@ -287,7 +287,7 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
 
 
 def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> list[str]:
-    """Return the ids of results with another rubric or scenarios than the class has, as an interrupted change leaves them."""
+    """Return the ids of results by another rubric or scenarios than the class's, which an interrupted change leaves, to warn."""
     mine = {"rubric_sha256": settings.rubric_sha256, "traces_sha256": settings.traces_sha256}
     return [
         id_

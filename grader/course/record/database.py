@@ -152,7 +152,7 @@ class Database:
             return self._db.execute(statement, parameters).rowcount
 
     def _address(self) -> str:
-        """Return the URI by which SQLite opens the file. A read-only file without pending writes needs no lock: it is immutable."""
+        """Return the URI by which SQLite opens the file; a read-only file without pending writes as immutable, without locks."""
         pending = Path(f"{self.path}-wal")
         settled = not pending.exists() or pending.stat().st_size == 0
         mode = "mode=rwc" if self._writable else "immutable=1" if settled else "mode=ro"
@@ -193,7 +193,7 @@ class Database:
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
-        """Commit all that this context writes, or roll it back if the context raises, so that nothing is half written."""
+        """Commit all that a ``with`` block writes, or roll it back if the block raises, so that nothing is half written."""
         self._db.execute("BEGIN IMMEDIATE")
         try:
             yield
@@ -205,7 +205,7 @@ class Database:
 
     @contextmanager
     def _errors_in_one_line(self) -> Iterator[None]:
-        """Turn errors of the disk and of SQLite into a one-line RequestError that names the file and the way out."""
+        """Turn errors of disk and SQLite in a ``with`` block into a one-line RequestError with the file and the way out."""
         try:
             yield
         except OSError as problem:

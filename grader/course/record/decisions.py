@@ -135,7 +135,7 @@ class Decisions(Database):
             ]
 
     def last_adjustment(self) -> int:
-        """Return the number of the last stored adjustment; a page keeps it as the `seen` of `adjust`. 0 if there is none."""
+        """Return the number of the last stored override or comment, which a page keeps to notice later ones; 0 if there is none."""
         return int(self._value("SELECT coalesce(max(seq), 0) FROM adjustments"))
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
@@ -160,7 +160,7 @@ class Decisions(Database):
             self._db.executemany(query, [astuple(each) for each in reviews])
 
     def reviews(self) -> dict[tuple[str, str, str], Review]:
-        """Return the last review by submission id, reason and digest of the item, without those that were opened again."""
+        """Return the last review of each item of the queue, by submission id, reason and digest, without items opened again."""
         with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
         last = {

@@ -27,7 +27,7 @@ def diff_of(path: str, before: bytes, after: bytes) -> str:
 
 
 def apply_patch(before: bytes, diff: str, place: str = "patch") -> bytes:
-    """Apply a unified diff to a file's bytes and return the new bytes. `place` begins the error messages.
+    """Apply a unified diff to a file's bytes and return the new bytes; error messages begin with `place`.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def _hunks(diff: Sequence[bytes], place: str) -> Iterator[tuple[int, list[bytes]
 
 
 def _hunk(diff: Sequence[bytes], at: int, counts: Sequence[int], place: str) -> tuple[list[bytes], list[bytes], int]:
-    """Parse the hunk that begins at line `at`, with `counts` old and new lines; return both, and the index after the hunk."""
+    """Parse the hunk at line `at`, with `counts` old and new lines; return both, and the index after it; else RequestError."""
     old: list[bytes] = []
     new: list[bytes] = []
     while (len(old), len(new)) != tuple(counts) or diff[at : at + 1] == [_NO_NEWLINE]:

@@ -56,7 +56,7 @@ class RepairLog(Database):
         return [each for each in self.repairs() if not each.undone_at and id_ in ("", each.id)]
 
     def keep_repair(self, made: LoggedRepair) -> None:
-        """Store a repair under the next free number; the number in `made` is ignored."""
+        """Store a repair under the next free number, whatever the number in `made`."""
         diff = made.diff.encode("utf-8", "surrogateescape")
         self._write(
             "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "

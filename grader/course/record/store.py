@@ -95,7 +95,7 @@ class Store(Decisions, RepairLog, Drafts):
             return self._parsed(key.id, record)
 
     def result(self, key: Key) -> Result | None:
-        """Return the stored result of this key and leave the current one as it is; None if there is none."""
+        """Return the stored result of this key, such as that before a repair, without making it count; None if there is none."""
         record = self._value(f"SELECT record FROM results {_WHERE}", *astuple(key))
         return None if record is None else self._read(_result, record)
 
@@ -104,7 +104,7 @@ class Store(Decisions, RepairLog, Drafts):
         return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """Regrade a submission by another rubric without running it, and make that current; None if it must run again."""
+        """Regrade a submission by another rubric from its stored result, and make that current; None if code must run again."""
         with self._errors_in_one_line(), self._transaction():
             if (found := self._find_regradable(key, rubric)) is None:
                 return None
@@ -198,7 +198,7 @@ class Store(Decisions, RepairLog, Drafts):
         return after
 
     def present(self) -> dict[str, Result]:
-        """Return the current result of every submission, the one that counts, by id and in the order of the ids."""
+        """Return the current result of every submission, by which it counts, by id and in the order of the ids."""
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._errors_in_one_line():
             return {id_: self._parsed(id_, record) for id_, record in self._db.execute(query)}
@@ -226,7 +226,7 @@ class Store(Decisions, RepairLog, Drafts):
         return b"" if record is None else self._read(_blob, record)
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
-        """Return hashes of pieces of every submission's code, by id; submissions that share many are similar."""
+        """Return hashes of pieces of code by submission id; submissions that share many hashes are similar."""
         query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._errors_in_one_line():
             return {id_: read(_hashes, record) for id_, record in self._db.execute(query)}
@@ -248,7 +248,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
-        """Store who handed in a submission and when, in place of the earlier entry."""
+        """Store who handed in a submission and when, in place of the earlier entry; nothing is written if that is equal."""
         row = (id_, _hand_in_text(hand_in))
         if self._value("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", *row) is None:
             self._write(_HAND_IN, *row)
@@ -276,7 +276,7 @@ class Store(Decisions, RepairLog, Drafts):
         return bytes(self._value("SELECT packed FROM files WHERE submission_sha256 = ?", submission_sha256) or b"")
 
     def keep_notices(self, notices: Mapping[str, Sequence[str]]) -> None:
-        """Store the messages of a run, by kind, for the review queue and the next run; those of the last run are deleted."""
+        """Store a run's messages by kind, for the review queue and to recognise them in the next run; earlier ones are deleted."""
         with self._errors_in_one_line(), self._transaction():
             self._db.execute("DELETE FROM told")
             self._db.executemany(

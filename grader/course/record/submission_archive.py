@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack the files of a submission from the bytes that `pack` made; none from empty bytes. Damaged bytes raise an error."""
+    """Unpack submitted files from the bytes that `pack` made; none from empty bytes. `database.read` handles damaged ones."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()

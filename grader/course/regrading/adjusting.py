@@ -234,7 +234,7 @@ def objections(override: OverrideRequest, final_grade: FinalGrade) -> dict[str, 
 
 
 def targets(final_grade: FinalGrade) -> list[str]:
-    """Return the ids of all that a person may override: criteria, their checks, the total and the bonus."""
+    """Return the ids of all that a person may override in a submission: criteria, their checks, the total and the bonus."""
     criteria = final_grade.result.criteria
     return [*(c.id for c in criteria), *(check.id for c in criteria for check in c.checks), TOTAL, BONUS]
 

@@ -30,7 +30,7 @@ class Group:
 
     @property
     def what(self) -> str:
-        """Return what a decision on this group is stored as being about, such as ``fault: <title>``."""
+        """Return what a decision on this group is about, such as ``fault: <title>``, as it is stored and listed."""
         kind = {FAULT: "fault", CHECK: "lost", ALIKE: "alike"}[self.kind]
         return printable(f"{kind}: {self.title}", 200)
 
@@ -85,7 +85,7 @@ def members_of(store: Store, name: str) -> tuple[str, tuple[str, ...]]:
 
 
 def decisions(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[Decision]:
-    """Return all decisions on several submissions, latest first, so that a person can undo one; empty if there is none."""
+    """Return all decisions on several submissions, latest first, so that a person can undo one; empty if there are none."""
     made: dict[int, list[Adjustment]] = {}
     for _, each in store.history():
         if each.decision:

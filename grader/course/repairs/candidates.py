@@ -181,7 +181,7 @@ def _keyword_edits(line: str) -> Iterator[str]:
 
 
 def _indentation_edits(lines: _Lines, row: int) -> Iterator[str]:
-    """Yield the line `row` with the indentation of nearby lines, or 4 spaces more; the smallest change first."""
+    """Yield the line `row` with the indentation of a nearby line, or 4 spaces more than that; the smallest change first."""
     line = lines[row]
     own = len(line) - len(line.lstrip())
     near = [each for each in lines[max(0, row - 30) : row + 5] if each.strip()]

@@ -211,7 +211,7 @@ def validated_repair(
 def repaired(
     handed_in: Submission, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading, store: Store
 ) -> Result:
-    """Grade a submission with these repairs, and return the result that is to count.
+    """Grade a submission with these repairs, and return the result by which it may count.
 
     Raises
     ------
@@ -336,7 +336,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
 
 
 def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedRepair]:
-    """Return the repairs that nobody took back but that no result contains, so that a person hears that they do not count."""
+    """Return the repairs that nobody took back but that no result contains, to tell a person that they no longer count."""
     counting = {
         (id_, each.file, each.diff) for id_, final_grade in final_grades.items() for each in final_grade.result.repairs
     }

@@ -126,7 +126,7 @@ def change(request: GradeRequest, found: Class) -> Change | None:
 
 
 def forecast(request: GradeRequest, found: Class) -> list[str]:
-    """Return lines on how many submissions a run would grade, and for which submissions other files would then count."""
+    """Return lines for `grade --dry-run`: how many submissions would be graded, and which would count by other files than now."""
     kept: list[bool] = []
     given: dict[str, set[str]] = {}
     present: dict[str, Result] = {}
@@ -237,7 +237,7 @@ class _Run:
         self.lost_repairs: list[str] = []
 
     def renew_repairs(self) -> None:
-        """Apply the stored repairs to this run's submissions while their files are the same, then suggested ones if so set."""
+        """Apply stored repairs again to this run's submissions with unchanged files, then suggested ones if the rubric says so."""
         request = self._request
         with making.GradingSettings(request.rubric, request.traces, opener(request)).opened() as grading:
             for id_, found in renewing.renew(self._store, list(self._outcome.results), grading):
@@ -255,7 +255,7 @@ class _Run:
         self._publish(final_grade)
 
     def keep_people(self, named: Mapping[str, HandIn]) -> None:
-        """Store the people that the roster has for submissions outside of this download, and write their pages anew."""
+        """Store whom the roster names for earlier submissions that are not in this download, and write their pages anew."""
         for id_, hand_in in named.items():
             self._store.keep_hand_in(id_, hand_in)
         if named:

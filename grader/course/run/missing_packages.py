@@ -61,7 +61,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
-    """Return by submission id the well-known packages that it imports and that are not installed here. No code is run."""
+    """Return by submission id the well-known packages that it imports and that are not installed here, before code is run."""
     there = available(rubric.lab)
     with ReadingProcess() as reader:
         found = {entry.id: imported(submission, rubric) for entry, submission in reader.each(entries)}
@@ -69,7 +69,7 @@ def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
 
 
 def failed(result: Result) -> Mapping[str, float]:
-    """Return the well-known packages whose import failed in grading, each with the points lost in checks that raised."""
+    """Return the well-known packages whose import failed in grading, each with the points that checks lost by exceptions."""
     checks = [check for part in result.parts for check in part.checks]
     texts = (*result.notes, *(check.got for check in checks))
     lost = sum(check.max_points - (check.points or 0.0) for check in checks if check.outcome == "error")

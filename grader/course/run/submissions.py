@@ -109,7 +109,7 @@ def _contradicting_times(entries: Sequence[ClassEntry], placed: roster.RosterMat
 
 
 def _unread_times(request: GradeRequest) -> Iterator[str]:
-    """Yield a warning if the late policy cannot use the roster's times: they have no UTC offset, and it names no time zone."""
+    """Yield a warning if roster times cannot be used for lateness: they have no UTC offset, and the policy names no time zone."""
     if request.roster.has_local_times and request.rubric.late is not None:
         yield f"{request.roster.source}: its times are not read, as they have no offset from UTC; add `tz` to the late policy"
 
