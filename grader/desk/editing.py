@@ -22,7 +22,7 @@ class Editable:
 
 
 def editable(path: str, content: bytes) -> Editable:
-    """Return a file as text for the editor, lines ended by ``\\n``; without text if it cannot be edited."""
+    """Return a submitted file as text for the repair editor, lines ended by ``\\n``; without text if it cannot be edited."""
     if not path.lower().endswith(".py"):
         return Editable(why="only .py files are edited here; repair others with imugrade repair")
     if len(content) > LARGEST:

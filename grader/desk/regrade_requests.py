@@ -1,4 +1,4 @@
-"""Regrade requests of students: read from text, JSON or a table, matched to a submission and a check, and listed."""
+"""Regrade requests, students' objections to grades: read from text, JSON or a table, matched to submission and check, listed."""
 
 from __future__ import annotations
 

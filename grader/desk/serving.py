@@ -1,4 +1,4 @@
-"""HTTP server of the review desk, bound to the loopback address."""
+"""HTTP server of the review desk, bound to the loopback address so that no other machine reaches it."""
 
 from __future__ import annotations
 

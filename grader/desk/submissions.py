@@ -1,4 +1,4 @@
-"""Submission page: report beside code, regrade requests, and overrides."""
+"""Submission page of the review desk: report beside code, regrade requests, and forms to override points or repair a file."""
 
 from __future__ import annotations
 

@@ -128,15 +128,12 @@ def is_comparable(result: Result) -> bool:
 
 
 def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
-    """Return the maximum points by submission id and criterion id, so that a mark above its maximum is refused."""
+    """Return the maximum points by submission id and criterion id, so that a mark above the maximum is refused."""
     return {(id_, part.id): part.max_points for id_, result in results.items() for part in result.criteria}
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Summarize as one row of the comparison table how far points and marks are apart in `cells`, criteria of submissions.
-
-    There must be at least one of them.
-    """
+    """Summarize in one row of the comparison table how far points and marks are apart in `cells`, at least one criterion."""
     apart = [each.apart for each in cells if each.apart is not None]
     distances: dict[str, list[float]] = {}
     for each in cells:

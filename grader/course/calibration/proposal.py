@@ -129,7 +129,7 @@ def _distance(cells: Sequence[ComparedCell], final_grades: Mapping[str, FinalGra
 def _changes(rubric: Rubric, cells: Sequence[ComparedCell]) -> list[ChangedDeduction]:
     """Return the deductions that change, each by the marks of criteria in which the grader names this fault and no other.
 
-    A fault of any file, such as one that does not run, keeps its deduction: it costs whatever needs the file.
+    A fault that any file can have, such as one that does not run, keeps its deduction: it costs whatever needs the file.
     """
     table = rows(rubric.lab)
     alone: dict[str, list[ComparedCell]] = {}

@@ -30,7 +30,7 @@ KILLED = "the marking process was killed"
 
 
 class Marking(Protocol):
-    """Protocol of a marker, which grades one submission after the other; `cpu_s` may lower the rubric's limit of CPU seconds."""
+    """Protocol of a marker, the object that grades submissions; `cpu_s` may lower the rubric's limit of CPU seconds for one."""
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 

@@ -78,7 +78,7 @@ def _checks(old: Result, new: Result) -> Iterator[str]:
 
 
 def _changed_weights(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade], both: list[str]) -> Iterator[str]:
-    """Yield a line for each check whose maximum points differ, once for the class so that no submission repeats it."""
+    """Yield a line for each check whose maximum points differ between the gradings, once and not for every submission."""
     changed: dict[tuple[str, float, float], None] = {}
     for id_ in both:
         was, now = _by_id(old[id_].result), _by_id(new[id_].result)

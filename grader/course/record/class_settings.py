@@ -223,7 +223,7 @@ def change(
     everyone: Mapping[str, FinalGrade],
     hand_ins: Mapping[str, HandIn | None],
 ) -> Change | None:
-    """Compute what new settings of a class do to its stored scores; None if no difference matters to a score.
+    """Compute what new settings of a class do to its stored scores, for a person to decide; None if no score depends on it.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def change(
 
 
 def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
-    """Say in words what differs between two settings of a class; empty if nothing that a score depends on differs."""
+    """Say in words what differs between two settings of a class; empty if no score depends on the differences."""
     rubric = "another rubric" if old.rubric_sha256 != new.rubric_sha256 else "another late policy"
     found = {
         rubric: (old.rubric_sha256, old.late) != (new.rubric_sha256, new.late),

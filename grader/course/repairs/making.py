@@ -166,7 +166,7 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Su
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
-    """Yield a line on what a suggested repair earns, then its diff; a line that says so if there is none. Nothing is stored."""
+    """Yield lines for the terminal: what a suggested repair earns, then its diff, or that there is none. Nothing is stored."""
     grades, found = suggestion(out, who, grading)
     if found is None:
         yield f"{printable(who, 80)}: no repair to suggest"

@@ -1,4 +1,4 @@
-"""What a user asks of `imugrade grade`."""
+"""Request of a run over a class, which `imugrade grade` makes from its options."""
 
 from __future__ import annotations
 

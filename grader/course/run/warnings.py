@@ -126,6 +126,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield a warning with `A_LINE` names a line, separated by semicolons, because many names hold a comma; none without names."""
+    """Yield the warning `what` with up to `A_LINE` names a line, separated by semicolons as names hold commas; none without any."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
