@@ -256,7 +256,7 @@ def _adjustment(override: OverrideRequest, final_grade: FinalGrade, author: str,
 
 
 def _changes_nothing(override: Adjustment, final_grade: FinalGrade) -> bool:
-    """Return whether an override need not be stored: an equal one is in force for the same automatic points, or none is to withdraw."""
+    """Return whether an override need not be stored: an equal one is in force for the same points, or none is to withdraw."""
     same = (
         each for each in final_grade.adjustments if (each.criterion, each.alone) == (override.criterion, override.alone)
     )
