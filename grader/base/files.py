@@ -51,7 +51,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 def seen_from(folder: Path, path: Path) -> str:
-    """Return `path` relative to `folder`, for messages and generated programs; the absolute path between two drives of Windows."""
+    """Return `path` relative to `folder`, for messages and programs; if Windows has them on two drives, the absolute path."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:

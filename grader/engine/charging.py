@@ -23,11 +23,11 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class Measurement(Protocol):
-    """Protocol of a record of what a submission's code did, measured for one criterion, whose checks judge this record alone."""
+    """Protocol of a record of what a submission's code did, made once for a criterion, whose checks look at nothing else."""
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
-        """Exceptions that kept properties from being measured, by the check's short name; the check ends with its exception."""
+        """Exceptions that kept properties from being measured, by the short name of the check; this check ends with it."""
 
 
 Facts = TypeVar("Facts", bound=Measurement)
@@ -47,9 +47,9 @@ class Judge(Generic[Facts]):
     ----------
     id : id of the criterion or extension
     measure : runs the student's code and returns the record of what it did; it judges nothing
-    reasons : the known faults, each with the property in which it shows
-    others : functions that look at properties without a check of their own, such as other parameters, by name
-    checks : the checks by id, each with the function that looks at its property; `check` fills it
+    reasons : the known faults of this criterion, each with the property in which it shows
+    others : functions that look at further properties, which no check judges but in which faults show, by the property's name
+    checks : the checks by id, each with the function that looks at its property; the decorator `check` adds them
     """
 
     lab: Lab
@@ -88,9 +88,9 @@ class Judge(Generic[Facts]):
         return self.judge(self.measure(student, truth), rows(self.lab))
 
     def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
-        """Return by id the deductions of each check that is not passed, or the exception that kept the check from being judged.
+        """Return by check id the deductions of each check that loses points or deviates, or the exception that kept it unjudged.
 
-        `facts` is the measured record, `table` the lab's fault table.
+        `facts` is the measured record; `table` has the deductions and texts of each fault and check by id.
 
         Raises
         ------

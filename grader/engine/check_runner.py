@@ -45,7 +45,7 @@ class Judgement:
     Attributes
     ----------
     feedback : what students read; None if the grader failed to judge
-    trouble : message about that failure for the report; "" if judged, or if the message could hold hidden data
+    trouble : message for the report on why the grader failed; "" if judged, or if the message could hold hidden data
     ours : whether the sandbox or the request failed, which no student code can cause
     fault : the grader's exception with its place in the grader, without a message that could hold hidden data; "" if judged
     """
@@ -162,13 +162,13 @@ class CheckRun:
         return feedback_on(finding, earlier, self._faults)
 
     def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
-        """Yield sets of names that the lab sheet's own code replaces, one set for each rerun of a criterion that lost points.
+        """Yield, for each rerun of a criterion that lost points, the required names for which the lab sheet's own code is used.
 
-        A function may have failed only because of the functions that it was judged with. After a run with stand-ins the set is
-        empty: the criterion may work only with the student's own functions. If a check met an exception, the set has the names of
-        the first criterion, which all others call: a function that passed its own checks may return what this criterion cannot use.
-        Unlike a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no wrong call. There is no
-        rerun of an extension, or of a criterion whose functions no other needs.
+        A function may have failed only because of the functions that it was judged with. If correct code (stand-ins) replaced some
+        of these, the criterion is rerun with the student's own functions alone: the set is empty. If a check met an exception, the
+        set has the names of the first criterion, which all others call: a function that passed its own checks may return what this
+        criterion cannot use. Unlike a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no
+        wrong call. There is no rerun of an extension, or of a criterion whose functions no other needs.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:
@@ -244,7 +244,7 @@ class Session:
         return {_check_of(item).id: _check_of(item) for item in self._items}
 
     def run(self, check_run: CheckRun) -> None:
-        """Run the checks that `check_run` wants, criterion by criterion in the lab's order, and those reruns that may earn more."""
+        """Run the checks that `check_run` wants, by criterion in the lab's order, each with its reruns (`other_partners`)."""
         self._examination = check_run
         wanted = [item for item in self._items if check_run.wants(_check_of(item))]
         for criterion, items in itertools.groupby(wanted, lambda item: _check_of(item).criterion):

@@ -20,7 +20,7 @@ from grader.engine.lab import Lab
 
 @dataclass(frozen=True)
 class FaultRow:
-    """One entry of the fault table: a fault's deductions and texts, or a check's texts for when no fault is known.
+    """One entry of a lab's fault table (``faults.yaml``): deductions and texts of a fault, or texts of a check without known fault.
 
     Attributes
     ----------

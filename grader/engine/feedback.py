@@ -48,7 +48,7 @@ class Feedback:
 
 
 def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return what a student reads about the exception that ended a check, if public scenarios are graded.
+    """Return what a student reads about the exception that ended a check on public scenarios.
 
     Parameters
     ----------
@@ -83,8 +83,8 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
 def cause_key(finding: BaseException, part: str) -> str | None:
     """Return a key that findings (exceptions that end checks) share if their cause is one, so that only one check reports it.
 
-    None if every check is to report it. `part` is the id of the criterion, whose timeouts share a key, although each call has less
-    time than the one before.
+    None if every check is to report its own finding. `part` is the id of the criterion. All its timeouts share a key, although
+    their messages differ: each call has less time than the one before.
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"
@@ -107,7 +107,7 @@ def not_reached(title: str) -> Feedback:
 
 
 def no_more(charge: Charge) -> Feedback:
-    """Return the feedback of a check that passes although it shows a fault, because another check lost the points for the fault."""
+    """Return the feedback of a check that shows a fault and passes, as the check titled `charge.see` lost the points for it."""
     return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{charge.see}”.")
 
 
@@ -149,12 +149,12 @@ def _deducted(check: str, cost: Cost, rows: Mapping[str, FaultRow]) -> Deducted:
 
 
 def hint_of(charge: Charge, rows: Mapping[str, FaultRow]) -> str:
-    """Return the hints of all faults in a check's deductions as one text, each hint once."""
+    """Return as one text the hints that the fault table `rows` has for a check's deductions, each hint once."""
     return " ".join(dict.fromkeys(rows[cost.row].hint for cost in charge.costs))
 
 
 def public(charge: Charge, rows: Mapping[str, FaultRow]) -> tuple[str, ...]:
-    """Return the ids of the faults in a check's deductions that students can look up with `imugrade explain`, for the result."""
+    """Return the ids of those faults in a check's deductions that `imugrade explain` can show, to name them in `result.json`."""
     return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 
@@ -198,7 +198,10 @@ def _exception_name(error: StudentError) -> str:
 
 
 def fault_of(error: StudentError, table: Mapping[str, FaultRow]) -> str:
-    """Return the id of the fault that a student's exception shows: ``missing-package``, the first that fits, else ``raises``."""
+    """Return the id of the fault that an exception of the student's code shows, to find its hint in the fault table.
+
+    It is ``missing-package`` for a ModuleNotFoundError, else the first in the table that fits, ``raises`` if none fits.
+    """
     if error.type == "ModuleNotFoundError":
         return "missing-package"
     return next((id_ for id_, each in table.items() if each.shown_by(error)), "raises")
@@ -218,7 +221,10 @@ def _feedback_on_no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> 
 
 
 def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a question without an answer. `got` says what came instead, `named` holds ids of faults, if known."""
+    """Return the feedback on a question that got no answer.
+
+    `outcome` and `got` say what came instead; `named` holds the ids of the faults that explain it, () if none is known.
+    """
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
     return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, faults=named)

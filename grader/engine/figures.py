@@ -42,7 +42,7 @@ class VisibleParts:
     Attributes
     ----------
     inside : (100,) ndarray of bool, which parts lie within the axis limits
-    seen : (100,) ndarray of bool, which of these the pixels show
+    seen : (100,) ndarray of bool, which of the parts within the limits the pixels show
     """
 
     inside: Mask
@@ -164,7 +164,7 @@ class Figure:
     path, format : path and format of the file, as in the call that saved it
     size_px : width and height in pixels in which it was saved, or would be
     title, xlabel, ylabel, texts, legend : the texts and legend entries that apply to all its panels
-    extent, dots : width and height of `pixels` before rounding, and its resolution in dots per inch
+    extent, dots : width and height of `pixels` before rounding, and the resolution of `pixels` in dots per inch
     pixels : (h, w, 3) ndarray of uint8, the drawn picture in red, green and blue
     """
 
@@ -223,7 +223,9 @@ def figures_of(frame: Frame) -> list[Figure]:
 
 
 def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Figure]:
-    """Return the figures that a reply of the sandbox describes; `array_of(type, name)` returns each array that they name.
+    """Return the figures that a reply of the sandbox describes.
+
+    `array_of(type, name)` is called for each array of a figure, with the array's name in the reply, and returns the array.
 
     Raises
     ------

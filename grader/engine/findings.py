@@ -108,7 +108,7 @@ class Came(TypedDict):
 
 
 class Form(TypedDict):
-    """The `numbers` of a `Deviation` for an answer in a wrong form, such as a wrong shape: the `form` asked for, what `came`."""
+    """The `numbers` of a `Deviation` for a value of a wrong form or shape: the `form` asked for, and what `came` instead."""
 
     form: str
     came: str
@@ -118,11 +118,14 @@ class Form(TypedDict):
 class Deviation(Generic[Numbers]):
     """How a measured property deviates from what its check asks. A check returns it, and `charging.Judge` deducts points for it.
 
+    The judge finds the known fault that explains the deviation, and looks the fault up in the lab's table of deductions and texts
+    (`faults.rows`); without one it looks up the check.
+
     Attributes
     ----------
-    numbers : values by name for the message templates of the fault table
-    share : share of the check's points that is lost, unless the fault table lists another for the fault
-    affected : affected fraction of the property, such as one of two sensors; the share is multiplied by it
+    numbers : values by name that fill the message templates of the table
+    share : share of the check's points that is lost if the table lists none for the fault
+    affected : affected fraction of the property, 0.5 for one of two sensors; the share is multiplied by it
     size : size of the error, which a message on hidden scenarios shows in place of the numbers; None shows no size
     error : the exception of the student's code that caused it; None if the code raised none
     """
@@ -136,15 +139,15 @@ class Deviation(Generic[Numbers]):
 
 @dataclass(frozen=True)
 class Cost:
-    """Deduction for one fault at one check, as a share of the check's points. A `Charge` holds all of a check.
+    """Deduction for one fault at one check. A `Charge` holds all deductions of the check.
 
     Attributes
     ----------
     row : id of the fault in the fault table; if no fault is known, id of the check, which has an entry there, too
-    share : the share of the check's points
-    shown : the deviation through which the fault was found; its numbers fill the templates of the fault's entry
-    own : the deviation of the check itself; None if it does not show the fault
-    see : title of the check that reports the fault; "" if it is this one
+    share : the deduction as a share of the check's points
+    shown : the deviation in which the fault shows, at this check or another; its numbers fill the templates of the fault's entry
+    own : the deviation of this check's property; None if the property does not deviate
+    see : title of another check that reports the fault; "" if this check reports it
     """
 
     row: str
@@ -162,7 +165,7 @@ class Charge:
     ----------
     check : id of the check
     costs : what is deducted, together at most all points of the check
-    see : title of the check that deducts for the fault, if this check fails by it and deducts nothing; else ""
+    see : title of the check that deducts for the fault, if this check shows it and deducts nothing for it; else ""
     """
 
     check: str
@@ -189,7 +192,7 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
     Parameters
     ----------
     expected, got : the expected and the actual result: number, unit and place
-    faults : ids of the faults that the measurement shows; empty if it shows none
+    faults : ids, as in `imugrade explain`, of the faults that explain the failure; () if none does
     keeps : share of the points that is still earned, 0 to 1
     hint : hint to show instead of those of the faults; for a hidden scenario it is shown only if it is `GraderText`
     off : size of the error, shown in place of the data for a hidden scenario
@@ -214,7 +217,7 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
 
 
 class Unusable(CheckFailed):
-    """Exception: no check of the criterion can judge the answer. The first check to raise it reports it; the others are skipped."""
+    """Exception: no check of the criterion can judge what the code returned. The first check reports it; the others are skipped."""
 
 
 class Skipped(Exception):  # noqa: N818 - an outcome

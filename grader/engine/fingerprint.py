@@ -31,7 +31,7 @@ _TOKEN = re.compile(
 
 
 def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
-    """Return the hashes of a submission's code (path -> content), sorted; similar submissions share many."""
+    """Return hashes of the token runs in a submission's code (path -> content), sorted; similar submissions share many."""
     found: set[int] = set()
     for source in _sources(files):
         found |= _winnowed(source)
@@ -40,7 +40,7 @@ def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
 
 @functools.cache
 def of_the_sheet(lab: Lab) -> frozenset[int]:
-    """Return the hashes of the code in the lab sheet and the starter files, which all students share: it is not similarity."""
+    """Return the hashes of the code in the lab sheet and the starter files, so that a comparison of submissions ignores them."""
     given = [lab.folder / "sheet.txt", *sorted((lab.folder / "starter").glob("*.py.txt"))]
     return frozenset(fingerprint({f"{path.name}.py": path.read_bytes() for path in given}))
 

@@ -60,7 +60,7 @@ def cause_key(finding: BaseException, part: str) -> str | None:
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:
-    """Return a `Missing` without hidden data: `public`, found by a session with public data, else one with a constant message."""
+    """Return a `Missing` without hidden data: `public`, from a session with public data; if None, one with a constant message."""
     if public is not None:
         return public
     return Missing(finding.name, finding.fault, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")

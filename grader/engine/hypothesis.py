@@ -20,7 +20,7 @@ class Hypothesis(Protocol):
 
     @property
     def cause(self) -> Hashable:
-        """What is reported, such as a fault's id. Two hypotheses of equal cost contradict each other only if this differs."""
+        """What is reported, such as a fault's id. Hypotheses of equal cost contradict each other only if their causes differ."""
 
     @property
     def cost(self) -> int:
@@ -40,7 +40,7 @@ class Reason(Generic[Seen]):
     cost : prior implausibility; the cheapest reason that fits is chosen
     cause : id of the fault in the fault table
     holds : tells whether the fault predicts the measured record
-    beside : whether the fault may hold beside other faults of the property; then it counts whenever it fits
+    beside : whether the fault may hold together with others of the property; then it counts whenever it fits, also if not cheapest
     """
 
     of: str
@@ -72,7 +72,7 @@ def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """Do the same as `explain` for groups of equal cost. To save time, a group is made only after all cheaper ones failed."""
+    """Do the same as `explain` for groups of equal cost, cheapest first. A group is made only if nothing before it fits."""
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.cause for each in fitting}) == 1 else None

@@ -33,7 +33,7 @@ class Part:
     Attributes
     ----------
     id, title : id and title in the rubric and on all pages
-    names : the functions or classes that a submission must define for it; a finding without a line points to the first
+    names : the functions or classes that a submission must define for it; feedback without a line points to the first
     home : the file in which the lab expects the names
     needed : whether other parts use its names. Such a part is graded before the others, and if it lost points, correct code
         (stand-ins) replaces its names for the parts that follow
@@ -61,9 +61,10 @@ class Part:
 
 @dataclass(frozen=True)
 class LabFile:
-    """A file of the instructor's that a rubric names in place of a lab's, such as a model, with public traces recorded from it.
+    """A file of the instructor's, such as a robot model, that a rubric names in place of the lab's.
 
-    `file` is its name, `text` its content, `keys` the path of rubric keys to the line that names it.
+    `file` is its name, `text` its content, `traces` public ground truth recorded with it. `keys` is the path of rubric keys to the
+    line that names it, such as ``("model", "path")``.
     """
 
     traces: Traces
@@ -74,7 +75,11 @@ class LabFile:
 
 @dataclass(frozen=True)
 class Handout:
-    """Extra files for students beside the starter files, by path, and names of the lab sheet, each with its replacement."""
+    """What `imugrade kit` gives students beside the starter files.
+
+    `files` are the extra files by path, `names` strings in the starter files (the lab sheet's sensor names), each with its
+    replacement (those of the class's robot).
+    """
 
     files: Mapping[str, bytes] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
@@ -90,28 +95,28 @@ class Lab:
     id, label, title : ``imu``, ``Lab 04-01``, ``Reading IMU data in MuJoCo``
     parts, bonuses : the criteria in the lab sheet's order, and the extensions for advanced students
     model : the path of the model file that the sheet's code loads; "" if it loads none
-    points_to : checks whose findings point to another name than the first of their part, with that name
-    calls : the source line that calls each required name, for `imugrade repro`; without one it cannot write the call
-    waits_for : description of each question that takes long, by its operation
+    points_to : by check id, the required name that feedback points to; for a check that is not listed, the first name of its part
+    calls : by required name, the source line that calls it, which reports show beside `imugrade repro`; a name may have none
+    waits_for : by operation of a question that takes long, what a message says that the grader waits for, such as a function
     settings : the rubric keys of this lab, each with the function that reads it from the file's reader, the key's node (None if the
         key is left out) and the folder that relative paths start from
-    plot : draws the traces, or a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files
-    recordings : asks a submission for its recordings, by scenario; tells why one is missing
-    repeating : the module with the `Recorder`, `Watched` and `program` of `imugrade repro`
-    packages : packages that students may use, and whose versions a class shares
-    suffixes : suffixes of the files, code and data, that a submission is run with
-    libraries : modules of these packages that only some submissions import and that take long to import: a class imports each once
-    recorder : the program that records ground truth, as ``python -m`` names it; not needed for public ground truth
+    plot : draws traces, and a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files
+    recordings : returns what a submission's code records, by scenario, to plot it; calls its last argument with why one is missing
+    repeating : name of the module that records a submission's calls and writes the programs of `imugrade repro`; "" without one
+    packages : packages that students may import, and whose versions the students' kit pins
+    suffixes : suffixes of those files of a submission, code and data, that are copied into the sandbox
+    libraries : slow modules of `packages` that only some submissions import; the sandbox imports each once for a whole class
+    recorder : module that ``python -m`` runs to record ground truth; "" if the lab ships public ground truth alone
     depends_on : packages whose versions may change a number of the recorder or of a submission
-    same_for_all : scenarios in which no secret changes a number
-    student : makes the session that the checks ask
-    charts : makes the charts of a report
-    checked : checks a reply of the sandbox against its question
+    same_for_all : scenarios that are not hidden, because no secret changes a number in them
+    student : makes the sandbox session of a submission, which the checks ask
+    charts : makes the charts of a report from that session and the traces
+    checked : returns a reply of the sandbox if it is a valid answer to its question; else raises Malformed
     truth : returns the traces to grade with, from a secret (None: the public traces) and the settings of a rubric
-    match : raises RubricError for traces that do not belong to the settings
-    brought : returns the file that the settings name in place of one of the lab's, which a kit must include; None if there is none
+    match : raises RubricError for traces that do not belong to the settings of a rubric
+    brought : returns the instructor's file that a rubric's settings name in place of one of the lab's, None if they name none
     blind_spot : returns what grading with these traces cannot test, in a sentence; "" for nothing
-    handout : makes the extra files for students from that file; None stands for the lab's own
+    handout : makes the extra files for students from the file that `brought` returned; None stands for the lab's own file
     """
 
     module: str
@@ -187,7 +192,7 @@ class Lab:
         return next((part for part in (*self.parts, *self.bonuses) if part.id == id_), None)
 
     def name_of(self, check_id: str) -> str:
-        """Return the required name that a check is about, to point to its line; "" if its criterion has none."""
+        """Return the required name that a check is about, to point to its line; "" if the check's part requires no name."""
         part = self.part(check_id.partition(".")[0])
         return self.points_to.get(check_id) or (part.names[0] if part and part.names else "")
 

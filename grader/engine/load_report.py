@@ -40,7 +40,7 @@ class SteppedOver:
         not be interrupted, and was not run again; ``unread``: it is not valid Python
     defines : the required names that it would have defined
     within : the required names whose code was running when it was interrupted
-    error : the exception that it raised, or the reason in the form of one
+    error : the exception that the statement raised; if it raised none, `error.message` says why it failed
     """
 
     path: str

@@ -11,8 +11,8 @@ from grader.engine.rubric import CheckWeight, Rubric
 def marked(found: Result, rubric: Rubric) -> Result:
     """Return a recorded result with the points that a rubric gives for its outcomes, to mark it without running code again.
 
-    The rubric must fit the result (see `fits`) and sets the order of the criteria. Those that the result lacks are left out, as a
-    run may examine one alone. Each check that was judged has `keeps`; points that it already has are ignored.
+    The rubric must fit the result (see `fits`) and sets the order of the criteria. Criteria that the result lacks are left out, as
+    a run may examine one alone. Points that the result already has are ignored.
     """
     rows = {check.id: check for part in found.parts for check in part.checks}
     before = _score_before(found, rubric) if found.repairs else 0.0
@@ -66,9 +66,10 @@ def _score_before(found: Result, rubric: Rubric) -> float:
 
 
 def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
-    """Return a check's points of at most `most`: its share, or `most` less the rubric's `deductions` if all its faults have one.
+    """Return a check's points: the share of `most` that it earned, None if it was not judged.
 
-    None if it was not judged. A deduction counts once in a criterion: what this check takes of it is taken off `deductions`.
+    If the rubric deducts fixed points for all faults of the check, they are subtracted from `most` instead. Each fault's deduction
+    counts once in a criterion, so what this check loses is subtracted in `deductions`, for the criterion's later checks.
     """
     if found.keeps is None:
         return None

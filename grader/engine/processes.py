@@ -17,7 +17,7 @@ from typing import Any
 
 @contextmanager
 def starting_processes() -> Iterator[Callable[[], None]]:
-    """Start processes of the grader in this context; yields a function that each new process calls first.
+    """Let the caller start processes of the grader in this context; yields a function that each new process must call first.
 
     The context changes the working folder, so that a new Python imports no student's module. The yielded function returns the new
     process to the folder that the caller works in, so that relative paths mean the same in both.

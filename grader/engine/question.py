@@ -22,10 +22,10 @@ class Question(Generic[T]):
 
     Attributes
     ----------
-    op : operation; selects the handler in the sandbox and the rule that the reply must obey
+    op : name of the operation; selects its handler in the sandbox and the `replies.Rule` that the reply must obey
     about : the required name whose code is to run, in whichever file the submission defines it
-    becomes : makes a record from a reply that obeys the rule
-    fields, arrays : input of the handler
+    becomes : converts a reply that obeys the rule into the answer
+    fields, arrays : input of the operation's handler
     """
 
     op: str

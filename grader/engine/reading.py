@@ -97,7 +97,7 @@ class ReadingProcess:
         Raises
         ------
         RequestError
-            If its file has disappeared.
+            If the submission's file has disappeared.
         """
         return next(self.each([entry]))[1]
 

@@ -35,7 +35,7 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """Protocol of what the lab's recorder simulates in place of the lab's own, such as an instructor's robot."""
+    """Protocol of what an instructor lets the lab's recorder simulate, such as a robot in place of the lab's robot."""
 
     @property
     def identity(self) -> Sequence[str]:
@@ -48,7 +48,10 @@ class Subject(Protocol):
 
 
 def folder_of(lab: Lab) -> Path | None:
-    """Return the folder of a lab's recorder beside this package, None without it; an import could find a student's module."""
+    """Return the folder of a lab's recorder beside this package; None if it is not there, as in the students' wheel.
+
+    No import is tried, because it could run a student's module of that name.
+    """
     package, _, module = lab.recorder.partition(".")
     folder = _SOURCES / package
     return folder if (folder / f"{module}.py").is_file() else None
@@ -79,8 +82,8 @@ def stretched(secret: str) -> str:
 def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject | None = None) -> Traces:
     """Return the ground truth `name` of a lab from the cache; if it is not there, or damaged, record and cache it.
 
-    A cache that cannot be written is no error. Unless the name is "public", `seed` is the instructor's secret. It is stretched
-    first, so that neither the numbers nor the name of the cache entry lets anybody test a guess faster.
+    The recorder simulates `subject`; None stands for the lab's own. Unless the name is "public", `seed` is the instructor's secret.
+    It is stretched first, so that neither the numbers nor the name of the cache entry lets anybody test a guess faster.
 
     Raises
     ------
@@ -102,7 +105,7 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
 
 
 def try_recording(lab: Lab) -> Traces | None:
-    """Record ground truth from a random secret, as `imugrade doctor` does to test this machine; None without the lab's recorder.
+    """Record ground truth from a random secret, as `imugrade doctor` does to test this machine; None without a recorder.
 
     Raises
     ------

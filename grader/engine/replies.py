@@ -42,7 +42,7 @@ Asked = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Answer:
-    """A reply of the sandbox while it is validated, with the fields and arrays (`asked`) of its question.
+    """A reply of the sandbox (`frame`) while it is validated, with the `fields` of its question and the arrays `asked` in it.
 
     A reply may name each array only once, as the worker code does; so records made from it are no larger than what was sent.
     """

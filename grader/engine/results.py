@@ -46,9 +46,9 @@ class CheckResult:
     said, expected, got : the message: one sentence, or the expected and the actual value, which may have more lines
     where : the place in the student's files that the message is about; None if there is none
     misconceptions : ids of the faults that the check shows
-    keeps : share of the points that is earned, from which `marks` computes the points; None like them
+    keeps : share of the points that is earned, from which `marks` computes `points`; None if the grader could not judge
     not_understood : True if the grader could not interpret the student's answer: a person has to review it
-    deducted : each fault that lost points of a check that its criterion's faults decide, for the report
+    deducted : each fault that lost points of the check, for the report; () if no `charging.Judge` judged it
     fault : the grader's exception that kept the check from being judged, with its place in the grader; else ""
     """
 

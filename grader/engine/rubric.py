@@ -107,9 +107,9 @@ def parse(
 
 
 def own_checks(lab: Lab, folder: Path) -> OwnChecks:
-    """Return name and content of each file with the instructor's own checks: in the folder `checks` beside a rubric.
+    """Return name and content of each file with the instructor's own checks; () if there are none.
 
-    In a kit they are in the lab's folder. () if there are none.
+    They lie in the folder ``checks`` beside the rubric in `folder`; in the wheel that students install, in the lab's folder.
 
     Raises
     ------

@@ -130,7 +130,7 @@ class NodeReader:
     def fields(
         self, node: yaml.Node | None, what: str, required: Sequence[str], optional: Sequence[str] = ()
     ) -> dict[str, yaml.Node]:
-        """Return a mapping's value nodes by key; add a problem for each missing or unknown key. {} for None or for another node.
+        """Return a mapping's value nodes by key; add a problem for each missing or unknown key. {} if the node is no mapping.
 
         A key's name in earlier versions is accepted, because the records of classes hold old rubrics.
         """
@@ -222,7 +222,7 @@ class NodeReader:
     def records(
         self, node: yaml.Node | None, what: str, known: Sequence[str], required: Sequence[str], optional: Sequence[str]
     ) -> dict[str, tuple[yaml.Node, dict[str, yaml.Node]]]:
-        """Return node and fields of each item of a list by the item's id, in the order of `known` ids.
+        """Return, by the id of each item of a list, its node and the value nodes of its keys, in the order of `known` ids.
 
         Unknown, missing and repeated ids add problems, and so does an item with other keys than `required` and `optional`.
         """

@@ -46,7 +46,7 @@ def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float
 def read_extensions(
     reader: NodeReader, node: yaml.Node | None, ids: Sequence[str], each: float
 ) -> tuple[Extension, ...]:
-    """Read the extensions, in the order of the lab's `ids`, each worth `each` points if it names none; collect the problems."""
+    """Read the extensions, in the order of the lab's `ids`, worth `each` points if it names none; collect problems in `reader`."""
     extensions = []
     for name, (item, keys) in reader.records(
         node, "extension", ids, ("id", "title", "file"), ("points", "checks")

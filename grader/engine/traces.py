@@ -26,7 +26,8 @@ SCHEMA = "imugrade/traces/v1"
 class Scenario(Mapping[str, NDArray[Any]]):
     """Ground truth of one scenario: read-only arrays, as `scenario["acceleration"]` or `scenario.acceleration`.
 
-    `scalars` holds its single numbers and names; `model` is the key of its model in `Traces.models`, None without a model.
+    `scalars` holds values that are no arrays, such as the time step; `model` is the key of the simulated model in `Traces.models`,
+    None without a model.
     """
 
     name: str

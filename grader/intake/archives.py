@@ -61,12 +61,9 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
 
     Parameters
     ----------
-    stream
-        The archive, seekable.
-    name
-        The archive's printable name, for notes in the report.
-    required
-        Names of the files that the lab asks for.
+    stream : the archive, seekable
+    name : the archive's printable name, for notes in the report
+    required : names of the files that the lab asks for
 
     Raises
     ------
@@ -150,7 +147,10 @@ class _Narrow(io.RawIOBase):
 def gather_members(
     archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str, required: Collection[str] = ()
 ) -> FileBudget:
-    """Read the files of one submission out of a class's zip, each under its path there; `name` is the zip's name in notes."""
+    """Read the files of one submission out of a class's zip, whose name in notes is `name`.
+
+    `members` are pairs of a file's path in the submission and its entry in the zip.
+    """
     budget = FileBudget(required=required)
     try:
         _take_members(archive, members, budget)

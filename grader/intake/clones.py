@@ -30,10 +30,8 @@ def branches_note(folder: Path, required: Collection[str]) -> str:
 
     Parameters
     ----------
-    folder
-        The clone, whose checked-out branch has no files of the lab.
-    required
-        Names of the files that the lab asks for.
+    folder : the clone, whose checked-out branch has no files of the lab
+    required : names of the files that the lab asks for
     """
     git = folder / ".git"
     head = _read(git / "HEAD").strip().removeprefix("ref: refs/heads/")

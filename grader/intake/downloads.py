@@ -23,10 +23,11 @@ Sources = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Download:
-    """The top level of a class's download, by which a platform recognises its own: `path`, or its folder `root` if not "".
+    """The top level of a class's download (folder or zip), by which a platform recognises a download of its own.
 
-    `top` says of each name whether it is a folder, and `left` what is left out and why. `known` names the people of the class by
-    the platform's number, as far as they are known.
+    `path` is the download. If `root` is not "", it is the folder in the download whose content counts as the top level. `top` says
+    of each name there whether it is a folder, `left` pairs each name that is left out with the reason. `known` names the people of
+    the class by the platform's number, as far as they are known.
     """
 
     path: Path
@@ -61,7 +62,10 @@ class Download:
 
 
 def open_download(path: Path) -> list[Download]:
-    """Return the top level of a download (folder or zip), then that of its folder if it holds nothing else; [] for other files."""
+    """Return the download (folder or zip) at `path`, seen from its top; [] for another file.
+
+    If it holds nothing but one folder, a second `Download` follows, seen from that folder, into which a tool may have packed it.
+    """
     if not os.path.isdir(path) and not zipfile.is_zipfile(path):
         return []
     look = _folder if os.path.isdir(path) else _zip
@@ -71,7 +75,7 @@ def open_download(path: Path) -> list[Download]:
 
 
 def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> FileBudget:
-    """Read one submission out of a class's download; `sources` are pairs of a place there and its path in the submission."""
+    """Read one submission out of a class's download; `sources` pair its files and folders there with paths in the submission."""
     if os.path.isdir(path):
         return gather_places(path, sources, required)
     contents = _contents(path)

@@ -51,8 +51,9 @@ class Room:
 class FileBudget:
     """The files of one submission that were read so far, within limits, so that no hand-in can fill the memory.
 
-    `files` maps paths to bytes, `left` each reason to the names left out, and `broken` says whether any reading failed. `required`
-    are the names that the lab asks for: any number of other files leaves room for these.
+    `files` maps paths to bytes, `left` each reason to the names left out for it, and `broken` says whether any reading failed.
+    `remarks` are sentences on files that were read. `required` are the names of the files that the lab asks for: any number of
+    other files leaves room for these.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
@@ -72,12 +73,9 @@ class FileBudget:
 
         Parameters
         ----------
-        parts
-            The parts of the file's path.
-        size
-            The declared size in bytes. `read` returns no more than `MAX_FILE` + 1 bytes, whatever was declared.
-        read
-            Called at most once. What it raises passes through.
+        parts : the parts of the file's path
+        size : the declared size in bytes
+        read : returns the file's bytes, at most `MAX_FILE` + 1, whatever size was declared; what it raises passes through
         """
         if is_litter(parts):
             return

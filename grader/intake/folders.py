@@ -19,7 +19,7 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 
 
 
 def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
-    """Read the files of a handed-in folder in the order of their names, within the limits of `FileBudget`."""
+    """Read the files of a handed-in folder in the order of their names, within `FileBudget`, which keeps room for `required`."""
     budget = FileBudget(required=required)
     for parts, path, size in sorted(_listed(root, budget)):
         _take(budget, parts, path, size)
@@ -27,7 +27,7 @@ def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
 
 
 def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> FileBudget:
-    """Read one submission out of a class's download folder: `places` are pairs of a place there and its path in the submission."""
+    """Read one submission out of a class's download folder; `places` pair its files and folders there with submission paths."""
     budget = FileBudget(required=required)
     found: list[tuple[tuple[str, ...], str, int]] = []
     for place, name in places:

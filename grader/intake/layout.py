@@ -19,14 +19,10 @@ class Layout:
 
     Attributes
     ----------
-    folder
-        The folder with the lab's files; "" is the top of the submission.
-    inside
-        Paths of the files in that folder, relative to it, sorted.
-    above
-        Paths of files outside that folder, relative to the folder that holds both, and how many levels up the latter lies.
-    notes
-        Sentences for the report.
+    folder : the folder with the lab's files; "" is the top of the submission
+    inside : paths of the files in that folder, relative to it, sorted
+    above : files outside `folder`: the path from the nearest folder that holds both, and how many levels above `folder` that lies
+    notes : sentences for the report
     """
 
     folder: str
@@ -36,9 +32,10 @@ class Layout:
 
 
 def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
-    """Choose the lab's folder and its files; None where there is no code. `budget.left` gets the files that cannot be taken.
+    """Choose the lab's folder among those of a submission, and return it with its files; None if the submission has no code.
 
-    `required` are the names of the files that the lab asks for: they tell which folder is the lab's.
+    `required` are the names of the files that the lab asks for, by which the folder is found. A file whose name some systems cannot
+    store, or confuse with another file's, is left out and listed in `budget.left`.
     """
     found = _choose(budget.files, required)
     if found is None:

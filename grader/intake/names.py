@@ -44,7 +44,7 @@ def is_code(path: str) -> bool:
 
 
 def is_litter(parts: Sequence[str]) -> bool:
-    """Return whether a path is none of the student's: a tool's folder, or a system's file. `HOME_VERSIONS` is kept."""
+    """Return whether a path is of a file that tools leave behind, such as ``.git/HEAD``; `HOME_VERSIONS` is none, as we read it."""
     if parts[-2:] == HOME_VERSIONS:
         return False
     return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)
@@ -71,7 +71,7 @@ def _encodable(text: str) -> str:
 
 
 def original(name: str) -> str:
-    """Return a submission's own name with a replacement character for each lone surrogate, which JSON cannot hold."""
+    """Return a submission's name with a replacement character for each lone surrogate, which JSON cannot hold."""
     return re.sub("[\ud800-\udfff]", "\ufffd", name)
 
 

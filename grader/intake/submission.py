@@ -33,23 +33,15 @@ class Submission:
 
     Attributes
     ----------
-    id
-        The submission's folder name under ``OUT/submissions/``: safe, and distinct within a class.
-    name
-        The submission's original name.
-    files
-        Relative posix path to the file's bytes: first what is inside the lab's folder, then what lies beside it and above,
-        by its path there. Unless `status` is "ready" no code runs, and these are all files found, by their paths from the top.
-    notes
-        Sentences for the report, safe to print.
-    status
-        "ready", "empty" (nothing recognisable in it) or "unreadable" (a broken archive).
-    sha256
-        Digest of paths and bytes: the same for a folder and an archive of it, whatever the time stamps.
-    folder
-        The lab's folder below the handed-in folder or archive; "" if that is the lab's folder itself.
-    above
-        For each file outside the lab's folder, how many levels above that folder its path begins; see `Layout`.
+    id : name of the submission's folder in the grader's output: safe, and distinct within a class
+    name : the submission's original name
+    files : bytes of each file by its posix path: first the files in the lab's folder by their paths from there, then those in
+        `above`. Unless `status` is "ready" no code runs, and these are all files found, by their paths from the top
+    notes : sentences for the report, safe to print
+    status : "ready", "empty" (nothing recognisable in it) or "unreadable" (a broken archive)
+    sha256 : digest of paths and bytes: the same for a folder and an archive of it, whatever the time stamps
+    folder : path of the lab's folder in the handed-in folder or archive; "" if the lab's files lie at its top
+    above : paths in `files` of files outside the lab's folder, and how many levels above that folder each path begins
     """
 
     id: str
@@ -80,14 +72,11 @@ def read_submission(
 
     Parameters
     ----------
-    path
-        A folder, an archive (.zip, .tar.gz, .tgz, .tar), or a single program or notebook.
-    required
-        Names of the files that the lab asks for.
-    id, name
-        The ones that the class's list (`ClassEntry`) gives; made from the path if left out.
-    sources
-        If `path` is the download of a whole class: which of its files and folders are this submission, and their paths in it.
+    path : a folder, an archive (.zip, .tar.gz, .tgz, .tar), or a single program or notebook
+    required : names of the files that the lab asks for
+    id, name : folder name and name of the submission in the class's list (`ClassEntry`); made from the path if left out
+    sources : if `path` is the download of a whole class: the files and folders in it that are this submission, each with its path
+        in the submission
 
     Raises
     ------

@@ -12,10 +12,10 @@ _LOWERED = (*CODE, ".png")
 
 
 def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
-    """Rename files such as `imu_reader.PY` to `imu_reader.py`, with a remark, because Python imports no other suffix.
+    """Rename files such as `imu_reader.PY` to `imu_reader.py`, because Python imports no other suffix; a remark reports it.
 
-    A name all in capitals is written in small letters, and so is one that the lab asks for. A file stays as it is where another one
-    has that name.
+    A name all in capitals becomes lower case, and a `required` one is spelled as the lab asks. A file keeps its name if another
+    file has the new one.
     """
     asked = {folded(name): name for name in required}
     renamed = []

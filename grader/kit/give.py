@@ -30,7 +30,10 @@ _EDITORS = {
 
 @dataclass(frozen=True)
 class Kit:
-    """What `imugrade kit` reports of a kit: its place, the platform or "students", and which scenarios it grades by."""
+    """Report on files that `imugrade kit` wrote, for students or for a platform that grades.
+
+    `place` is their path, `title` the platform or "students", and `scenarios` says whether they grade by public or hidden ones.
+    """
 
     place: Path
     title: str
@@ -64,7 +67,7 @@ def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write the students' kit into a new folder: starter files, the lab's other handouts, a README, the guide and the wheel.
+    """Write the students' kit into a new folder: starter files, the lab's extra files, editor settings, guide, wheel.
 
     Raises
     ------
@@ -85,7 +88,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
-    """Write Gradescope's `autograder.zip`: its two scripts, the wheel, and hidden traces if they are given.
+    """Write Gradescope's `autograder.zip`: its two scripts, the wheel, the class's package versions, `hidden` traces if given.
 
     Raises
     ------

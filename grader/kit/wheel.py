@@ -34,12 +34,12 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever it is made
 
 
 def name() -> str:
-    """Return the file name of the students' wheel, which READMEs and CI jobs install: ``imugrade-0.1.0-py3-none-any.whl``."""
+    """Return the file name of the wheel that students and CI jobs install: ``imugrade-0.1.0-py3-none-any.whl``."""
     return f"imugrade-{__version__}-py3-none-any.whl"
 
 
 def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
-    """Return the bytes of the students' wheel with this rubric.
+    """Return the bytes of the wheel that students and CI jobs install: this package without the reference, with this rubric.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
 
 
 def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
-    """Return a zip archive of these files that is the same at any time; those in `programs` are executable."""
+    """Return a zip archive of these files, with the same bytes whenever it is made; those in `programs` are executable."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():

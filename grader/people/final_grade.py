@@ -44,18 +44,12 @@ class Lateness:
 
     Attributes
     ----------
-    due
-        Due date for these people, ISO 8601 with offset; "" without a policy.
-    seconds
-        Seconds between `due` and the hand-in; None if the platform only says "late".
-    days
-        Days begun after `due` for which points are deducted; 0 if grace days cover them all.
-    deduction
-        Points that the policy deducts, not yet limited to the points earned.
-    refused
-        Whether the hand-in came after the cut-off, so that it earns nothing.
-    grace_days
-        Grace days of the student that were used. They are not among `days`.
+    due : due date of the people who handed in, ISO 8601 with offset; "" without a policy
+    seconds : seconds between `due` and the hand-in; None if the platform only says "late"
+    days : days begun after `due` for which points are deducted; 0 if grace days cover them all
+    deduction : points that the policy deducts, not yet limited to the points earned
+    refused : whether the hand-in came after the cut-off, so that it earns nothing
+    grace_days : grace days of the student that were used, not counted in `days`
     """
 
     due: str
@@ -72,22 +66,14 @@ class HandIn:
 
     Attributes
     ----------
-    people
-        One person, or all members of a group; empty if no platform names them.
-    submitted
-        Time of the hand-in, ISO 8601 with offset; "" if it is unknown.
-    due
-        Due date of these people in the roster, ISO 8601 with offset; "" if they have none.
-    grace_days
-        Late days without a deduction that the roster gives these people.
-    marked_late
-        Whether the platform says that the hand-in is late.
-    late
-        Verdict of the late policy; None if the hand-in is not late, or its time is unknown.
-    reply
-        Prefix of a file name in the platform's upload that returns the file to these people; "" if the platform has none.
-    number
-        The platform's number of the submission; "" if it has none.
+    people : one person, or all members of a group; empty if no platform names them
+    submitted : time of the hand-in, ISO 8601 with offset; "" if it is unknown
+    due : due date that the roster gives the people, ISO 8601 with offset; "" if they have none
+    grace_days : late days without a deduction that the roster gives the people
+    marked_late : whether the platform says that the hand-in is late
+    late : verdict of the late policy; None if the hand-in is not late, or its time is unknown
+    reply : prefix of a file name in the platform's upload that returns the file to the people; "" if the platform has none
+    number : the platform's number of the submission; "" if it has none
     """
 
     people: tuple[Person, ...] = ()
@@ -112,18 +98,12 @@ class Adjustment:
 
     Attributes
     ----------
-    criterion
-        What is changed: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to the sum.
-    points
-        None withdraws the previous override. A comment has no points.
-    automatic, out_of
-        Automatic points and maximum of each replaced check when the override was made.
-    alone
-        Whether it is a comment without points. An empty comment withdraws the previous one.
-    decision
-        The number of the decision on several submissions that it belongs to; 0 if there is none.
-    number
-        The adjustment's place in the record.
+    criterion : what is changed: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to the sum
+    points : the new points, None for a comment; an override with None withdraws the previous one
+    automatic, out_of : automatic points and maximum of each replaced check when the override was made
+    alone : whether it is a comment without points; an empty one withdraws the previous comment
+    decision : the number of the decision on several submissions that it belongs to; 0 if there is none
+    number : the adjustment's row number in the class's database
     """
 
     criterion: str
@@ -197,7 +177,7 @@ class FinalGrade:
 
     @cached_property
     def terms(self) -> tuple[Term, ...]:
-        """Return the summands of the final grade but for zeros, the score or total first; () while a check is not judged."""
+        """Return the summands of the final grade but for zeros, the score or total first; () while `final` is None."""
         first = self._first_terms()
         if not first:
             return ()
@@ -259,7 +239,7 @@ class FinalGrade:
     def points(self, criterion: CriterionResult) -> float | None:
         """Return a criterion's points, from overrides or else automatic; None if a check is not judged or the submission `unseen`.
 
-        Without a submission there are only overrides, so a criterion without one has None.
+        If nothing was handed in, a criterion without an override has None.
         """
         targets = {criterion.id, *(check.id for check in criterion.checks)}
         by_hand = any(each.criterion in targets and not each.alone for each in self.adjustments)
@@ -305,13 +285,13 @@ def _sum_of(terms: Iterable[Term]) -> float:
 
 
 def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
-    """Return the final grades of the graded submissions: the basis of each mean and distribution of a class."""
+    """Return the final grades that are known, without empty and unreadable submissions, for the means and charts of a class."""
     return [each.final for each in final_grades if each.result.status == "graded" and each.final is not None]
 
 
 @dataclass(frozen=True)
 class GradeChange:
-    """A submission whose final grade a regrade or another run changed; None is a grade that is open or blank."""
+    """A submission whose final grade a regrade or another run changed; `before` and `after` are None where the grade was open."""
 
     final_grade: FinalGrade
     before: float | None
@@ -335,7 +315,7 @@ def points_by_check(criterion: CriterionResult) -> dict[str, float | None]:
 
 
 def automatic_points(result: Result, target: str) -> dict[str, float | None] | None:
-    """Return the automatic points of each check that an override of `target` replaces; {} for `BONUS`, None if it is unknown."""
+    """Return the automatic points of each check that an override of `target` replaces; {} for `BONUS`, None for an unknown id."""
     if target == BONUS:
         return {}
     criteria = {criterion.id: points_by_check(criterion) for criterion in result.criteria}

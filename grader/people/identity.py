@@ -28,10 +28,8 @@ class PersonRow:
 
     Attributes
     ----------
-    platform, key
-        The platform and its own number of the person; "" if the table has none.
-    numbers
-        Ids of any kind: student numbers, logins, user names, ids of submissions.
+    platform, key : the platform and its own number of the person; "" if the table has none
+    numbers : ids of any kind: student numbers, logins, user names, ids of submissions
     """
 
     platform: str = ""
@@ -69,9 +67,9 @@ class Directory:
         return self._best_match(row)[1]
 
     def find_each(self, rows: Sequence[PersonRow]) -> list[Match | None]:
-        """Return the match of each row, None without one. Of rows for one person, that with the surest identifier counts.
+        """Return the match of each row, None for a row without one.
 
-        If several are equally sure, none of them counts.
+        If rows match the same person, only the one with the surest kind of identifier keeps its match; of equally sure ones none.
         """
         found = [self._best_match(row) for row in rows]
         claims: dict[Match, set[tuple[int, PersonRow]]] = {}
@@ -84,7 +82,10 @@ class Directory:
         ]
 
     def why_not(self, row: PersonRow) -> str:
-        """Say for a warning why a row matches nobody: several people fit, or a contradiction; "" if nobody resembles it."""
+        """Say for a warning why a row has no match; "" if nobody resembles it.
+
+        The row fits several people, or one whom another row means as well, or identifiers contradict each other.
+        """
         refused = ""
         for kind, word in _asked(row):
             known = self._by.get((kind, word.casefold()), ()) if word else ()

@@ -19,12 +19,9 @@ def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -
 
     Parameters
     ----------
-    hand_in
-        People, time, and a due date of their own, which takes precedence over the policy's dates.
-    policy
-        None keeps the platform's "late" and deducts nothing.
-    names
-        Further names under which the policy may list a due date, such as the id of the submission.
+    hand_in : people, time, and a due date of their own, which takes precedence over the policy's dates
+    policy : None keeps the platform's "late" and deducts nothing
+    names : further names under which the policy may list a due date, such as the id of the submission
     """
     return replace(hand_in, submitted=in_zone(hand_in.submitted, policy), late=_late(hand_in, policy, names))
 
