@@ -29,7 +29,7 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Fill the final grades into a gradebook that Canvas exported; of its columns keep those of students and the assignment's.
+    """Return a gradebook that Canvas exported with the final grades filled in, and only the columns of students and the assignment.
 
     `template.column` is the title, the number or the whole heading of the assignment. Raise RequestError if the file is no
     gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.
@@ -135,7 +135,7 @@ class _Reading:
 
 
 def read(download: Download) -> Shape | None:
-    """Read a Canvas download, whose files are named `<name>[_LATE]_<user id>_<attachment id>_<file>`; None for other downloads."""
+    """Return the submissions of a Canvas download, by the user ids in its file names; None for any other download."""
     readings_of = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
     if not at_least_half(bool(readings_of.get(name)) for name in download.top):
         return None

@@ -60,7 +60,7 @@ class ClassEntry:
 
 @dataclass(frozen=True)
 class Intake:
-    """What was found at the paths of a class: submissions, files whose owner is unknown with reasons, and what each path was."""
+    """What lies at the paths of a class: submissions, files of unknown owners with the reason, and a line on each download."""
 
     entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]
@@ -90,7 +90,7 @@ def read_class(
     attempts: str = "latest",
     known: Mapping[str, str] = MappingProxyType({}),
 ) -> Intake:
-    """Find the submissions of a class without reading them.
+    """Find the submissions of a class, without reading their files, and return where they lie and what else lies there.
 
     Parameters
     ----------

@@ -105,7 +105,7 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
 
 
 def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
-    """Round `points` to integers whose sum is the rounded total, so that parts and total agree; none exceeds its `most`."""
+    """Round the `points` of parts to integers whose sum is the rounded total; none exceeds `most`, the maximum of its part."""
     whole = [math.floor(each + 1e-9) for each in points]
     open_ = math.floor(round(sum(points), 2) + 0.5) - sum(whole)
     by_remainder = sorted(range(len(points)), key=lambda i: (whole[i] - points[i], i))
@@ -148,7 +148,7 @@ _COLUMNS = {"username", "first_name", "last_name", "submission_tag"}
 
 
 def read(download: Download) -> Shape | None:
-    """Read the clones beside a `scores.csv` of Classroom 50; None if there is no such file, or it lacks the columns."""
+    """Return the submissions (git clones) beside Classroom 50's `scores.csv`; None without such a file, or without its columns."""
     data = download.read(SCORES, MAX_SCORES) if SCORES in download.top else None
     try:
         table = tables.titled(data or b"", SCORES, _COLUMNS, _COLUMNS)

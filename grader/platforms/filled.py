@@ -27,7 +27,7 @@ class Filled:
     grades
         Number of grades filled in.
     placed
-        The submissions and people who have a row. A match without a person stands for a whole group.
+        Whom the rows belong to: a person and the submission, or, if `person` is None, all people of a submission.
     unmatched
         Rows that match nobody who handed in, with the name in the file. They are left unchanged.
     missing
@@ -93,7 +93,7 @@ def fill_in(
     matches: Mapping[int, Match | None],
     final_grades: Mapping[str, FinalGrade],
 ) -> Filled:
-    """Fill the final grades into a platform's file, which `layout` describes; `matches` says whom each row belongs to, or None.
+    """Return a platform's file, described by `layout`, with the final grades in the rows that have a match in `matches`.
 
     Raise RequestError if the maximum in the file differs from the rubric's, and points are not to be scaled.
     """
@@ -153,10 +153,10 @@ def _scale_factor(layout: TemplateLayout, template: Template, row: SheetRow, fin
 
 
 def reply_to(final_grade: FinalGrade, person: Person) -> str:
-    """Return how a file's name must begin so that the platform's upload returns the file to this person; "" if it cannot.
+    """Return how a report's file name must begin so that the platform returns the report to this person; "" if it cannot.
 
-    A partner has not handed in. Moodle takes a file for each number. Canvas takes one if the partner has the same attachment, as in
-    an assignment of groups. A roster with the platform's numbers has the partner's in the same column.
+    That is `HandIn.reply` of the person who handed in. For a partner, name and number in it are replaced by the partner's, which
+    the download or the roster tells. Canvas returns the file only if it lists the attachment for the partner, too.
     """
     reply, first = final_grade.hand_in.reply, final_grade.people[0]
     if person == first or not reply:
@@ -180,7 +180,7 @@ def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
 
 
 def match_rows(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
-    """Return whom each row belongs to, by row number; None if that is unclear, or if several rows belong to the same person."""
+    """Return whom each row of a platform's file means, by row number; None if unclear, or if several rows mean one person."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}
     for number, match in found.items():

@@ -19,9 +19,9 @@ class Found:
     Attributes
     ----------
     student
-        Key of the student or group, equal for all their attempts.
+        Key by which all attempts of one student or group are recognised, such as ``git:ada``.
     id_source
-        Text that the id is made from, equal whenever the same student or group hands in again.
+        Readable text that becomes the submission's id, such as name and number of the student; equal for all attempts.
     name
         Name of the submission in results.
     sources

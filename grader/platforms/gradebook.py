@@ -17,7 +17,7 @@ Cell = Callable[[FinalGrade], str]
 def gradebook(
     final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), untimed: Collection[str] | None = None
 ) -> str:
-    """Return the class as CSV in the order of `final_grades`, then a row for each person in `absent`.
+    """Return a class's points as CSV: a row for each submission, in the order of `final_grades`, and each person in `absent`.
 
     A criterion that was not judged and its total are blank, because a failure of the grader is never a zero. Criteria and total are
     automatic points, of the repaired copy if there is one. Columns for extra credit, sections, repairs, adjustments and lateness
@@ -38,7 +38,7 @@ def gradebook(
 
 
 def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), missing: str = "") -> str:
-    """Return the class as CSV for an instructor's own use, a row for each person; the grade after all deductions is in `final`.
+    """Return a class's grades as CSV for an instructor's use, a row for each person; column `final` is the grade after deductions.
 
     `missing` is the grade of the people in `absent`, who did not hand in; "" for a blank cell.
     """

@@ -174,7 +174,7 @@ _NO_FILES = f"{METADATA} names it, and it has no folder"
 
 
 def read(download: Download) -> Shape | None:
-    """Read the submissions of a Gradescope export, one per group; None for any other download.
+    """Return the submissions of a Gradescope export, one per group; None for any other download.
 
     An export has a folder `submission_<id>` for each group, and `submission_metadata.yml`, in which keys begin with a colon.
     """

@@ -24,9 +24,9 @@ from grader.platforms.platform import Platform, ResultContext
 
 @dataclass(frozen=True)
 class CiJob:
-    """Request of `imugrade ci`: which submission to grade, with what, and where the output goes.
+    """Request of `imugrade ci`: which submission to grade, by which rubric and scenarios (`traces`), and where the output goes.
 
-    `path` or `out` None is the platform's own place, `out` "-" is stdout. `trusted` allows code without isolation. `private` says
+    `path` or `out` None is the platform's default; `out` "-" is stdout. `trusted` allows code without isolation. `private` says
     that students can read neither the files nor the output of the job.
     """
 

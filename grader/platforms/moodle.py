@@ -34,7 +34,7 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Fill grades and comments into Moodle's grading worksheet, to upload it again; keep teachers' comments and all other bytes.
+    """Return Moodle's grading worksheet with grades and comments filled in, to upload again; teachers' comments are kept.
 
     Raise RequestError if the file is no grading worksheet, or the maximum of the assignment differs from the rubric's.
     """
@@ -152,7 +152,7 @@ _FEEDBACK = "feedback, not handed in by the student"
 
 
 def read(download: Download) -> Shape | None:
-    """Read the submissions of the students or teams in a Moodle download; None for any other download.
+    """Return the submissions of the students or teams in a Moodle download; None for any other download.
 
     Each is a folder or loose files named `<full name>_<number>_assignsubmission_file[_]`.
     """

@@ -26,7 +26,7 @@ class Template:
     data, source
         The bytes of the file, and its name in messages.
     column
-        What names the column of the grades, such as its title; None if the platform's code is to find it.
+        Title of the column of grades, or another name for it that the platform's code knows; None if that code finds the column.
     scaled
         Whether points are scaled if the maximum in the file differs from the rubric's. Otherwise such a file is refused.
     missing
@@ -72,7 +72,7 @@ class Help:
     respond
         Section on the page about CI, below the title.
     read
-        Table row: the download, the sign by which it is recognised, the identity of a student.
+        Row of a table: what the download is, by which sign it is recognised, and how students are identified.
     grades
         Instructions for importing the grades.
     """
@@ -91,7 +91,7 @@ class Platform:
     name, title
         The value of the option, and the name to show.
     help
-        Its documentation.
+        Documentation of the platform.
     respond
         Function that returns a CI job's output for a result. It raises GraderError if the format cannot express that a part was
         not judged.
@@ -100,7 +100,7 @@ class Platform:
     refuse
         Function that is called before grading with the environment and `--min-score`; raises RequestError if the job cannot run.
     aside
-        A second output of a job.
+        Second output of a CI job; None if it has only one.
     submission
         Path of the submission, without the leading slash; "" is the working folder.
     answer
@@ -108,15 +108,15 @@ class Platform:
     keeps_secrets
         Whether students see only the output. It is False if a job runs in their own repository; hidden scenarios are then refused.
     read
-        Function that reads the submissions of a download; it returns None for other downloads.
+        Function that returns the submissions of a download; None for downloads of other platforms.
     fill
         Function that fills the grades of a class into a file that the platform exported. It raises RequestError if it is no such
         file, or its maximum is refused.
     write
-        Function that writes the grades of a class as a file: final grades by id, the people of the roster without a submission, and
-        their grade, "" for a blank cell.
+        Function that returns the grades of a class as a file: from the final grades by id, the people of the roster without a
+        submission, and the grade of those people, "" for a blank cell.
     gradebook
-        Name of the grades file in the output folder OUT.
+        Name of the grades file that `imugrade export` writes into the output folder.
     """
 
     name: str

@@ -112,7 +112,7 @@ def _forbid_files(confinement: Confinement, scratch: str, made: int) -> None:
 
 
 def check_isolation(decoy: str) -> None:
-    """Check the isolation from inside: try to open a socket, start a process, read `decoy` and write outside the folder.
+    """Try what isolation must refuse: open a socket, start a process, read the grader's file `decoy`, write outside the folder.
 
     Raise OSError if one of these succeeds, because the isolation level must then not be used.
     """

@@ -76,7 +76,7 @@ class Deadline:
 
 
 def exchange(line: socket.socket, nonce: bytes, question: bytes, deadline: Deadline) -> wire.Frame:
-    """Send a request to a worker and return its answer, which repeats the request's `nonce`.
+    """Send `question`, a packed request, through the socket `line`; return the worker's answer, which must repeat the `nonce`.
 
     Raises
     ------

@@ -71,7 +71,7 @@ class Zygote:
 
     @property
     def pid(self) -> int:
-        """The process that the grader started for the zygote; when it ends, the zygote and all its workers end, too."""
+        """Id of the process that the grader started for the zygote; when it ends, the zygote and all its workers end, too."""
         return self._process.pid
 
     # Starting
@@ -172,7 +172,7 @@ class Zygote:
         return False
 
     def await_ready(self) -> None:
-        """Wait until the zygote has imported everything and the worker code (ours, beside student code) has warmed up.
+        """Wait until the zygote has imported all libraries and the worker code (ours, which runs student code) has warmed up.
 
         Raises
         ------
@@ -222,7 +222,7 @@ class Zygote:
                 self._refused[message["failed"]] = message["reason"]
 
     def spawn(self, printed: Printed, warm: Sequence[str]) -> Sandboxed:
-        """Fork a worker from the zygote, with the modules `warm` already imported; `printed` takes its output.
+        """Let the zygote import the modules `warm`, fork a worker that prints to `printed`, and return the worker's handle.
 
         Raises
         ------
@@ -253,7 +253,7 @@ class Zygote:
             raise ZygoteGoneError(self._log_tail()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
-        """Wait for the end of worker `number`; return its exit code and the CPU seconds that it used in all."""
+        """Wait for the end of the worker that was spawned as `number`; return its exit code and the CPU seconds that it used."""
         with self._lock:
             self._await_report(self._ended, number, _END_WITHIN_S)
             return self._ended.pop(number)

@@ -27,7 +27,7 @@ class LevelResult:
 
 
 def probe() -> list[LevelResult]:
-    """Try every isolation level in a child process, best first, for `imugrade doctor`; each takes about 50 ms."""
+    """Return for each isolation level, best first, whether it works here, for `imugrade doctor`; a try takes about 50 ms."""
     return [_try_level(isolation_level) for isolation_level in LEVELS]
 
 

@@ -61,7 +61,7 @@ def enter_as_user() -> None:
 
 
 def write_maps(proc: int, uid: int, gid: int) -> None:
-    """Become `INSIDE_ID` in the user namespace just entered; `proc` is a descriptor of /proc, whose path may be gone."""
+    """Map the host's `uid` and `gid` to `INSIDE_ID` in the user namespace just entered; `proc` is a descriptor of /proc."""
     for name, line in (
         ("setgroups", "deny"),
         ("uid_map", f"{INSIDE_ID} {uid} 1"),

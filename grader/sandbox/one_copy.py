@@ -30,7 +30,7 @@ class Search:
 def search(isolation_level: IsolationLevel, libraries: tuple[str, ...] = ()) -> Search:
     """Open every file that a submission could open on this isolation level, and search it for names and lines of the grader.
 
-    Raise GraderError if the isolation level cannot be had here.
+    `libraries` are the lab's packages, which a sandbox shows. Raise GraderError if the isolation level cannot be had here.
     """
     # On an isolation level with the host's root, / itself cannot be listed.
     roots = ["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *surroundings.visible((), libraries)]

@@ -25,12 +25,9 @@ def is_below(path: str, folders: Iterable[str]) -> bool:
 
 
 def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
-    """Follow the links in an absolute path of the system below `root`, so that a sandbox can repeat them (/lib to usr/lib).
+    """Return where a path of the system below `root` ends, and pairs of each link on the way and its target, for a sandbox.
 
-    Returns
-    -------
-    tuple
-        The path where it ends (without `root`; None if nothing exists there), and the links on the way.
+    The end is a path without `root`, None if nothing exists there. A sandbox repeats the links, such as /lib to usr/lib.
     """
     place, waiting = "/", list(PurePosixPath(path).parts[1:])
     links: list[Link] = []

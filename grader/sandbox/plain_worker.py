@@ -15,7 +15,7 @@ from typing import Any
 
 
 def start(arguments: Sequence[str]) -> Callable[[], None]:
-    """Set up a worker without isolation (socket, limits, worker code), and return the function that answers its requests."""
+    """Set up an unisolated worker (`arguments`: socket descriptor; folders, as JSON); return the function that answers requests."""
     line, plan = _line(int(arguments[0])), json.loads(arguments[1])
     sys.argv[:] = [""]
     sys.path[:] = plan["search"]  # packages may lie where only the grader's own environment says

@@ -13,7 +13,7 @@ PLACE_AT, PLACE_BYTES = MAX_BYTES, 1 << 10
 
 
 class Printed:
-    """The output of one worker: its stdout and stderr in the order in which they were written, and the statement it noted last.
+    """The output of one worker: its stdout and stderr in the order in which they were written, and which statement it ran last.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return the statement that the worker noted last, to find one that killed it; untrusted; "" if closed, or on Windows."""
+        """Return which statement the worker says it ran last (JSON), to find one that killed it; "" if closed, or on Windows."""
         if self._file.closed or not hasattr(os, "pread"):
             return ""
         return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")

@@ -11,7 +11,7 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Return whether this is the main thread, with which the kernel may end a child: any other thread may end too early."""
+    """Return whether this is the main thread: the kernel can end a child with the thread that made it, and others end earlier."""
     return threading.current_thread() is threading.main_thread()
 
 
@@ -24,10 +24,7 @@ class ZygoteGoneError(Exception):
 
 
 class WallClock:
-    """Wall clock of another process that, on Linux, leaves out the time in which the process waits for a CPU.
-
-    So code that sleeps uses up its time limit, and a busy machine does not use it up.
-    """
+    """Wall clock of another process; on Linux without its waits for a CPU, so that a busy machine uses up no time limit."""
 
     def __init__(self, pid: int) -> None:
         self._waits = f"/proc/{pid}/schedstat"

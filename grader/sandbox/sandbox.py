@@ -237,7 +237,7 @@ class Worker:
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:
-        """Return the statement that the worker noted last, to find one that killed it; untrusted, as student code may write it."""
+        """Return which statement the worker says it ran last (JSON), to find one that killed it; student code can forge it."""
         return self._printed.place()
 
     def close(self) -> None:

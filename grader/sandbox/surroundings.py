@@ -52,7 +52,7 @@ _HERE = Path(__file__).resolve().parent
 
 
 def visible(extra: Sequence[Path] = (), libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the paths that a sandbox shows read-only: libraries of the system and of Python, packages one by one, and `extra`."""
+    """Return the paths that a sandbox shows read-only: system, Python, packages (the lab's `libraries`, too), and `extra`."""
     entries = packages.shown(packages.folders(), libraries)
     return tuple(sorted({*_libraries(), *SYSTEM, *_standard(), *entries, *(os.path.abspath(path) for path in extra)}))
 
@@ -88,7 +88,7 @@ def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def link_packages(folder: str, libraries: tuple[str, ...]) -> None:
-    """Make a folder of links to the packages that a sandbox shows, where package folders are hidden; the first of a name counts."""
+    """Make a folder of links to the packages that a sandbox shows (see `visible`) although it hides the package folders."""
     os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
     for path in packages.shown(packages.folders(), libraries):
         parent, name = os.path.split(path)
@@ -108,10 +108,7 @@ def search_without_isolation() -> tuple[str, ...]:
 
 
 def hidden() -> tuple[str, ...]:
-    """Return the folders that a sandbox shows empty: the grader, the reference, and the packages of every Python that it shows.
-
-    The packages that it does show stand in `visible` one by one.
-    """
+    """Return the folders that a sandbox shows empty: grader, reference, package folders (`visible` has the packages one by one)."""
     grader = _HERE.parent
     return str(grader), str(grader.parent / "reference"), *packages.folders(), *_package_folders(_libraries())
 

@@ -207,7 +207,7 @@ def machine() -> Machine:
 
 
 def numbers(name: str) -> dict[str, int]:
-    """Return the system call numbers of a processor architecture, by name, for seccomp filters; an empty dict if unknown."""
+    """Return {system call: number} of the processor architecture `name`, for seccomp filters; an empty dict if it is unknown."""
     column = _COLUMNS.get(name)
     if column is None:
         return {}

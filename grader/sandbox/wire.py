@@ -77,7 +77,7 @@ def pack(
 ) -> bytes:
     """Return the bytes of a frame (message); `errors` says what becomes of lone surrogates, as for `str.encode`.
 
-    Raise WireError if a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or a cap is passed.
+    Raise WireError if a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or the frame is larger than `caps` allow.
     """
     try:
         layout, chunks = _arrays().pack(arrays, caps.body)

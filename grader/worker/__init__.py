@@ -32,11 +32,10 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
     Parameters
     ----------
-    thorough
-        Whether to use each library once, too, because its first use is slow.
-    questions
-        The lab's module that answers its own requests: `HANDLERS` by name; `sheet_names`, if the sheet's code passes names on by
-        ``import *``; `warm_up(thorough)`, if it needs further libraries; `install(lab_configuration)`, if it prepares each worker.
+    thorough : whether to use each library once, too, because its first use is slow
+    questions : the lab's module that answers its own requests: `HANDLERS`, functions by request name; if it needs them,
+        `sheet_names`, which returns the names that a star import finds in a file of the sheet, `warm_up(thorough)`, and
+        `install(lab_configuration)`, which prepares each worker
     """
     global _guard  # noqa: PLW0603 - there is one worker code in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
@@ -52,7 +51,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
 
 def answer(op: str, fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer the grader's request `op`; raise ChangedError if student code has replaced our code, as no answer counts then."""
+    """Return the answer to the grader's request `op`, data and arrays; raise ChangedError if student code replaced our code."""
     reply = _HANDLERS[op](fields, arrays)
     if _guard is not None:
         _guard.check()

@@ -44,7 +44,7 @@ def remember_classes() -> None:
 
 
 def remember(*kinds: type) -> None:
-    """Record the present members of these classes anew, after our own code replaced some: these are then no student changes."""
+    """Record the present members of these classes anew, so that `original_classes` keeps what our own code replaced in them."""
     _CLASSES.update((kind, dict(vars(kind))) for kind in kinds)
 
 

@@ -218,9 +218,9 @@ def _parse_mathematics(text: Any) -> None:
 
 
 def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> Preview:
-    """Save a figure as its small picture, and return that; raise what saving it in full would raise.
+    """Save a figure to `target` as its small picture, and return the picture; raise what saving the figure in full would raise.
 
-    `really` is matplotlib's own method, `asked` the `dpi` that the submission gave, None for the default.
+    `really` is matplotlib's own method, `asked` the submission's `dpi` (None for the default), `options` its other arguments.
     """
     figure = canvas.figure
     drawn: list[Any] = []

@@ -45,7 +45,7 @@ def use_libraries() -> None:
 
 
 def install(*, run_magic: desktop_stubs.RunMagic) -> None:
-    """Make the worker's process look like the machine that the lab sheet assumes; `run_magic` runs the file of ``%run``."""
+    """Adapt the process to student code: input(), devices, clocks, random numbers, `open`; `run_magic` does ``%run``."""
     _answer_input()
     compat.install()
     desktop_stubs.install(run_magic)
@@ -59,7 +59,7 @@ _INSTEAD: dict[str, str] = {}
 
 
 def redirect_missing(ending: str, place: str) -> None:
-    """Let missing paths that end with `ending`, such as the lab model's, lead to the file `place` of the submission's folder."""
+    """Open the submission's file `place` for any missing path that ends with `ending`, such as another folder's lab model."""
     _INSTEAD[ending] = place
 
 

@@ -10,7 +10,7 @@ from . import statements
 
 
 def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield each required name that the statements do not define, with the only definition nearly so named, which may count."""
+    """Yield (required name, its misspelling) for each name that a file lacks and nearly spells, in exactly one definition."""
     missed = set(wanted).difference(*map(statements.bound, nodes))
     for name in sorted(missed):
         kind = ast.ClassDef if name[0].isupper() else ast.FunctionDef
@@ -40,9 +40,10 @@ members_of = type.__dict__["__dict__"].__get__
 
 
 def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:
-    """Give class `own` the required method under its right name if exactly one method is nearly called so; record both in `known`.
+    """Give class `own` its required methods under the right names, and add them to `known`, {``Class.method``: own name}.
 
-    `wanted` lists required methods as ``Class.method``; `name` is the class's name in it.
+    A method gets its right name if the class lacks it and exactly one method is nearly called so. `wanted` lists the required
+    methods as ``Class.method``; `name` is the class's name in it.
     """
     for each in wanted:
         kind, _, method = each.partition(".")

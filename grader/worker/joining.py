@@ -23,12 +23,9 @@ def joined(
 
     Parameters
     ----------
-    artists
-        The artists of one panel, in drawing order.
-    size
-        Returns the number of points of an artist.
-    look
-        Returns what a reader sees of an artist (colour, style, marker). Enough pieces of one look are one curve.
+    artists : the artists of one panel, in drawing order
+    size : returns the number of points of an artist
+    look : returns what a reader sees of an artist (colour, style, marker); enough pieces of one look are one curve
     """
     artists = list(artists)
     pieces: dict[Hashable, list[Artist]] = {}

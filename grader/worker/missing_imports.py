@@ -19,15 +19,15 @@ _BRING_NAMES = ("exec", "globals", "vars", "locals", "setattr", "get_ipython")
 
 
 class MissingImports:
-    """The names that one file or notebook uses and forgot to import, and when each is supplied.
+    """Names that one file or notebook uses and forgot to import; `before`, `after` and `at_end` supply them while the file runs.
 
-    A library is supplied before the first statement runs, or after the last star import, which may bring it along. What another
-    required file (a partner) defines is supplied after the last definition, as the partner may import this file.
+    A library is supplied before the first statement, or after the last star import, which may bring it along. What another required
+    file (a partner) defines is supplied after the last definition, as the partner may import this file.
 
     Parameters
     ----------
     units : the file's statements
-    libraries : those of the sheet, by the names that it imports them under
+    libraries : libraries of the lab sheet, by the names that the sheet imports them under
     wanted : the names that the sheet asks for, some of which partners define
     find : returns the object that a name stands for; None if there is no such object
     """
@@ -62,7 +62,7 @@ class MissingImports:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Supply what is due after this statement: libraries after the last star import, partner names after all definitions."""
+        """Supply what is due after this statement, libraries or partners' names, and remember what it defines for `at_end`."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:
@@ -72,7 +72,11 @@ class MissingImports:
             self._supply([name for name in self._renamed if name in names], names)
 
     def at_end(self, names: dict[str, Any]) -> None:
-        """Put back required definitions that later lines of the file deleted, or replaced by something that cannot be called."""
+        """Restore required functions and classes that the file defined, and then deleted or replaced by something uncallable.
+
+        This is done for every file that parses, whether it misses an import or not. The object that the definition made is put
+        back, and reported as a supplied name.
+        """
         for name, made in self._defined.items():
             if isinstance(made, type | FunctionType) and not callable(names.get(name)):
                 names[name] = made

@@ -38,7 +38,7 @@ def used(nodes: Sequence[ast.AST]) -> set[str]:
 
 
 def bound(node: ast.AST) -> Iterator[str]:
-    """Yield all names that a statement assigns, defines or imports, also inside functions; these names are not missing."""
+    """Yield all names that a statement assigns, defines or imports, also inside functions: a file need not import these."""
     for each in ast.walk(node):
         if isinstance(each, ast.Name) and not isinstance(each.ctx, ast.Load):
             yield each.id

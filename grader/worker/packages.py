@@ -21,7 +21,10 @@ _AMBIGUOUS = "filters"  # not used to recognize a package: scipy, scikit-image a
 
 
 def imported_packages(sources: Iterable[str], paths: Iterable[str], required: Iterable[str]) -> set[str]:
-    """Return the package names from which sources import files of the submission (`paths`), or required files that are missing."""
+    """Return the names by which source texts import the submission as a package: ``lab1`` for ``from lab1.sensors import read``.
+
+    A name counts if a file of the submission (`paths`) or a `required` module is imported from it. Students may use several names.
+    """
     modules = {*required, *(path.split("/")[0].removesuffix(".py") for path in paths)} - {_AMBIGUOUS}
     imports = re.compile(
         r"^[ \t]*(?:from|import)[ \t]+\.*([^\W\d][\w.]*?)(?:\.|[ \t]+import\b[ \t]*(?:\(\s*)?(?:\w+\s*,\s*)*)"
@@ -32,18 +35,18 @@ def imported_packages(sources: Iterable[str], paths: Iterable[str], required: It
 
 
 def make_imports_absolute(tree: ast.Module, path: str) -> None:
-    """Replace relative imports that reach the top folder of the submission, where there is no package, by absolute imports."""
+    """Replace relative imports in file `path` that reach the submission's top folder, which is no package, by absolute ones."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level > path.count("/"):
             node.level, node.module = 0, node.module or _OWN
 
 
 class PackageFinder:
-    """Import finder for the submission as a package. Python asks it last, after everything that is installed.
+    """Import finder for a submission whose files import each other through a package. Python asks it after all other finders.
 
     Parameters
     ----------
-    names : returns the package's names, as `imported_packages` does; called once, when an import finds nothing else
+    names : returns the package's names (several if the files disagree), as `imported_packages` does; called at the first need
     load_init : returns the loader of the package's ``__init__.py``; None if there is none
     """
 

@@ -30,7 +30,7 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return the figures recorded since the last `take`, and their arrays; `folder` is where the submission saves its pictures.
+        """Return the figures recorded since the last `take`, and their arrays, and close all; pictures lie below `folder`.
 
         With `with_open`, figures that are still open and were never saved are recorded first.
         """

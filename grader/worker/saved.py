@@ -58,7 +58,10 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
 
 
 def match_files_to_figures(drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]) -> None:
-    """Correct each figure's ``event``: saved if a file shows the figure in the end, overwritten or forgotten if none does.
+    """Correct the ``event`` of recorded figures by the picture files that are there in the end.
+
+    A figure that a picture file shows is "saved", by whatever call. One whose file now holds another picture is "overwritten"; one
+    saved to a buffer that reached no file is "forgotten".
 
     Parameters
     ----------

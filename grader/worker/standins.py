@@ -13,7 +13,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Create stand-ins from source text by name: working definitions by which the grader replaces broken ones of the student's."""
+    """Create stand-ins, definitions by which the grader replaces a student's broken ones; `sources`: {name: source text}."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():
@@ -22,7 +22,7 @@ def define(sources: Mapping[str, str]) -> None:
 
 
 def fill(path: str, names: dict[str, Any]) -> None:
-    """Put stand-ins where a file lacks a name that it should define: the definition failed, was deleted, or its file is missing."""
+    """Put stand-ins (the grader's definitions) into a file's `names` where a definition failed, was deleted or has no file."""
     lacking = [name for name in STATE.standins if name not in names]
     own = compiling.defined(path) if lacking else set()
     for name in lacking:
@@ -32,7 +32,7 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return the stand-ins (working definitions by the grader) of a module's names, for a submission that lacks its file."""
+    """Return the stand-ins (definitions by the grader) of a module's names, for a submission that lacks its file or broke it."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
@@ -66,9 +66,9 @@ def replace_defined(node: ast.stmt, meant: Mapping[str, str], names: dict[str, A
 
 
 def alias_misspelled(meant: Mapping[str, str], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Define misspelled definitions under their right names, too; yield (right, misspelled) for the report.
+    """Define misspelled names under their right names, too; yield (right, misspelled) for the report. `meant`: {misspelled: right}.
 
-    Those that a stand-in (the grader's definition) replaced are left out.
+    Names that a stand-in (the grader's definition) replaced are left out.
     """
     for own, name in meant.items():
         if name not in STATE.standins and own in names:

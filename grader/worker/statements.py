@@ -114,7 +114,7 @@ def _in_student_statement(frame: types.FrameType | None) -> bool:
 
 @contextlib.contextmanager
 def time_limit(within_s: float) -> Iterator[None]:
-    """Limit the time of all statements that run in this context together to `within_s` seconds."""
+    """Limit the time of all statements that run in this block to `within_s` seconds; one may use half of what is left."""
     _CLOCK.start(within_s)
     try:
         yield
@@ -131,7 +131,7 @@ class StatementRunner:
     Parameters
     ----------
     skipped : (file, number of a statement that ended an earlier process) -> the reason why it is not run again
-    place : offset and size of the space in descriptor 1 where the running statement is noted, to find one that kills the worker
+    place : where in the file of descriptor 1 the running statement is noted (offset, size), to find one that kills the worker
     wanted : the required names; a failed statement is recorded with those that it would have defined
     """
 

@@ -66,7 +66,7 @@ def _number(value: Any) -> float:
 
 
 class Packer:
-    """Describes the values of one answer as plain nodes, and collects their arrays by name for the message that is sent.
+    """Describes returned values as nodes (dicts with a ``kind``, for JSON), and collects their arrays by name beside them.
 
     Two packers whose arrays are sent in one message need different prefixes.
     """
@@ -81,7 +81,7 @@ class Packer:
         return key
 
     def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
-        """Describe a value as a plain node. Student code may run here (``__len__``, ``__array__``): callers catch its errors."""
+        """Describe a value as a node. Student code may run here (``__len__``, ``__array__``), so callers catch its errors."""
         if value is None:
             return {"kind": "none"}
         if isinstance(value, str):

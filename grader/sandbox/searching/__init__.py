@@ -20,9 +20,9 @@ def warm_up(thorough: bool) -> None:
 
 
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Try to open every file below `roots`; return how many could be opened, and at most 100 that are the grader's.
+    """Try to open every file below ``fields["roots"]``; return how many could be opened, and at most 100 that are the grader's.
 
-    Such a file has a name of the grader's, or is a source that holds one of the `phrases`. Files in `own` are passed over.
+    Such a file has a name of the grader's, or is a source that holds one of the ``phrases``. Files in ``own`` are passed over.
     """
     del op, arrays
     phrases = [phrase.encode() for phrase in fields["phrases"]]
