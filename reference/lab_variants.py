@@ -33,7 +33,7 @@ STILL_S = 0.5
 
 
 def lab_variant(xml: str, rng: np.random.Generator) -> str:
-    """Return the first random variant of the lab model, drawn from `rng`, that keeps what the lab sheet says of it."""
+    """Draw random variants of the lab model until one keeps what the lab sheet says of the model; return the variant's MJCF."""
     while True:
         text = at_rest(vary(xml, rng))
         if keeps_the_facts(mujoco.MjModel.from_xml_string(text)):
@@ -41,7 +41,7 @@ def lab_variant(xml: str, rng: np.random.Generator) -> str:
 
 
 def at_rest(xml: str) -> str:
-    """Return the robot with height, sole pads and springs adjusted so that its initial pose is the equilibrium."""
+    """Return the robot's MJCF with height, sole pads and springs adjusted so that its initial pose is the equilibrium."""
     robot = Robot.of(xml)
     model = robot.model
     balance.settle(model)

@@ -48,8 +48,8 @@ class Settings:
 class Scene:
     """What a scenario is made from: its own random generator, the settings and the compiled models.
 
-    `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` are its pairs of accelerometer and gyroscope,
-    the IMU that is graded first. `sheet` is the lab's robot, whichever is graded on.
+    `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` names the accelerometer and gyroscope of each
+    of its IMUs, the graded IMU first. `sheet` is the lab's robot, whichever is graded on.
     """
 
     rng: np.random.Generator
@@ -107,9 +107,9 @@ def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
 
 
 def paced(settings: Settings, timestep: float) -> Settings:
-    """Return the settings for a robot with this time step: durations of a few hundred whole steps, and a shorter second step.
+    """Return the settings for a robot with this time step: durations of some hundred whole steps, `dirty_timestep` a shorter step.
 
-    A time step that is longer than the instructor's might not be stable.
+    A time step that is longer than the robot's own might not be stable.
     """
     n_steps = min(max(round(settings.push_s / timestep), _FEWEST_STEPS), _MOST_STEPS)
     other = round(timestep * min(settings.dirty_timestep / 0.005, 0.8), 9)
@@ -169,7 +169,7 @@ def readings(
     states: Sequence[tuple[FloatArray, FloatArray]],
     pairs: Sequence[tuple[str, str]],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what the sensors and the bodies of a model hold in k states, and which sensors make the p IMUs: arrays and scalars."""
+    """Return arrays and scalars by name: what sensors and bodies hold in the k `states`, and the sensor ids of the IMU `pairs`."""
     ids = np.array([[sensor_id(model, sensor) for sensor in pair] for pair in pairs], dtype=np.int64)
     sites = model.sensor_objid[ids[:, 0]]
     bodies = model.site_bodyid[sites]

@@ -125,9 +125,9 @@ class Many:
 def shuffled(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Shuffled:
     """Return a model of free bodies in space with IMUs mounted at random, their sensors renamed and in random order.
 
-    No mistake about addresses is right by luck: for no IMU is the id the address, the gyroscope the next three numbers after its
-    accelerometer, or either at an address `learnt` from a lab model; and no mistaken address is out of range. Three times the id is
-    in range, too: a slice would be cut short there without a word, where a list of indices raises.
+    No wrong address in sensordata gives right numbers by luck: in no IMU is a sensor's id its address, does the gyroscope follow
+    its accelerometer, or has a sensor an address in `learnt`, those of the lab model. No wrong address is out of range, nor is
+    three times an id: beyond the end, a slice would be cut short without a word where a list of indices raises.
     """
     bodies = int(rng.integers(3, 5))
     imus = _imu_names(rng, bodies)

@@ -93,7 +93,7 @@ def grade(
 ) -> int:
     """Grade a class. After an interruption, the same command continues.
 
-    OUT remembers the rubric, the roster and the attempt rule. You need not give them again. Give the secret of hidden
+    The output folder keeps the rubric, the roster and the attempt rule. You need not give them again. Give the secret of hidden
     scenarios each time, in IMUGRADE_SEED; `openssl rand -hex 16` makes one. If you give another rubric, rule or secret, the
     command first says which scores change. It changes them with --change, or after a yes on a terminal.
     `imugrade diff` compares the two versions. The first run asks before it grades on a machine without packages that many

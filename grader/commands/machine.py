@@ -70,7 +70,7 @@ def report(out: Path) -> list[str]:
 
 
 def packages_of(paths: Sequence[Path]) -> list[DoctorFinding]:
-    """Return a finding for each package that submissions import and that is missing here, else one that none is. No code is run."""
+    """Return a finding for each package that submissions import and this machine lacks, or one that none is. No code is run."""
     lab = chosen_lab()
     missing = missing_packages.of_class(read_class(paths, lab.files).entries, rubrics.load(lab))
     lines = missing_packages.lines(missing)

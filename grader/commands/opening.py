@@ -23,7 +23,7 @@ def checking_line(path: Path) -> str:
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Say which files of the lab sheet are there and which not, so that a wrong folder is seen; a notebook replaces programs."""
+    """Return which files of the lab sheet are there or not, so that a wrong folder is seen; a notebook counts if no program is."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))

@@ -25,7 +25,7 @@ FOLDER = HOME_VERSIONS[0]
 
 
 def folder_in(path: Path) -> Path:
-    """Make the folder `.imugrade` in the submission's folder, with a `.gitignore`, and return it.
+    """Make and return `.imugrade`, the folder in a submission for files of `imugrade repro` and `check`, with a `.gitignore`.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def folder_in(path: Path) -> Path:
 
 
 def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level: str | None = None) -> Path:
-    """Run the checks on a submission, and write a program that repeats the calls of one check.
+    """Run the checks on a submission, and write a program into `out` that repeats one check's calls of student code.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 
 
 def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mapping[str, str]) -> Path:
-    """Write the program, the arrays that it reads, and the files `beside` it; return the path of the program.
+    """Write a program as `repro.py`, the arrays of its calls (`questions`), and files `beside` it by name; return its path.
 
     Raises
     ------

@@ -33,7 +33,7 @@ def review(
 ) -> int:
     """Review a graded class in a browser: review queue, code beside reports, repairs, overrides, regrade requests.
 
-    The desk runs on this machine until Ctrl-C. Open the address that it prints.
+    The web page is there until Ctrl-C, on this machine only. Open the address that the command prints.
 
     \b
     Example:

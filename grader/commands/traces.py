@@ -27,7 +27,10 @@ app = typer.Typer(
 
 @app.command("list")
 def list_(seed: SeedOption = None, rubric: RubricOption = None) -> int:
-    """List the scenarios of the trace bundle."""
+    """List the scenarios of the traces, the true motions that grading compares with.
+
+    They are public ones, or with a secret hidden ones. A rubric may name another robot than the lab's.
+    """
     from grader.report import truth  # noqa: PLC0415
 
     print(truth.listing(_obtained(seed, rubric)))
@@ -45,7 +48,7 @@ def plot(
     rubric: RubricOption = None,
     isolation_level: LevelOption = None,
 ) -> int:
-    """Plot each motion as a PNG file.
+    """Plot each true motion as a PNG file.
 
     \b
     Example:
@@ -91,7 +94,7 @@ def record(
     seed: SeedOption = None,
     rubric: RubricOption = None,
 ) -> int:
-    """Record a trace bundle: the public one, or the hidden one of a secret.
+    """Write the traces (true motions) as .npz and .json: the public ones, or the hidden ones of a secret.
 
     \b
     Example:

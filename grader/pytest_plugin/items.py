@@ -58,7 +58,7 @@ class PluginRun:
         return f"imugrade: {self._name}, public scenarios"
 
     def pytest_collection(self, session: pytest.Session) -> bool | None:
-        """Collect the student's files: the arguments name criteria and checks, not paths of pytest's own tests."""
+        """Collect the checks that the arguments name, in place of test files; raise pytest's UsageError if there are none."""
         if session.config.pluginmanager.hasplugin("dsession"):
             return None  # with pytest-xdist the workers collect
         session.perform_collect([])

@@ -188,7 +188,7 @@ def cost_now(cause: Cause) -> list[words.LabelledLine]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
-    """Return each check that failed by one fault with its feedback that no earlier check repeats, but for hints (`next_lines`)."""
+    """Return each failed check of a cause with the lines of its feedback, but for hints (`next_lines`) and lines shown before."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 
@@ -225,7 +225,7 @@ def next_lines(cause: Cause, lab: LabName) -> list[words.LabelledLine]:
 
 
 def again(cause: Cause) -> words.LabelledLine:
-    """Return the line *Rerun* of a report: the command that grades the failed criterion again."""
+    """Return the line *Rerun* of a report: the command that grades the criterion of the cause's first check again."""
     return words.LabelledLine("Rerun", f"imugrade check --only {part_of(cause.checks[0])}")
 
 
@@ -241,7 +241,7 @@ def _step(check: CheckResult) -> int:
 
 
 def next_step(found: Iterable[Cause], lab: Lab) -> str:
-    """Return where a student should continue, as ``Step 2, get_imu_readings``; "" if nothing failed."""
+    """Return the place of the first cause, where a student continues, as ``Step 2, get_imu_readings``; "" if nothing failed."""
     first = next((each.checks[0] for each in found), None)
     if first is None:
         return ""
@@ -250,5 +250,5 @@ def next_step(found: Iterable[Cause], lab: Lab) -> str:
 
 
 def next_part(found: Iterable[Cause]) -> str:
-    """Return the id of the criterion or extension to grade again after the next edit; "" if nothing failed."""
+    """Return the id of the criterion or extension of the first cause, to grade it again after an edit; "" if nothing failed."""
     return next((part_of(each.checks[0]) for each in found), "")

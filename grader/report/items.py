@@ -29,18 +29,18 @@ _ENOUGH = 30
 
 @dataclass(frozen=True)
 class ItemAnalysis:
-    """Item analysis of one check over a class: how hard it is, and whether strong submissions pass it.
+    """How a class of students did on one check: how hard it is, and whether strong submissions pass it (item analysis).
 
     Attributes
     ----------
     judged
         Number of submissions for which the check was judged.
     losers
-        How many of those lost points on the check.
+        Number of judged submissions that lost points on the check.
     difficulty
-        Mean share of the check's points that they got, 0 (hard) to 1 (easy).
+        Mean share of the check's points that the judged submissions got, 0 (hard) to 1 (easy).
     discrimination
-        Correlation of that share with the score on all other checks, −1 to 1; None if it cannot be estimated.
+        Correlation of a submission's share of the points with its score on all other checks, −1 to 1; None for too little data.
     """
 
     id: str
@@ -60,12 +60,15 @@ class ItemAnalysis:
 
     @property
     def doubtful(self) -> bool:
-        """Return whether strong submissions fail the check as often as weak ones, so that a person should review the check."""
+        """Return whether, of 30 or more submissions, strong ones fail the check as often as weak ones; the check needs review."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 
 def items(results: Iterable[Result]) -> list[ItemAnalysis]:
-    """Analyse every check of the criteria, in the order of the rubric. A result counts only for those checks that were judged."""
+    """Return, for each check in the rubric's order, how a class of students did on it, to find checks that are hard or faulty.
+
+    Submissions for which a check was not judged do not count for it. Checks of extensions are left out.
+    """
     rows: dict[str, list[tuple[CheckResult, float]]] = {}
     for result in results:
         if result.status in ("empty", "unreadable"):

@@ -17,7 +17,7 @@ from grader.engine.traces import Scenario, Traces
 
 
 def listing(traces: Traces) -> str:
-    """Describe a bundle of traces in text: its name, hash and versions, and its scenarios with the shapes of their arrays."""
+    """Describe traces (true recordings) in text: name, hash and versions, and the scenarios with the shapes of their arrays."""
     versions = ", ".join(f"{name} {number}" for name, number in traces.versions.items())
     head = [f"{traces.name} traces, {traces.sha256[:16]}, recorded with {versions}"]
     return "\n".join([*head, *(line for scenario in traces.scenarios.values() for line in _described(scenario))])
@@ -29,7 +29,7 @@ def _described(scenario: Scenario) -> list[str]:
 
 
 def save(traces: Traces, out: Path) -> Path:
-    """Write a trace bundle as `<name>.npz` and `<name>.json`, readable only by their owner because hidden traces are secret.
+    """Write traces (true recordings) as `<name>.npz` and `<name>.json`, readable only by their owner: hidden ones are secret.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def save(traces: Traces, out: Path) -> Path:
 
 
 def files(traces: Traces) -> dict[str, bytes]:
-    """Return the contents of the two files that `save` writes, by suffix, to put them into a kit or a wheel."""
+    """Return the contents of the two files that `save` writes, by suffix, for the folder that students get or for a wheel."""
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         path = save(traces, Path(scratch))
         return {suffix: path.with_suffix(suffix).read_bytes() for suffix in (".json", ".npz")}

@@ -61,7 +61,7 @@ class LabelledLine:
 
 @dataclass(frozen=True)
 class CheckText:
-    """The feedback of one check as text for a page or the terminal."""
+    """The feedback of one check as text; `read` is the lab step to read, `again` the command to rerun it, "" if not needed."""
 
     outcome: Word
     title: str
@@ -72,7 +72,7 @@ class CheckText:
 
 
 def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
-    """Format the feedback on one check of the criterion or extension `part`; a check without any has nothing to read or rerun."""
+    """Format the feedback on one check of the criterion or extension `part`; without feedback, `read` and `again` are ""."""
     lost = tells(check)
     return CheckText(
         outcome=_WORDS[_outcome(check)],
@@ -179,7 +179,7 @@ def submissions(final_grades: Iterable[FinalGrade]) -> str:
 
 
 def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]:
-    """Return the names of people without a submission, each with an identifier if another person of the class has the name."""
+    """Return the names of people without a submission, with an identifier if others, here or in `hand_ins`, have the same name."""
     listed = [person.name for person in absent]
     names = Counter(name.casefold() for name in [*listed, *(p.name for each in hand_ins for p in each.people)])
     known = [person.number for person in absent]

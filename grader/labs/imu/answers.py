@@ -154,7 +154,7 @@ class Drawing:
     Attributes
     ----------
     figures : the figures, each with what the sandbox reports of its axes and curves
-    departs : as in `Readings`
+    departs : the sheet's names of the parameters for which the student's function had to be called in another way
     given : time and both sensors as the submission's own `simulate_and_collect` gave them to its plot; None if that did not run, or
         if the seven columns are not all finite, changing and different
     """

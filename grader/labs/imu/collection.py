@@ -29,7 +29,7 @@ class Collection:
     oddities : how names and shapes differ from the lab sheet's: pairs of a fault's id and a sentence
     changed : names of model fields, such as "opt.timestep", that the call left changed
     error : the exception that the function raised; None if it raised none
-    first_step : the state before the first step and later changes, as the worker reports them; a simulation has to confirm them
+    first_step : the start of the run and later changes of its state, as the student's process reports them (not proven)
     absent : the sensor whose rows were not found although those of the other sensor were; its rows are NaN; "" if none
     last_alone : whether only the last row was filled; all rows then have its numbers
     unfilled : whether rows of NaN alone were returned; they are zeros here, as in an array of `np.zeros`

@@ -13,7 +13,7 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(lab: Lab, model: Model) -> LabFile | None:
-    """Return the instructor's own robot with its public traces, which students cannot record; None for the lab's robot."""
+    """Return the instructor's own robot as a file for students' kits, with its public traces; None if `model` is the lab's."""
     if model.is_lab:
         return None
     traces = obtain(lab, None, model=model)
@@ -22,7 +22,7 @@ def brought(lab: Lab, model: Model) -> LabFile | None:
 
 
 def handout(lab: Lab, own: LabFile | None) -> Handout:
-    """Return the files that students get of a robot, and its names, which replace the lab robot's names in the starter files.
+    """Return the files of a robot for a kit (the folder for students), and the names to put for the lab robot's in starter files.
 
     `own` is the instructor's robot; None stands for the lab's.
     """

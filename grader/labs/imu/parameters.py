@@ -13,7 +13,7 @@ Facts = TypeVar("Facts")
 
 
 class Departure(TypedDict):
-    """Texts for a fault's message: the definition, and what it takes or offers in another way, never in the student's words."""
+    """Texts for a fault's message: `name` of the function or class, and the lab sheet's names of what differs in its call."""
 
     name: str
     departs: str
@@ -26,9 +26,9 @@ CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: 
 def departures(
     name: str, departs_of: Callable[[Facts], Sequence[str]]
 ) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
-    """Return, by fault, a function that measures how the definition `name` differs from the lab sheet's in the way it is called.
+    """Return, by fault id, a function that tells how calls of the function or class `name` differ from those in the lab sheet.
 
-    `departs_of` gets the sheet's names of what differs out of a criterion's facts. A measure returns None where its fault is
+    It gets a criterion's facts, from which `departs_of` takes the sheet's names of what differs; it returns None if its fault is
     absent.
     """
 

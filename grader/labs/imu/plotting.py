@@ -73,8 +73,8 @@ class Plotting(SubmissionSession):
         returns, such as an object or a dictionary with settings beside the numbers. If it raises again, it gets `sheet`, the data
         under the lab sheet's keys, because a key that is misspelled in the recording is no fault of the plot.
 
-        `ids` are those of accelerometer and gyroscope. `own_form` is whether the submission records in another form than the
-        sheet's, for which its plot may be made: then a drawing that shows all the data is looked for.
+        `ids` are those of accelerometer and gyroscope; charts find the drawing by the name `called`. `own_form` is whether the
+        submission records in another form than the sheet's: its plot may be made for that, so a drawing of all data is looked for.
         """
         key = (key_of("plot", {"ids": ids, "own_form": own_form}, data), key_of("plot", {}, sheet))
         return self.once_named(called, key, lambda: self._plot(data, sheet, ids, own_form))
@@ -218,7 +218,7 @@ class Plotting(SubmissionSession):
                 return None
 
     def picture(self, name: str) -> Picture | None:
-        """Return the facts of a handed-in picture; None if the picture was not handed in, or cannot be read."""
+        """Return size and colours of a handed-in picture file; None if it was not handed in, or cannot be read."""
         if name not in self.files:
             return None
         return self.once_named(name, ("picture", name), lambda: self._decode(name))

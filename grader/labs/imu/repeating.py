@@ -134,7 +134,7 @@ class Watched(CheckRun):
 
 
 def expected(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Array], truth: Traces) -> dict[str, Array]:
-    """Return the correct answer to a call of kind `op`, for the program to compare; empty if more than one answer is correct."""
+    """Return the arrays of the correct answer to a call of kind `op`, for the generated program; empty if several are correct."""
     if op == "filter":
         return {f"output_{i}": _filtered(case, arrays) for i, case in enumerate(fields["cases"])}
     if op == "simulate" and "gravity" not in arrays:

@@ -48,7 +48,7 @@ class Model:
         return self.path.name if self.path else LAB_FILE
 
     def line(self, key: str) -> int:
-        """Return the line in the rubric of a key, for messages; if the key is left out, that of the path or of `model`; else 1."""
+        """Return the rubric's line of a key, for messages; for a key left out, the line of `path`, else of `model`, else 1."""
         return self.lines.get(key, self.lines.get("path", self.lines.get("model", 1)))
 
 

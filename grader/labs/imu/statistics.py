@@ -78,7 +78,7 @@ def geary_bounds(values: int) -> tuple[float, float]:
 
 
 def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return standard and mean absolute deviation of bounded standard normal noise: clipped to ± `cut`, and redrawn beyond it.
+    """Return (standard, mean absolute) deviation of standard normal noise clipped to ± `cut`, and of noise redrawn beyond it.
 
     Clipped: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; redrawn: without Q and divided by P, where p is the
     density, P the probability of ± c and Q that of more than c (by parts).

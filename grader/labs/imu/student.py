@@ -68,7 +68,7 @@ class Student(Plotting):
     def simulate(self, *, duration_s: float, ids: tuple[int, int], timestep: float | None = None,
                  dirty: tuple[Array, Array, float] | None = None, gravity: Array | None = None,
                  called: str = "") -> Collection:  # fmt: skip
-        """Return what `simulate_and_collect` records on the robot of the class.
+        """Return what `simulate_and_collect` records on the robot that is graded.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return what the student's `get_imu_readings` reads in a reported run: (steps, 6), to explain rows; None if it fails."""
+        """Return what the student's `get_imu_readings` reads (steps, 6) in a reported run, as in `replay`; None if it fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -135,8 +135,8 @@ class Student(Plotting):
                     biases: Array | None, states: Sequence[int]) -> NoiseRun:  # fmt: skip
         """Return reads (twins, reads, 3) of several `NoisyIMU`s with one random seed, so that only their arguments differ.
 
-        The instances (twins) differ in their standard deviations `stds`, biases (twins, 2, 3) or row of `states`. If `biases` is
-        None, each draws its own.
+        The instances (twins) differ in their standard deviations `stds`, biases (twins, 2, 3) or state: `states` has for each the
+        row of `qpos` and `qvel`. If `biases` is None, each draws its own.
         """
         fields = self._noise_fields(ids, reads, stds[0])
         fields["twins"] = [{"accel_noise_std": accel, "gyro_noise_std": gyro} for accel, gyro in stds]

@@ -20,10 +20,11 @@ Push = TypedDict("Push", {"came": str, "n": int})
 
 
 class Rows(TypedDict):
-    """Numbers for the message of a check that found wrong rows in a recording: their counts, and the row furthest from the truth.
+    """Values for the message of a check that found wrong rows in a recording: counts, and the row furthest from the truth.
 
-    `filled` counts the rows that are not left zero, `late` the samples by which rows are late or early. `changed` says what the
-    code changed of the model, `of` names the key if only one sensor is wrong, and `wanted` and `came` show the row.
+    `n` and `steps` are the numbers of rows and of time steps, `filled` that of rows not left zero, `late` that of samples by which
+    rows are late or early. `changed` says what the code changed of the model, `of` names the key of the sensor if only one is
+    wrong ("" for both), `wanted` and `came` show the row furthest from the truth: its right numbers and the student's.
     """
 
     n: int

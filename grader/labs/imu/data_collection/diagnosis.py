@@ -29,10 +29,10 @@ from grader.labs.imu.data_collection.row_origins import RowOrigin, moves, time_e
 
 @dataclass(frozen=True)
 class Explained:
-    """What was measured of a student's `simulate_and_collect`, and where the rows of its two recordings come from, None if unknown.
+    """What was measured of a student's `simulate_and_collect`, and what explains its two recordings, for checks and hypotheses.
 
-    `push` explains the recording of the lab sheet's push, `later` that of a run which begins with data of an earlier run.
-    `explain.py` makes it; the checks and the hypotheses on faults read its properties.
+    `push` is the origin of the rows of the first recording, of the lab sheet's push; `later` that of the second recording, of a
+    run on data that an earlier run left. Each is None if unknown. Properties that name no recording are about the first one.
     """
 
     facts: Facts
@@ -106,7 +106,7 @@ class Explained:
 
     @property
     def few_rows_follow(self) -> bool:
-        """Return whether a fault that the check `matches_truth` reports also explains missing rows, which then cost nothing."""
+        """Return whether a fault that the check `matches_truth` reports explains missing rows, too, so that they cost nothing."""
         return self.ends_at_once or self.last_alone
 
     def counts_by(self, fault: str) -> bool:
@@ -149,7 +149,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether another fault explains wrong time stamps: unequal arrays, one filled row, a start set in each step."""
+        """Return whether another fault explains wrong time stamps: unequal lengths, one filled row, or a state set in each step."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -164,7 +164,7 @@ class Explained:
 
     @property
     def plain(self) -> bool:
-        """Return whether a simulated run explains the rows with unaltered numbers; rows may be missing or in another order."""
+        """Return whether all numbers come unaltered from a simulated run; rows may be late or missing, and sensors exchanged."""
         return self.push is not None and not self.push.altered
 
     @property
@@ -186,13 +186,13 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """Acceleration and angular velocity, each (rows, 3), that right code would record in this run, to compare the rows with."""
+        """Acceleration and angular velocity, each (rows, 3), that right code would record in the first run from its own start."""
         worlds = self.facts.push.worlds
         from_truth = self.starts_over or (self.push is not None and self.push.world == TRUE_WORLD)
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
-        """Return whether a sensor (0 accelerometer, 1 gyroscope) has its true rows; False if they show no motion to tell by."""
+        """Return whether a sensor (0 accelerometer, 1 gyroscope) has its `true_rows`; False if these show no motion to tell by."""
         got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
         return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
 
@@ -212,7 +212,7 @@ class Explained:
 
     @property
     def treated(self) -> bool:
-        """Return whether rounding or a linear map with an offset makes the altered rows of the true ones: `rows-altered`."""
+        """Return whether all altered rows are the true ones rounded, or mapped linearly with an offset: fault `rows-altered`."""
         keys = self.push.altered if self.push is not None else ()
         pairs = dict(zip(SENSORS, zip(self.series.sensors, self.true_rows, strict=True), strict=True))
         known = [(key, got, true) for key, (got, true) in pairs.items() if key in keys and got is not None]
@@ -220,13 +220,13 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows are wrong by less than a real sensor's noise, which costs half of the points."""
+        """Return whether both sensors' rows are off by less than a real sensor's noise: altered numbers then cost only half."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
     @property
     def late(self) -> int:
-        """Number of samples by which rows are late (negative: early), as if read before the step; 0 if each row's stamp fits."""
+        """Number of samples by which rows are late (negative: early), as if read before the step; 0 if time stamps explain it."""
         lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
         if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
             return lag
@@ -242,7 +242,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and end before the run: `samples-skipped`. To its end, `sample_count` deducts."""
+        """Return whether rows leave out steps and end before the run: the fault `samples-skipped` of the check `matches_truth`."""
         return (
             self.push is not None
             and self.push.skip != 1
@@ -286,9 +286,9 @@ class Explained:
 
     @property
     def push_claim(self) -> Claim | None:
-        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if it is the lab sheet's.
+        """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if it is right or unknown.
 
-        That is so if the true run explains the rows, unless the robot only stands at first and is pushed later.
+        The start is right if the true run explains the rows, unless the robot only stands at first and is pushed later.
         """
         return Claim.of(self.series.first_step) if self._settles_first else _claim_of(self.push, self.facts.push)
 
@@ -304,7 +304,7 @@ class Explained:
 
     @property
     def goes_on(self) -> bool:
-        """Return whether a run continues an earlier one, or starts in another pose than the reset pose: the fault `no-reset`."""
+        """Return whether the second run continues an earlier one, or a run starts in another pose than the reset: `no-reset`."""
         later, left_at = self.facts.later, self.facts.left_at
         # The stamps of both runs may begin late, by the same time or by as many steps.
         late = _first_stamp(self.facts.push)
@@ -321,7 +321,7 @@ class Explained:
 
     @property
     def other_velocities(self) -> bool:
-        """Return whether the run after an earlier one begins with other velocities than the first: no reset, or a random push."""
+        """Return whether the second run begins with other velocities than the first, for lack of a reset or by a random push."""
         first = self.series.first_step
         claim = _claim_of(self.later, self.facts.later) if self.facts.later is not None else None
         return claim is not None and self.later is not None and bool(first) and differ(claim.qvel, first["qvel"])
@@ -337,7 +337,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """The start of the run in words, if it is not the lab sheet's push; "" if it is, and the check `applies_push` passes."""
+        """The start of the first run in words, if it is not the lab sheet's push; "" if it is: the check `applies_push` passes."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"

@@ -103,11 +103,11 @@ class Run:
 
     Attributes
     ----------
-    series : the recording without rows of earlier runs; recorded : the recording with them; left : their number
+    series, recorded : the recording without, and with, rows of earlier runs; left : number of such rows
     worlds : sensor values in each world: name -> (acceleration, angular velocity), each (rows, 3)
     duration_s, model_timestep : duration and time step (s) that the function was called with
     model_steps : the number of steps in this duration
-    claim : the start from which all worlds but `TRUE_WORLD` were simulated; None if none was
+    claim : the start from which all worlds but `TRUE_WORLD` were simulated; None if there is no other world
     """
 
     series: Collection
@@ -165,12 +165,12 @@ class Facts:
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """The recordings that were made, one or two; each has its own duration and time step."""
+        """The runs that the student's function recorded: the first and, if it succeeded, one of another duration and time step."""
         return (self.push,) if self.later is None else (self.push, self.later)
 
 
 def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
-    """Build the facts from these runs, from the model that the traces name, and from further fields of `Facts` in `more`."""
+    """Build the facts from the runs `push` and `later`, from the model of the traces, and from more fields of `Facts` (`more`)."""
     lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
     gravity = np.asarray(lab.scalars["gravity"], float)
     return Facts(push, later, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
@@ -192,7 +192,7 @@ def asked(student: Student, truth: Traces, name: str) -> Collection:
 
 
 def recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> dict[str, Collection]:
-    """Return what `simulate_and_collect` records of the lab sheet's motion, by scenario, for plots; `tell` why one is missing."""
+    """Return what `simulate_and_collect` records, by scenario, for plots; call `tell` with the reason if a recording is missing."""
     own = {}
     for scenario in ("push", "push_dirty"):
         try:

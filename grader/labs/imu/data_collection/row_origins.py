@@ -39,12 +39,12 @@ class RowOrigin:
     ----------
     world : name of the simulated run that the rows come from
     lag : number of samples by which rows are late; negative if the first samples are missing
-    skip : steps per row; first : index of the step, among these, after which the row is stored
+    skip : number of steps per row; first : which of the `skip` steps of a row is stored, counted from 0
     exchanged : whether acceleration and angular velocity are in each other's place
     aliased : whether all rows are references to one array, so that each shows the last reading
-    at : index of each row's step, if rows are not equally far apart
-    altered : sensors whose numbers the code changed. If it is one sensor, the other identifies the run. If it is both, one
-        treatment (`treatment`) has to predict all rows of each.
+    at : the step, counted from 0, after which each row was stored, if rows are not equally far apart
+    altered : sensors whose numbers the code changed. If one sensor is altered, the rows of the other identify the run. If both
+        are, rounding or one linear map has to predict all rows of each.
     """
 
     world: str = TRUE_WORLD
@@ -62,12 +62,12 @@ class RowOrigin:
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:
-        """Return whether rows that leave out steps reach the end of the run, the last of `steps` steps."""
+        """Return whether `rows` rows that leave out steps reach the end of a run of `steps` steps."""
         reached = self.at[-1] + 1 if self.at else rows * self.skip
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether this origin predicts every filled row for which its world has a sample; False if too few rows can tell."""
+        """Return whether this origin predicts each filled row that its simulated run has a sample for; False for too few rows."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -121,7 +121,7 @@ def moves(true: Array, atol: float, rows: Rows) -> bool:
 
 
 def explain(run: Run) -> RowOrigin | None:
-    """Return the simplest origin that predicts the rows; None if none does, or if two equally simple ones have other causes."""
+    """Return the simplest origin that predicts a run's rows; None if none does, or if equally simple ones disagree on the cause."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 
@@ -133,7 +133,7 @@ def _by_cost(run: Run) -> Iterator[Iterable[RowOrigin]]:
 
 
 def explain_altered(run: Run) -> RowOrigin | None:
-    """Return the origin of rows that the code altered: one sensor in any way, or both by one treatment each; None if none fits."""
+    """Return the origin of rows that code altered: one sensor's anyhow, or both by rounding or a linear map; None if none fits."""
     known = [RowOrigin(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
     changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
     return hypothesis.explain((replace(origin, altered=keys) for keys in changed for origin in known), run)
@@ -187,7 +187,7 @@ def _missing_at_first(run: Run, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """Say how code altered a sensor's true rows to `got` (n, 3): "rounded", "treated" (linear map, offset); None if otherwise."""
+    """Return how code made `got` (n, 3) of the true rows of the sensor `key`: "rounded", "treated" (a linear map) or else None."""
     n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
     got, true = got[:n], true[:n]
     coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))
@@ -207,10 +207,10 @@ def affine(got: Array, true: Array) -> Array | None:
 
 
 def time_error(time: Array, timestep: float, origin: RowOrigin) -> Array:
-    """Return the distance (n,) of time stamps from dt … T or from 0 … T - dt, whichever is nearer as a whole, in seconds.
+    """Return the distance (n,), in seconds, of time stamps from the nearest right series, which starts at 0 or at one time step.
 
-    With several steps per row, stamps may also start at any step of the first row. If the first samples are missing, stamps may
-    start after these.
+    With several steps per row, a right series may start at any step of the first row; if the first samples are missing, after
+    these, too. If rows are not equally far apart (`origin.at`), each row's right stamp is the time after its step.
     """
     if origin.at:
         return np.abs(time - timestep * (np.array(origin.at) + 1.0)[: len(time)])

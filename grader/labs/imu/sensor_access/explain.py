@@ -255,7 +255,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """The ids of the faults of the address. Ignored ids also show in other IMUs, or as an exception in another model."""
+        """The faults (ids) of the addresses read: those of the hypotheses, else `hard-coded-address` if other IMUs show it."""
         known = _named_places([each for each in self.sensors if each])
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
@@ -269,7 +269,7 @@ class Explained:
         return [value for each in self.sensors if each for value in each.values]
 
     def meant(self, visit: Visit, sensor: int) -> Array:
-        """Return the true values at the address that is read for a sensor, or at the right address if that is unknown."""
+        """Return a scene's true values (k, 3) at the address that is read for a sensor, at the right address if that is unknown."""
         known = self.sensors[sensor]
         return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
 
@@ -280,13 +280,13 @@ class Explained:
 
     @property
     def share_altered(self) -> float:
-        """The share of the points that altered values cost: all if both sensors are wrong, or gravity, which only one has."""
+        """The share of a check's points that altered values cost: a part if one sensor is altered, all if gravity is removed."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 
     @property
     def share_misplaced(self) -> float:
-        """The share of the sensors read at another address than their own, which the check loses; 1 where the ids are ignored."""
+        """The share of the check's points that wrong addresses cost: half for each sensor so read, all if the ids are ignored."""
         faults = {fault for each in self.sensors if each for fault in each.place}
         computed = faults - {"hard-coded-address", "wrong-fixed-address"}
         if not computed or self._ids_are_ignored:
@@ -294,7 +294,7 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return where values are altered, to show it: a scene's readings and a sensor whose numbers are not those read; else None.
+        """Return where values are altered, to show it: readings in a scene, and a sensor; None if no values are altered.
 
         The robot's own IMU comes first, then other IMUs of which most numbers are right.
         """
@@ -303,7 +303,7 @@ class Explained:
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return where a wrong address is read, to show it: a scene's readings and a sensor; None if all are read at their ids'."""
+        """Return where a wrong address is read, to show it: readings in a scene, and a sensor; None if all addresses are right."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
@@ -327,7 +327,7 @@ class Explained:
         return not np.isfinite(got).all() and not (known and known.place)
 
     def near(self, visit: Visit) -> bool:
-        """Return whether the values of both sensors are wrong by less than the noise of a real sensor, which costs half."""
+        """Return whether both sensors' values in a visit are off by less than a real sensor's noise, for which half is deducted."""
         pairs = zip(visit.got, (self.meant(visit, i) for i in BOTH), SHEETS_NOISE, strict=True)
         return all(bool(np.abs(got - there).max() <= little) for got, there, little in pairs)
 

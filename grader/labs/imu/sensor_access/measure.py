@@ -29,7 +29,7 @@ class Scene:
     sensordata : (k, n); address : (sensors,) first index of each sensor; pair : ids of the accelerometer and gyroscope
     world_from_site, world_from_body : (k, 3, 3) attitudes of the sensor's site and of its body; qvel, qacc : (k, nv)
     cvel, cacc : (k, 6) velocity and acceleration of the sensor's body as MuJoCo keeps them: rotation, then translation
-    first : the scene of the model's first IMU, which is the torso's: a reader may look at that body by its name; None in that scene
+    first : the scene of the torso's IMU, the model's first, as code may read the torso by its name; None in the torso's scene
     """
 
     sensordata: Array

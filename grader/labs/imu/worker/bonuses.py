@@ -78,7 +78,7 @@ def _named(members: dict[str, Any]) -> tuple[float, float]:
 
 
 def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the student's `allan_deviation` with one record and report the returned value.
+    """Call the student's `allan_deviation` with one record; return ``value``, a node (description of what it returned).
 
     Parameters
     ----------

@@ -152,7 +152,7 @@ def _needed(function: Callable[..., Any]) -> int:
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return arguments for a student's `read` that has parameters for readings: both sensors' values, the time since the last."""
+    """Return arguments by name for a student's `read` that takes true readings: ``accel``, ``gyro``, ``dt`` since the last (s)."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
@@ -160,9 +160,9 @@ def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[
 def adapt_collector(
     function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return the student's `simulate_and_collect` as a function that is called as on the lab sheet, and where it differs from that.
+    """Return a function that calls the student's with the arguments that the lab sheet gives, and the names of what differs.
 
-    Sensor ids and the number of steps are passed if it has parameters for them.
+    It is `simulate_and_collect` or `live_plot`. Sensor ids and the number of steps are passed if it has parameters for them.
     """
     steps = round(duration_s / model.opt.timestep)
     return adapt(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})

@@ -215,6 +215,10 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     The first read of each follows its construction. The others follow when all are built, so that an instance that changes another
     one is found. If the field ``one_draw`` is set, all generators start anew before each read, those of the instance included.
 
+    Parameters
+    ----------
+    fields, arrays : as for `noise`, with ``instances`` (their number) and ``one_draw``; without biases
+
     Returns
     -------
     arrays ``accel``, ``gyro`` (instances, reads, 3).

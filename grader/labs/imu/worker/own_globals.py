@@ -133,7 +133,7 @@ def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
 
 
 def globals_read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
-    """Return which of model and data (`slots`) a function reads as globals and not as its parameters, which a fault reports.
+    """Return which of model and data (`slots`) a function reads as globals in place of its parameters, as ``global model``.
 
     The list is empty if it is no Python function. Call this while `set_model_and_data` is entered.
     """

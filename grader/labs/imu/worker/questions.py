@@ -272,8 +272,8 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Parameters
     ----------
     fields : ``path``; ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
-        call the submission's `simulate_and_collect`. It then records the series named in ``shows``, and the plot gets its result,
-        in which the series in ``keys`` replace its own
+        call the submission's `simulate_and_collect`. That function then records the series named in ``shows``, and the plot gets
+        what it returns, with the series in ``keys`` in place of its own
     arrays : the plotted data; a number is an array without dimensions
 
     Returns
