@@ -78,10 +78,10 @@ requires a different Python, or Requires-Python >=3.10 | Could not find a versio
 Invalid wheel filename, is not a valid wheel filename, or the file does not exist | SyntaxError, IndentationError, TabError | No module named 'pandas'
 The truth value of an array with more than one element is ambiguous | No points for a picture that looks right
 94 at home and 80 from the instructor | 100 at home, and the platform says something else | I think that the grader is wrong
-I found the starter files of last year | doctor says landlock | The address of the desk opens nothing
+imugrade is already installed with the same version | doctor says landlock | The address of the desk opens nothing
 A student says: 94 at home and 80 here | A student says: the grader is wrong | It takes very long | No space left on device
 A package that submissions import is missing | Which version graded this? | doctor says landlock, bubblewrap or none
-The platform gives everybody the same | Killed, without a message
+The platform gives everybody the same | Killed, or sound work was ended by SIGKILL
 """
 """Headings of the pages on messages that are no text of imugrade: what other programs say, and what people see."""
 EXAMPLE_VALUES = r"NotImplementedError: |^breakpoint|^points must be |^--format canvas |filters\.py|LowPassFilter|get_imu_readings|alice|starlette|Lab 04-01|tcp://…|mujoco [\d.]+|\d+(?:\.\d+)+|\d+"

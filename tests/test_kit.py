@@ -20,6 +20,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from grader import cli
 from grader.base import class_versions
 from grader.base.errors import RequestError
 from grader.commands.check import _keep_versions
@@ -181,6 +182,16 @@ def test_the_wheel_carries_the_rubric_that_is_named(tmp_path: Path) -> None:
     give.job("classroom50", LAB, tmp_path / "kit", other)
     packed = unpacked((tmp_path / "kit" / wheel.name()).read_bytes())
     assert packed["grader/labs/imu/rubric.yaml"] == other.read_bytes()
+
+
+def test_a_rubric_that_would_stop_every_students_check_makes_no_kit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    misspelt = tmp_path / "rubric.yaml"
+    misspelt.write_text((ROOT / "rubric.yaml").read_text().replace("matches_truth", "matches_trut", 1))
+    assert cli.main(["kit", str(tmp_path / "kit"), "--rubric", str(misspelt)]) == 2
+    assert "there is no check sensor_access.matches_trut" in capsys.readouterr().err
+    assert not (tmp_path / "kit").exists()
 
 
 # --- starter files ----------------------------------------------------------------------------------------------------

@@ -43,14 +43,16 @@ def kit(
       imugrade kit --github starter-repository
     """
     from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine.check_runner import known_checks  # noqa: PLC0415
     from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
     from grader.kit import give  # noqa: PLC0415
 
     if all(place is None for place in (out, gradescope, classroom50, github, gitlab)):
         raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50, --github or --gitlab")
     lab = chosen_lab()
-    settings = rubrics.load(lab, rubric).settings
-    hidden = lab.truth(seed, settings) if gradescope and seed is not None else None
+    given = rubrics.load(lab, rubric)
+    rubrics.match_checks(given, {id_: each.title for id_, each in known_checks(lab, given.own_checks).items()})
+    hidden = lab.truth(seed, given.settings) if gradescope and seed is not None else None
     jobs = {"classroom50": classroom50, "github": github, "gitlab": gitlab}
     kits = [partial(give.student, lab, out, rubric)] if out else []
     kits += [partial(give.gradescope, lab, gradescope, rubric, hidden)] if gradescope else []
