@@ -112,7 +112,7 @@ def _comment_column(layout: TemplateLayout) -> int | None:
 
 
 def comment(final_grade: FinalGrade) -> str:
-    """Return the comment on a grade: points of each criterion, and how the final grade came about, escaped for HTML."""
+    """Return the comment on a grade for Moodle: points of each criterion, and how the final grade came about, escaped for HTML."""
     parts = [
         f"{c.title} {words.fraction(final_grade.points(c), c.max_points)}"
         f"{' (overridden)' * (final_grade.adjustment(c.id) is not None)}"

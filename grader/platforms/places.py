@@ -18,7 +18,7 @@ from grader.intake import Submission
 
 @dataclass(frozen=True)
 class FileLine:
-    """A line of a student's file, by its path in the repository, at which the CI shows a message; None is the file as a whole."""
+    """A line of a student's file, by its path in the repository, where the CI shows a message; `line` None is the whole file."""
 
     file: str
     line: int | None = None

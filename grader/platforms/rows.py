@@ -18,7 +18,7 @@ NOTES_LIMIT = 20
 
 
 def parts(result: Result) -> Iterator[ResultPart]:
-    """Yield the parts of a result that a platform shows: the criteria, then the attempted extensions that have checks."""
+    """Yield the parts of a result that platforms show: all criteria, then those extensions that were attempted and have checks."""
     yield from result.criteria
     yield from (extension for extension in result.extensions if extension.attempted and extension.checks)
 

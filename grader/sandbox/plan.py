@@ -53,13 +53,13 @@ class Plan:
     visible, hidden
         What can be read in the sandbox, and what below that cannot.
     code
-        The sandbox's own modules that run in the sandbox.
+        The modules of `grader.sandbox` that run in the sandbox.
     search
         `sys.path` of the sandbox.
     warm, thorough
         See `Contents`.
     fonts
-        Files for the zygote's cache: matplotlib's lists of fonts, which take 150 ms to make.
+        Matplotlib's lists of fonts, put into the zygote's cache, as they take 150 ms to make.
     scratch
         Folders that workers start in, one of them a worker.
     cache

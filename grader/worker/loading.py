@@ -40,7 +40,7 @@ _LEVELS = 1 + _ABOVE.count("/")
 
 
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: write the submission's files into the scratch folder and prepare the process. No student code runs yet.
+    """Answer a request: write the submission's files into the scratch folder and prepare the process. Student code runs later.
 
     Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
     """

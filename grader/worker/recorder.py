@@ -59,7 +59,7 @@ class Recorder:
         kind: str = "",
         seen: drawing.Preview | None = None,
     ) -> None:
-        """Record the facts of a figure at an `event` (saved, shown, closed), unless it is known already or twelve figures are.
+        """Record a figure's facts at an `event` (saved, shown, closed); not one that is recorded already, and no more than twelve.
 
         A figure that was empty, or is saved again, is recorded again. `target`, `dpi` and `kind` (the format) are those of
         `savefig`; `seen` is the small picture, if it was drawn already.

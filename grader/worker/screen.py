@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Run the event loop: fire the timers in the order in which they are due, for `seconds`; None means until none is left."""
+        """Run the event loop for `seconds`, or until no timer is left (None): fire timers in the order in which they are due."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):
