@@ -21,7 +21,7 @@ SPRING_TORQUE = 10.0  # N m, at most, in a random state: a throw, not an explosi
 
 @dataclass(frozen=True)
 class Recording:
-    """The true data of one scenario. `model` is a key of `Bundle.models`, or None where nothing is simulated."""
+    """The true arrays and scalars of one scenario. `model` is a key of `Bundle.models`, or None where nothing is simulated."""
 
     name: str
     description: str

@@ -24,7 +24,7 @@ _CLOSE = 1e-3
 
 
 class NotOneTextError(ValueError):
-    """The text that was written of a model, without its other files, is not the same model."""
+    """Exception for a model whose text alone, without the other files that it loads, does not make the same model."""
 
 
 def self_contained(path: Path) -> str:

@@ -46,7 +46,7 @@ def check(
     rubric: RubricOption = None,
     isolation_level: LevelOption = None,
 ) -> int:
-    """Check one submission against the public scenarios.
+    """Check one submission against the public scenarios, and show its points and what to fix.
 
     \b
     Examples:

@@ -23,7 +23,7 @@ class EarlierPoints:
         return f"{_signed(points) if points else 'no change'} since the last check"
 
     def change_of(self, checks: Iterable[CheckResult]) -> str:
-        """Return how the points of a criterion's checks changed, as ``+6``; "" if not, or if a check was not judged then or now."""
+        """Return how the points of a criterion's checks changed, as ``+6``; "" if not at all, or if a run did not judge a check."""
         points = _gained(self.before, checks)
         return _signed(points) if points else ""
 

@@ -16,7 +16,7 @@ from grader.report.words import number
 
 
 def explain(lab: Lab, id_: str) -> str:
-    """Return the explanation of a fault, a check, a criterion or an extension.
+    """Return, in Markdown, the explanation of the fault, check, criterion or extension that has the id.
 
     Raises
     ------

@@ -167,7 +167,7 @@ NO_SUBMISSION = "no submission"
 
 
 def status(final_grade: FinalGrade) -> str:
-    """Return the status of a submission; "no submission" for a person who has points only by an override."""
+    """Return the status of a submission as in `Result`, or "no submission" for a person who has points only by an override."""
     return NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
 
 

@@ -23,9 +23,10 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class Reading:
-    """One value returned by a student's `get_imu_readings`: its two vectors (None for one not found), and in `oddity` a wrong form.
+    """The two vectors in one value that a student's `get_imu_readings` returned; a vector is None if it was not found.
 
-    `oddity` is None if the form is that of the lab sheet. `whole` is whether each vector that was found has three numbers.
+    `oddity` says how the value's form differs from the lab sheet's, None if it does not; `whole` is whether each vector found has
+    three numbers.
     """
 
     accel: Array | None
@@ -136,7 +137,7 @@ class FilterRun:
     odd : in words, what the filter returned in place of the first missing vector; None if none is missing
     input_changed : whether the filter wrote into a measurement or into the initial value
     output_changed : whether the array of the first output has other numbers after the last update
-    departs : as in `Readings`
+    departs : the sheet's names of the parameters for which the student's class had to be called in another way
     """
 
     output: Array | None

@@ -131,10 +131,10 @@ class Reader:
 
 
 def method_of(instance: Any, name: str, takes: int) -> tuple[Callable[..., Any], list[str]]:
-    """Return the method of this name, and an empty list: it does not differ from the lab sheet's.
+    """Return the method of this name, and as the list of what differs from the lab sheet an empty one.
 
     If the class has no such method, but just one public method that needs `takes` arguments, return that and ``["method <name>"]``.
-    If there is no such method either, an AttributeError is raised.
+    If it has none or several of those, an AttributeError is raised.
     """
     if not hasattr(instance, name):
         members = {own: each for kind in reversed(type(instance).__mro__) for own, each in vars(kind).items()}
