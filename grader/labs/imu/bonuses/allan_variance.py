@@ -1,4 +1,4 @@
-"""Facts about an `allan_deviation`: its curves for five records, and which estimate they show.
+"""The extension *Allan variance*: asks `allan_deviation` for curves of five records, and finds out which estimate they show.
 
 References
 ----------
@@ -45,7 +45,7 @@ _FEWEST = 3  # averaging times that tell a curve
 
 @dataclass(frozen=True)
 class AllanRun:
-    """Answer of `allan_deviation`: averaging times (k,) in s, deviations (k, c) for c input columns; None without such arrays."""
+    """Answer of a student's `allan_deviation`: times (k,) in s, deviations (k, c) for c columns of samples; None if unreturned."""
 
     taus: Array | None
     adev: Array | None
@@ -54,7 +54,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Finite averaging times and deviations (k,) of the first column, sorted, at most 200; None without such arrays."""
+        """Finite averaging times and deviations (k,) of the first column, sorted, at most 200; None if they were not returned."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
@@ -64,7 +64,7 @@ class AllanRun:
 
     @property
     def stop(self) -> Exception | None:
-        """The exception because of which the curve cannot be judged; None if the curve can be judged."""
+        """The exception that ends the checks of this curve, if it has fewer than three times; None if the curve can be judged."""
         if self.error:
             return Raised(self.error, "computing the Allan deviation")
         if self.curve is None:
@@ -73,7 +73,7 @@ class AllanRun:
 
 
 def allan(student: Student, samples: Array, sample_rate_hz: float) -> AllanRun:
-    """Return the result of `allan_deviation` for samples (n,) or (n, 3)."""
+    """Ask the student's `allan_deviation` about samples (n,) or, of three axes, (n, 3), and return its answer."""
     becomes = partial(_run, columns=1 if samples.ndim == 1 else samples.shape[1])
     fields = {"sample_rate_hz": sample_rate_hz}
     return student.answer(Question("allan", "allan_deviation", becomes, fields, {"samples": samples}))
@@ -86,15 +86,15 @@ def _run(frame: Frame, columns: int) -> AllanRun:
 
 
 def _curve(node: Node | None, arrays: Arrays, columns: int) -> tuple[Array | None, Array | None]:
-    taus, adev = _two(node, arrays)
+    taus, adev = _returned_pair(node, arrays)
     if taus is None or adev is None or adev.size != taus.size * columns:
         return None, None
     upright = adev if adev.shape[:1] == (taus.size,) else adev.T
     return taus.ravel(), upright.reshape(taus.size, columns)
 
 
-def _two(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None]:
-    """Return the two parts of a pair, or the rows of an array with two rows; None, None for anything else."""
+def _returned_pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None]:
+    """Return averaging times and deviations as returned: two parts of a pair, or rows of an array; None, None for another form."""
     if node is None or node["kind"] in ("dict", "object"):
         return None, None
     if "key" in node:
@@ -113,7 +113,7 @@ Record = tuple[Array, Array, Array]
 
 
 def _clusters(samples: Array, m: int) -> Array:
-    """Return the averages of successive clusters of m samples."""
+    """Return the averages of successive clusters of m samples, without samples at the end that fill no cluster."""
     count = len(samples) // m
     return np.asarray(samples[: count * m].reshape(count, m).mean(axis=1))
 
@@ -128,7 +128,7 @@ _CURVES: Mapping[str, Estimate] = {
 
 
 def in_seconds(taus: Array, rate: float) -> Array:
-    """Convert averaging times in seconds to cluster sizes in samples."""
+    """Return the cluster sizes, in samples, of averaging times in seconds."""
     return np.round(taus * rate)
 
 
@@ -145,7 +145,10 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """Explanation of a student's curves: an Allan deviation (`fault` ""), the estimate of a known fault, or unknown (None)."""
+    """Explanation of a student's curves: the `fault` whose estimate they show, "" for the Allan deviation, None if unknown.
+
+    `seconds` is whether the averaging times are in seconds; `size` converts them to cluster sizes in samples.
+    """
 
     fault: str | None
     seconds: bool = True
@@ -153,7 +156,7 @@ class Meaning:
 
 
 def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_deviation) -> bool:
-    """Return whether a curve (k,) is the estimate of `samples` at these cluster sizes (k,), to rounding or within chance."""
+    """Return whether a curve (k,) is this estimate of `samples` at cluster sizes (k,), exactly or as far as chance allows."""
     usable = (sizes >= 1) & (sizes <= len(samples) // 2)
     wanted = np.array([estimate(samples, int(m)) for m in sizes[usable]])
     if len(wanted) >= _FEWEST and np.allclose(curve[usable], wanted, rtol=_EXACT, atol=0.0):
@@ -168,7 +171,7 @@ def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_
 
 
 def meaning(records: Sequence[Record], rate: float) -> Meaning:
-    """Return the estimate and the unit of time that explain the curves of all records; `fault` None if none explains them.
+    """Return the estimate and the unit of time that explain the curves of all records; `fault` is None if none explains them.
 
     White noise alone is not enough: a missing factor one half looks like averaging times that are twice too long.
     """
@@ -180,7 +183,7 @@ def meaning(records: Sequence[Record], rate: float) -> Meaning:
 
 
 def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
-    """Return the log-log slopes of the true deviation and of a student's curve, where the record has thirty clusters or more."""
+    """Return the log-log slopes of the true Allan deviation and of a student's curve, at times of thirty clusters or more."""
     taus, curve, samples = record
     sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
     wanted = np.array([allan_deviation(samples, int(m)) for m in sizes])
@@ -189,7 +192,7 @@ def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
 
 
 def _slope(taus: Array, curve: Array) -> float:
-    """Return the slope of a curve (k,) on double logarithmic axes; NaN with fewer than three such times."""
+    """Return the slope of a curve (k,) on double logarithmic axes; NaN with fewer than three positive times."""
     known = (taus > 0) & (curve > 0)
     if len(np.unique(taus[known])) < _FEWEST:
         return np.nan
@@ -201,14 +204,15 @@ def _slope(taus: Array, curve: Array) -> float:
 
 @dataclass(frozen=True)
 class Allan:
-    """Facts about an `allan_deviation`.
+    """All that is measured of an `allan_deviation`: `measure` makes it, and checks and diagnosis read nothing else.
 
     Attributes
     ----------
     rate : sampling rate in Hz
-    white : the run for white noise; together : for three axes at once; alone : for each axis by itself
+    white, together : the answer for white noise, and for three axes at once
+    alone : the answers for each of these axes by itself
     records : by kind of noise, averaging times (k,), deviations (k,) and the samples (n,); empty if one of them has no curve
-    stopped : by check, what kept its property from being measured
+    stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
     rate: float
@@ -220,7 +224,7 @@ class Allan:
 
     @cached_property
     def odd(self) -> int | None:
-        """Number of values for white noise that are not finite; None if the answer has no such arrays."""
+        """Number of values for white noise that are not finite; None if no averaging times and deviations were returned."""
         taus, adev = self.white.taus, self.white.adev
         return None if taus is None or adev is None else int((~np.isfinite(taus)).sum() + (~np.isfinite(adev)).sum())
 
@@ -230,12 +234,12 @@ class Allan:
 
     @property
     def is_deviation(self) -> bool:
-        """Return whether the curves are Allan deviations, also where their averaging times are not seconds."""
+        """Return whether the curves are Allan deviations, also where their averaging times are not in seconds."""
         return self.meaning.fault == ""
 
     @property
     def worst(self) -> Record:
-        """The first record whose curve is not its Allan deviation over seconds, as the example for the message."""
+        """The first record whose curve is not its Allan deviation over seconds, to be the example in the message."""
         records = (self.records[kind] for kind in _RECORDS)
         return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
 

@@ -1,4 +1,4 @@
-"""Checks of the extensions: each a threshold on one measured property."""
+"""Checks of the extensions: each returns how one measured property deviates from what is asked, None if it is right."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Facts about a complementary filter: outputs at rest, in three rides and after single changes, and the faults that these show.
+"""The extension *Complementary filter*: outputs at rest, in three motions and after single changes, and the faults they show.
 
-Any filter that blends both sensors responds alike, whatever is inside: a turn within one sample comes out as that turn, and a
-tilt that lasts comes out as that tilt in the end, and at first as a small part of it.
+Any filter that blends both sensors responds alike, whatever is inside: a turn within one sample comes out as that turn, and a tilt
+that lasts comes out as that tilt in the end, and at first as a small part of it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ TURN = 0.2  # rad, within one sample
 
 
 def wrapped(angle: Array) -> Array:
-    """Return the angles wrapped to [−π, π)."""
+    """Return angles in rad, wrapped to [−π, π), so that full turns make no error."""
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
@@ -57,7 +57,13 @@ class TiltCase:
 
 @dataclass(frozen=True)
 class TiltRun:
-    """Output of a complementary filter: roll and pitch (n, 2), fewer rows if it raised; `odd`: the first value that is no pair."""
+    """Output of a complementary filter for one `TiltCase`.
+
+    Attributes
+    ----------
+    output : (n, 2) ndarray, roll and pitch in rad; fewer rows if the filter raised, NaN where no two numbers came
+    odd : the first value that is no pair of numbers, in words; "" if there is none
+    """
 
     output: Array
     odd: str
@@ -69,13 +75,13 @@ class TiltRun:
 
     @property
     def stop(self) -> Exception | None:
-        """The exception because of which the output cannot be judged; None if the output can be judged."""
+        """The exception that ends a check of this output: what the filter raised, or a missing angle. None if it can be judged."""
         whole = np.isfinite(self.output).all()
         return self.raised or (None if whole else Skipped("two finite numbers from every update()"))
 
 
 def tilt(student: Student, cases: Sequence[TiltCase]) -> list[TiltRun]:
-    """Run the student's `ComplementaryFilter` over each case, a new instance for each."""
+    """Run the student's `ComplementaryFilter` over each case, a new instance for each, and return the outputs."""
     arrays = {f"a{i}": case.acceleration for i, case in enumerate(cases)}
     arrays |= {f"g{i}": case.angular_velocity for i, case in enumerate(cases)}
     rows = [{"dt": case.dt, "accel": f"a{i}", "gyro": f"g{i}"} for i, case in enumerate(cases)]
@@ -97,7 +103,7 @@ def _run(answer: Mapping[str, Any], arrays: Mapping[str, Array]) -> TiltRun:
 
 @dataclass(frozen=True)
 class Response:
-    """Responses of a filter to a turn about x, a turn about y, and a tilt that the gyroscope missed.
+    """Response of a filter to a turn about x, a turn about y, and a tilt without a turn, by which faults are told apart.
 
     Attributes
     ----------
@@ -114,26 +120,26 @@ class Response:
 
     @property
     def ignores_gyroscope(self) -> bool:
-        """Return whether neither of the two turns shows in the outputs."""
+        """Return whether neither of the two turns shows in the outputs, as if only the accelerometer counted."""
         return bool(np.abs(self.turn).max() < 1e-3)
 
     @property
     def follows_at_once(self) -> bool:
-        """Return whether the first output has nearly all of a tilt, as that of the accelerometer alone has."""
+        """Return whether the first output has nearly all of the tilt, as if the accelerometer had the weight of 0.98."""
         return bool(np.all(np.abs(self.first - 0.98) < 0.015))
 
 
 @dataclass(frozen=True)
 class Tilt:
-    """Facts about a complementary filter.
+    """All that is measured of a complementary filter: `measure` makes it, and checks and diagnosis read nothing else.
 
     Attributes
     ----------
-    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; `odd` is the value returned there
+    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; `odd` says what was
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
-    errors, alone : by check, the RMS error in its ride, and those of each sensor alone, in rad
+    errors, alone : by check, the RMS error in its motion, and that of each sensor alone, in rad
     response : outputs after single changes of each sensor; None if some are missing
-    stopped : by check, what kept its property from being measured
+    stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
     level: Array
@@ -151,7 +157,7 @@ class Tilt:
 
 
 def measure(student: Student, truth: Traces) -> Tilt:
-    """Run the filter at rest, in three rides and over single changes; each ride by itself, so that each has its own time."""
+    """Run the filter at rest, in three motions and over single changes; each motion is a question with a time limit of its own."""
     level, *still = tilt(student, _at_rest(truth["tilt_start"]))
     stops: dict[str, Exception | None] = {
         LEVEL: level.raised,
@@ -182,7 +188,7 @@ def measure(student: Student, truth: Traces) -> Tilt:
 
 
 def at_rest(angles: Array, n: int) -> Array:
-    """Return the specific force (n, 3) of a forward-right-down sensor at rest at roll and pitch (2,)."""
+    """Return the specific force (n, 3) of a forward-right-down sensor at rest at these `angles`, roll and pitch."""
     roll, pitch = angles
     up = [np.sin(pitch), -np.sin(roll) * np.cos(pitch), -np.cos(roll) * np.cos(pitch)]
     return np.tile(G * np.array(up), (n, 1))
@@ -201,13 +207,13 @@ def _at_rest(start: Scenario) -> list[TiltCase]:
 
 
 def _rms(output: Array, ride: Scenario) -> float:
-    """Return the RMS error (rad) over the second half, where the initial state of the filter has decayed."""
+    """Return the RMS error (rad) over the second half of a motion, where the initial state of the filter has decayed."""
     half = len(output) // 2
     return float(np.sqrt(np.mean(wrapped(output[half:] - ride["tilt"][half:]) ** 2)))
 
 
 def _probes() -> list[tuple[Array, Array]]:
-    """Return the inputs (specific force, angular velocity) of three experiments: turns about x and y, and a tilt without gyro."""
+    """Return the inputs (specific force, angular velocity) of three experiments: turns about x and y, a tilt without a turn."""
     level = at_rest(np.zeros(2), BEFORE + 50)
     turned = np.zeros((2, *level.shape))
     turned[[0, 1], BEFORE, [0, 1]] = TURN / DT
@@ -216,7 +222,7 @@ def _probes() -> list[tuple[Array, Array]]:
 
 
 def response(outputs: list[Array]) -> Response | None:
-    """Return the response from the outputs (n, 2) of the three experiments; None if one is incomplete or not finite."""
+    """Return the response that outputs (n, 2) of the three experiments show; None if one is incomplete or not finite."""
     if any(len(out) < BEFORE + 50 or not np.isfinite(out).all() for out in outputs):
         return None
     tilted = outputs[2]
@@ -235,14 +241,14 @@ def turns(outputs: list[Array]) -> Array:
 # ---- the faults
 
 
-def _degrees(seen: Response) -> bool:
+def _is_in_degrees(seen: Response) -> bool:
     own, scale = np.diag(seen.turn), np.degrees(1.0)
     tilted = bool(np.all(np.abs(seen.settled / TILTED / scale - 1.0) < 0.05))
     turned = any(np.all(np.abs(own / factor - 1.0) < 0.1) for factor in (scale, 1.0 / scale))
     return tilted or (turned and not seen.follows_at_once)
 
 
-def _sign(seen: Response) -> bool:
+def _has_wrong_sign(seen: Response) -> bool:
     """Return whether the tilt settles with another sign, half a turn away or on the other axis, or the turn shows up so."""
     if _near(seen.settled, TILTED):
         unit = np.round(seen.turn)
@@ -263,20 +269,20 @@ FAULTS: Mapping[str, Callable[[Response], bool]] = {
     "weights-swapped": lambda seen: (
         seen.moved and seen.follows_at_once and _near(np.diag(seen.turn), np.zeros(2), 0.05)
     ),
-    "degrees-not-radians": lambda seen: seen.moved and _degrees(seen),
-    "tilt-sign-wrong": lambda seen: seen.moved and _sign(seen),
+    "degrees-not-radians": lambda seen: seen.moved and _is_in_degrees(seen),
+    "tilt-sign-wrong": lambda seen: seen.moved and _has_wrong_sign(seen),
 }
 """For each fault, whether it predicts the response; the most plausible first."""
 
 
 def _is_pair(facts: Tilt) -> bool:
-    """Return whether the filter returned two numbers, finite or not."""
+    """Return whether the level filter returned two numbers, finite or not, to tell NaN from another form."""
     pairs = ("a tuple of 2 (a number, a number)", "a list of 2 (a number, a number)", "an array of shape (2,)")
     return not facts.odd or facts.odd.startswith(pairs)
 
 
 def _responds(holds: Callable[[Response], bool]) -> Callable[[Tilt], bool]:
-    """Return a test of the facts: whether the measured response of the filter fits a fault."""
+    """Return a test of all facts from a test of the response; False if there is no response or no finite angle."""
     return lambda facts: facts.response is not None and facts.has_angles and holds(facts.response)
 
 

@@ -1,4 +1,4 @@
-"""Facts about a `live_plot`: the growth of its curves against simulated time, and the channels that they follow."""
+"""The extension *Live plot*: the growth of its curves against simulated time, and the sensor readings that they follow."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ _SCALES = (1.0, float(np.degrees(1.0)))
 
 @dataclass(frozen=True)
 class LiveRun:
-    """Observations made while the student's `live_plot` ran.
+    """What was seen of a student's `live_plot` while it ran.
 
     Attributes
     ----------
     events : (k, 3) ndarray, each time that the curves had changed: seconds simulated, points drawn, changes so far
-    curves : x and y (n,) of the curves of a few moments, the latest last
+    curves : x and y (n,) of the curves at a few moments, the latest last
     simulated : simulated time in all, in seconds
     """
 
@@ -56,18 +56,18 @@ class LiveRun:
 
     @property
     def updates(self) -> int:
-        """Number of simulation times at which the curves had changed."""
+        """Number of moments of simulated time at which the curves had changed; a live plot has many."""
         return len(np.unique(self.events[self.events[:, 0] > 0, 0]))
 
     @property
     def changes_after(self) -> int:
-        """Number of changes of the curves at the latest simulated time: if there are many, they were drawn after the simulation."""
+        """Number of changes of the curves at the latest simulated time; if many, they were drawn after the simulation."""
         moments = self.events[:, 0]
         return int(np.count_nonzero(moments == moments.max(initial=0.0)))
 
     @property
     def span(self) -> float:
-        """Simulated time (s) between the first and the last change of the curves."""
+        """Simulated time (s) between the first and the last change of the curves; 0 if they never changed."""
         return float(np.ptp(self.events[:, 0])) if len(self.events) else 0.0
 
 
@@ -76,7 +76,7 @@ def live(
 ) -> LiveRun:
     """Run the student's `live_plot` and return what it drew while it ran.
 
-    The robot starts with the velocity `push` (m/s), so that there is motion to draw. `ids`: accelerometer, gyroscope.
+    The robot starts with the velocity `push` (m/s), so that there is motion to draw. `ids` are accelerometer and gyroscope.
     """
     fields = {
         "model": model, "accel_id": ids[0], "gyro_id": ids[1], "duration_s": duration_s, "timestep": timestep, "push": push
@@ -94,9 +94,10 @@ def _run(frame: Frame) -> LiveRun:
 
 
 def shows(x: Array, y: Array, channels: Array, dt: float) -> bool:
-    """Return whether a curve (n,) follows a true channel (m, c): three of an accelerometer and three of a gyroscope in turn.
+    """Return whether a curve (n,) follows a true channel (m, c), an axis of acceleration or angular velocity of any of the IMUs.
 
-    Angular velocity may be drawn in degrees per second; noise and bias as on the sheet may be on the first IMU's readings.
+    Columns are three of an accelerometer and three of a gyroscope in turn. Angular velocity may be drawn in degrees per second;
+    noise and bias as on the sheet may be on the first IMU's readings.
     """
     finite = np.isfinite(x) & np.isfinite(y)
     x, y = x[finite], y[finite]
@@ -108,7 +109,7 @@ def shows(x: Array, y: Array, channels: Array, dt: float) -> bool:
 
 
 def _rows(x: Array, count: int, dt: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Match points (mask) to rows, where x is time in s or ms, stamped before or after the step."""
+    """Yield ways to match the points of a curve (a mask) to rows of the truth: x in s or ms, stamped before or after the step."""
     for unit in (1.0, 1e-3):
         for shift in (-1, 0):
             row = np.round(np.clip(x * unit, -_LATEST, _LATEST) / dt).astype(np.int64) + shift
@@ -119,12 +120,12 @@ def _rows(x: Array, count: int, dt: float) -> Iterator[tuple[np.ndarray, np.ndar
 
 
 def _exact(y: Array, truth: Array) -> bool:
-    """Return whether y (n,) is a column of truth (n, c)."""
+    """Return whether y (n,) is a column of the truth (n, c)."""
     return bool(np.any(np.abs(truth - y[:, None]).max(axis=0) <= _EXACT))
 
 
 def _noisy(y: Array, truth: Array) -> bool:
-    """Return whether y (n,) is one of the first six columns of truth (n, c), but for noise; a flat line shows none."""
+    """Return whether y (n,) is a column of the first IMU's truth (n, 6 or more) beside noise; False for a line that never moves."""
     own = truth[:, :6]
     close = np.abs(own - y[:, None]).max(axis=0) <= _NOISY
     moving = own.std(axis=0) > _NOISY / 3
@@ -140,7 +141,7 @@ def _correlation(y: Array, truth: Array) -> Array:
 def _by_order(y: Array, channels: Array) -> bool:
     """Return whether y (n,) ends in every s-th reading of a channel in order, for some s, whatever its x values are.
 
-    Points before the channel's first reading do not count: the code filled them in.
+    Points before the channel's first reading do not count: the code filled them in. False for a line that is flat at its end.
     """
     if len(y) < _FEWEST or np.ptp(y[-_FEWEST:]) <= 10 * _EXACT:
         return False  # a flat line is like any channel that rests
@@ -148,7 +149,7 @@ def _by_order(y: Array, channels: Array) -> bool:
 
 
 def _in_order(y: Array, column: Array) -> bool:
-    """Return whether the points of a curve are samples of a column in order, with a constant stride."""
+    """Return whether the last points of a curve are samples of a column in order, every s-th one for some s."""
     ends = np.flatnonzero(np.abs(column - y[-1]) <= _EXACT)[:, None]
     strides = np.arange(1, _LONGEST_STRIDE + 1)
     fits = ends - (_FEWEST - 1) * strides >= 0
@@ -168,12 +169,13 @@ def _all_in_order(y: Array, column: Array, end: int, stride: int) -> bool:
 
 @dataclass(frozen=True)
 class Live:
-    """Facts about a `live_plot`: what was seen while it ran, the time that it was asked for, and the truth.
+    """All that is measured of a `live_plot`: `measure` makes it, and checks and diagnosis read nothing else.
 
     Attributes
     ----------
+    run : what was seen while it ran
+    duration_s, timestep : the time that it was asked for, and that between rows of the truth, in s
     channels : true readings (m, c) of a robot that was pushed, and of one that was reset and rests
-    timestep : between their rows, in s
     """
 
     run: LiveRun
@@ -188,7 +190,7 @@ class Live:
 
 
 def measure(student: Student, truth: Traces) -> Live:
-    """Run the student's live plot once and return what was seen of it."""
+    """Run the student's live plot once, on a robot that is pushed, and return what was seen of it beside the truth."""
     watched = truth["watched"]
     duration, timestep, push = (float(watched.scalars[name]) for name in ("duration_s", "timestep", "push_mps"))
     ids = torso_ids(truth)

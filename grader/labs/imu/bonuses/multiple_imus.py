@@ -1,4 +1,4 @@
-"""Facts about a `read_all_imus`: its readings in the lab's model and in one with other places, beside the truth."""
+"""The extension *Multiple IMUs*: readings of `read_all_imus` in the lab's model and in one with other IMUs, beside the truth."""
 
 from __future__ import annotations
 
@@ -31,7 +31,14 @@ _FINDS, _MATCHES, _COPIES = "finds_every_place", "matches_truth", "readings_are_
 
 @dataclass(frozen=True)
 class ImuReadings:
-    """The results of `read_all_imus` in each state, by IMU; `later` is the first result, examined after the next step."""
+    """Answers of a student's `read_all_imus`, for several states of one model.
+
+    Attributes
+    ----------
+    calls : for each state, the readings by name of the IMU
+    later : the first result, looked at again after the next step
+    shape : the form of the first result, in words
+    """
 
     calls: tuple[Mapping[str, Reading], ...]
     later: Mapping[str, Reading]
@@ -40,7 +47,7 @@ class ImuReadings:
 
 
 def imus(student: Student, *, model: str, qpos: Array, qvel: Array) -> ImuReadings:
-    """Return the readings of all IMUs of a model in states (k, nq), (k, nv)."""
+    """Ask the student's `read_all_imus` in these states (k, nq), (k, nv) of a model (MJCF text), and return its answers."""
     states = {"qpos": qpos, "qvel": qvel}
     return student.answer(Question("imus", "read_all_imus", _readings, {"model": model}, states))
 
@@ -55,7 +62,7 @@ def _readings(frame: Frame) -> ImuReadings:
 
 
 def _by_place(node: Node | None, arrays: Arrays) -> dict[str, Reading]:
-    """Return the readings by the student's name for the place, in lower case and without a final ``_imu``."""
+    """Return readings by the student's name for the IMU, in lower case and without a final ``_imu``; none if no dictionary came."""
     if node is None or node["kind"] not in ("dict", "object"):
         return {}
     return {name.lower().removesuffix("_imu"): as_reading(item, arrays) for name, item in node["items"]}
@@ -66,31 +73,31 @@ def _by_place(node: Node | None, arrays: Arrays) -> dict[str, Reading]:
 
 @dataclass(frozen=True)
 class World:
-    """Readings of all IMUs of one model and the truth, by name of the IMU: (k, 6) acceleration and angular velocity in k states."""
+    """Readings of all IMUs of one model, and the truth by name of the IMU: (k, 6) acceleration and angular velocity in k states."""
 
     got: ImuReadings
     true: Mapping[str, Array]
 
     @cached_property
     def read(self) -> Mapping[str, Array]:
-        """Return the readings (k, 6) of each of the model's IMUs that the first call returned; NaN for a missing number."""
+        """The readings (k, 6) of each of the model's IMUs that the first call returned; NaN for a missing number."""
         first = self.got.calls[0] if self.got.calls else {}
         calls = {place: [_six(call.get(place)) for call in self.got.calls] for place in self.true if place in first}
         return {place: np.array(rows) for place, rows in calls.items()}
 
     @property
     def wrong(self) -> list[str]:
-        """Return the names of the IMUs whose readings differ from the truth."""
+        """The names of the IMUs whose readings differ from the truth."""
         return [place for place, rows in self.read.items() if not same(rows, self.true[place], ATOL)]
 
     @property
     def with_numbers(self) -> Mapping[str, Array]:
-        """Return the first readings by name of the IMU, without IMUs whose readings are all NaN."""
+        """The first readings by name of the IMU, without IMUs whose readings are all NaN."""
         return {place: rows[0] for place, rows in self.read.items() if np.isfinite(rows[0]).any()}
 
     @property
     def changed(self) -> list[str]:
-        """Return the IMUs whose first reading changed during the next step, so is a view into MuJoCo's memory and no copy."""
+        """The IMUs whose first reading changed during the next step, and so is a view into MuJoCo's memory and no copy."""
         later = self.got.later
         return [
             p for p, row in self.with_numbers.items() if not np.array_equal(_six(later.get(p)), row, equal_nan=True)
@@ -98,7 +105,7 @@ class World:
 
     @property
     def repeats_one(self) -> bool:
-        """Return whether every IMU has the readings of the first one, as code that ignores the name gives."""
+        """Return whether every IMU has the readings of the first, as code that ignores the name gives; False for one alone."""
         rows = list(self.read.values())
         return len(rows) > 1 and all(same(each, rows[0], 1e-9) for each in rows[1:])
 
@@ -108,13 +115,13 @@ class World:
 
 
 def _six(reading: Reading | None) -> Array:
-    """Return acceleration and angular velocity (6,), NaN where they are missing."""
+    """Return acceleration and angular velocity as (6,), NaN where they are missing."""
     return np.concatenate([three(reading.accel), three(reading.gyro)]) if reading else np.full(6, np.nan)
 
 
 @dataclass(frozen=True)
 class Imus:
-    """Facts about a `read_all_imus`: its readings in the lab's model and in one with other IMUs."""
+    """All that is measured of a `read_all_imus`, in the lab's model and in one with other IMUs; checks read nothing else."""
 
     lab: World
     other: World
@@ -130,7 +137,7 @@ class Imus:
 
 
 def measure(student: Student, truth: Traces) -> Imus:
-    """Ask `read_all_imus` for the IMUs of the lab's robot, even if the class uses another, and of a model with other IMUs."""
+    """Ask `read_all_imus` about the lab's robot, even if the class uses another, and about a model with other IMUs."""
     sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
     many = truth["reading_many"]
     lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))

@@ -1,4 +1,4 @@
-"""Charts of what the student's code has answered, for the report: gathered when all is marked; nothing is asked for them."""
+"""Charts of a report, made of the answers that the student's code gave while it was graded; nothing more is asked."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from grader.labs.imu.student import Student
 
 
 def charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
-    """Return the charts of a report; none of hidden scenarios or from code that has seen one: they could show hidden data."""
+    """Return the charts of a report. Of hidden scenarios, only handed-in pictures are shown: other charts may show hidden data."""
     pictures = tuple(handed_in.chart(name, student.stored_answer(name)) for name in student.pictures)
     if truth.name != "public":
         return tuple(chart for chart in pictures if chart is not None)

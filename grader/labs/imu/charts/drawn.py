@@ -1,4 +1,4 @@
-"""Chart the student's own figures, as they are graded: curves, labels, legends and titles."""
+"""Charts of the student's own figures, redrawn from what was graded: curves, labels, legends and titles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 
 def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Chart]:
-    """Yield a report's charts of the first figures of `plot_imu_data`, then of the scripts; one of figures that look alike."""
+    """Yield charts of at most three figures: first of `plot_imu_data`, then of the scripts; of figures that look alike, one."""
     told: set[tuple[object, ...]] = set()
     for drawing in (*([plotted] if plotted else []), *drawings):
         for figure in sorted(drawing.figures, key=lambda figure: not figure.is_saved):
@@ -37,7 +37,7 @@ def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Cha
 
 
 def _chart(figure: Figure, panels: tuple[Panel, ...], *, by_function: bool) -> Chart:
-    """Return the chart of one figure of the student's."""
+    """Return the chart of one figure, with a caption on whether it was saved and who drew it."""
     width, height = figure.size_px
     saved = f"Saved, {width} × {height} pixels" if figure.is_saved else "Drawn, not saved"
     who = "What plot_imu_data draws" if by_function else "What your files draw"
@@ -53,7 +53,7 @@ def _panels(figure: Figure) -> tuple[Panel, ...]:
 
 
 def _panel(axes: Axes, figure: Figure) -> Panel:
-    """Return one set of axes of the student's figure as a panel."""
+    """Return one set of axes of the student's figure as a panel of the chart, with at most twelve of its curves."""
     entries, across = axes.legend or figure.legend, _reach(axes)
     curves = [
         piece
@@ -66,15 +66,16 @@ def _panel(axes: Axes, figure: Figure) -> Panel:
 
 
 def _reach(axes: Axes) -> Array:
-    """Return the first and the last x of all visible curves with more than two points; 0 and 1 without one."""
+    """Return the first and the last x of all visible curves of data, for lines across the panel; 0 and 1 if there are none."""
     ends = [each.x[[0, -1]] for each in axes.curves if each.visible and len(each.x) > 2]
     return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
 
 
 def _pieces(each: figures.Curve, axes: Axes, entries: Sequence[Entry], across: Array) -> Iterator[Curve]:
-    """Split a curve into its visible part and the rest: all of a hidden curve, or what lies outside the axis limits.
+    """Split a curve into pieces that are visible and pieces that are not: outside the axis limits, or all of a hidden curve.
 
-    Named as the legend names it: a label that no legend shows is not seen by a reader either.
+    A piece has its name from the legend: a label that no legend shows is not seen by a reader either. A curve without points, or in
+    more than 20 pieces, is not split.
     """
     colour = each.colour if _COLOUR.fullmatch(each.colour) else "#000000"
     shown = [entry.text for entry in entries if entry.colour == each.colour]
@@ -102,6 +103,6 @@ def _within(values: Array, limits: tuple[float, float]) -> Mask:
 
 
 def _words(text: str, limit: int) -> str:
-    r"""Readable where a formula was meant: ``$\omega_x$`` is ``omega_x``."""
+    r"""Return a text of the figure for the chart, readable where a formula was meant: ``$\omega_x$`` becomes ``omega_x``."""
     plain = text.replace("$", "").replace("\\", "") if "$" in text else text
     return printable(plain, limit)

@@ -1,4 +1,4 @@
-"""The submission's own filter: what it makes of a noisy signal, and how much of each frequency it lets through.
+"""Chart of the submission's filter: what it makes of a noisy signal, and how much of each frequency it lets through.
 
 References
 ----------
@@ -23,7 +23,7 @@ _LEAST_GAIN = 1e-4
 
 
 def chart(runs: Sequence[FilterRun] | None, truth: Scenario) -> Chart | None:
-    """Return the chart of input, output and correct output of the run with the smallest alpha; None if outputs are missing."""
+    """Return the chart of the run with the smallest alpha, beside the sheet's filter; None if one of its outputs is missing."""
     signal, alpha = truth["input"], float(truth["alpha"][0])
     output = runs[0].output if runs else None
     if output is None or output.shape != signal.shape or not np.isfinite(output).all():
@@ -37,38 +37,29 @@ def chart(runs: Sequence[FilterRun] | None, truth: Scenario) -> Chart | None:
 
 
 def _in_time(signal: Array, output: Array, wanted: Array) -> Panel:
-    """Return the panel of a noisy signal, the filter's output and the sheet's."""
+    """Return the panel of a noisy signal over time, with the filter's output and the output of the sheet's filter (`wanted`)."""
     at = np.arange(min(_SHOWN, len(signal)), dtype=np.float64)
-    return Panel(
-        "A noisy signal",
-        "Sample",
-        "m/s²",
-        (
-            curve("input", "raw", at, signal[:_SHOWN, 2]),
-            curve("sheet", "wanted", at, wanted[:_SHOWN, 2]),
-            curve("yours", "own", at, output[:_SHOWN, 2]),
-        ),
+    curves = (
+        curve("input", "raw", at, signal[:_SHOWN, 2]),
+        curve("sheet", "wanted", at, wanted[:_SHOWN, 2]),
+        curve("yours", "own", at, output[:_SHOWN, 2]),
     )
+    return Panel("A noisy signal", "Sample", "m/s²", curves)
 
 
 def _in_frequency(signal: Array, output: Array, alpha: float) -> Panel:
-    """Return the panel of the gain over frequency, measured and by the sheet's recursion."""
+    """Return the panel of the gain over frequency, as measured and as the sheet's filter has it."""
     share, own = _gain(signal, output)
     sheet = np.abs(alpha / (1 - (1 - alpha) * np.exp(-2j * np.pi * share)))
-    return Panel(
-        "Gain",
-        "Frequency (in units of the sample rate)",
-        "Output / input",
-        (curve("sheet", "wanted", share, sheet), curve("yours", "own", share, np.maximum(own, _LEAST_GAIN))),
-        log=True,
-    )
+    curves = curve("sheet", "wanted", share, sheet), curve("yours", "own", share, np.maximum(own, _LEAST_GAIN))
+    return Panel("Gain", "Frequency (in units of the sample rate)", "Output / input", curves, log=True)
 
 
 def _gain(signal: Array, output: Array) -> tuple[Array, Array]:
-    """Frequencies, and the gain |H| there from the averaged cross spectrum of input and output over that of the input.
+    """Return frequencies (in units of the sample rate) and the gain |H| there: averaged cross spectrum over that of the input.
 
-    Of differences, in which a slow motion is no larger than the noise and leaks into no other frequency: the sheet's filter comes
-    out to 2 %.
+    The spectra are those of differences, in which a slow motion is no larger than the noise and leaks into no other frequency: the
+    sheet's filter comes out to 2 %.
     """
     before, after = _spectra(np.diff(signal, axis=0)), _spectra(np.diff(output, axis=0))
     cross, power = (after * before.conj()).sum(axis=(0, 1)), (np.abs(before) ** 2).sum(axis=(0, 1))
@@ -76,7 +67,7 @@ def _gain(signal: Array, output: Array) -> tuple[Array, Array]:
 
 
 def _spectra(series: Array) -> np.ndarray:
-    """Spectra of overlapping windowed segments, (segments, axes, frequencies)."""
+    """Return the spectra (segments, axes, frequencies) of overlapping segments, windowed so that frequencies leak little."""
     parts = np.lib.stride_tricks.sliding_window_view(series, _SEGMENT, axis=0)[:: _SEGMENT // 4]
     centred = parts - parts.mean(axis=-1, keepdims=True)
     return np.asarray(np.fft.rfft(centred * np.hanning(_SEGMENT)))

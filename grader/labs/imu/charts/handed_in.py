@@ -1,4 +1,4 @@
-"""Handed-in pictures that no code draws: set anew from the pixels that were judged, no byte of the file itself."""
+"""Charts of handed-in pictures that no code draws: made of the pixels that were judged, without a byte of the file itself."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from grader.engine.figures import Picture
 
 
 def chart(name: str, picture: Picture | None) -> Chart | None:
-    """Return a chart of what the sandbox recognised in a handed-in picture; None if it was not examined or could not be read."""
+    """Return a chart of a handed-in picture as the sandbox decoded it; None if it was not looked at or could not be read."""
     if picture is None:
         return None
     width, height = picture.size_px
@@ -23,7 +23,7 @@ def chart(name: str, picture: Picture | None) -> Chart | None:
 
 
 def _png(picture: Picture) -> str:
-    """Return a picture's reduced pixels as base64 PNG."""
+    """Return a picture's reduced pixels as PNG in base64, to be part of the page."""
     from PIL import Image  # noqa: PLC0415 - few submissions need it
 
     image = Image.fromarray(picture.preview)

@@ -1,4 +1,4 @@
-"""The collected series over the truth, and how far they are apart."""
+"""Chart of the series that `simulate_and_collect` recorded, over the truth, and of the difference."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _AXES = ("x", "y", "z")
 
 
 def chart(series: Collection | None, truth: Scenario) -> Chart | None:
-    """Return the chart of what `simulate_and_collect` recorded, over the true readings; None if it recorded no sensor."""
+    """Return the chart of recorded and true readings for the report; None if nothing was recorded of either sensor."""
     if series is None:
         return None
     told = [
@@ -39,7 +39,10 @@ def chart(series: Collection | None, truth: Scenario) -> Chart | None:
 def _sensor(
     name: str, unit: str, got: Array | None, true: Array, time: Array, tolerance: float
 ) -> tuple[list[Panel], str] | None:
-    """Return the panels of one sensor, recording over truth and error, and a sentence on the largest error; None without data."""
+    """Return the panels of one sensor, and its largest error in words: recording over truth, then the error if it is too large.
+
+    The words are "" if the recording agrees. None if fewer than two rows were recorded.
+    """
     n = min(len(true), 0 if got is None else len(got))
     if got is None or n < 2:
         return None
@@ -47,22 +50,11 @@ def _sensor(
     worst = np.nanmax(np.abs(error), axis=1, initial=0.0)
     rows = worst_of_each(worst)
     at, row = time[rows], int(np.argmax(worst))
-    traces = Panel(
-        name,
-        "Time (s)",
-        unit,
-        (
-            *(curve(f"true {axis}", f"true-{axis}", at, true[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
-            *(curve(axis, axis, at, got[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
-        ),
-    )
+    truths = (curve(f"true {axis}", f"true-{axis}", at, true[rows, i]) for i, axis in enumerate(_AXES))  # type: ignore[arg-type]
+    own = (curve(axis, axis, at, got[rows, i]) for i, axis in enumerate(_AXES))  # type: ignore[arg-type]
+    traces = Panel(name, "Time (s)", unit, (*truths, *own))
     if worst[row] <= tolerance:
         return [traces], ""  # a flat line shows nothing that the caption does not say
-    residual = Panel(
-        f"{name}: yours minus the truth",
-        "Time (s)",
-        unit,
-        tuple(curve(axis, axis, at, error[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
-        spread=2 * tolerance,
-    )
+    errors = tuple(curve(axis, axis, at, error[rows, i]) for i, axis in enumerate(_AXES))  # type: ignore[arg-type]
+    residual = Panel(f"{name}: yours minus the truth", "Time (s)", unit, errors, spread=2 * tolerance)
     return [traces, residual], f"{worst[row]:.2g} {unit} at {time[row]:.3g} s"

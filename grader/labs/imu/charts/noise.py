@@ -1,4 +1,4 @@
-"""The noise of the submission's own `NoisyIMU`: its distribution, and its Allan deviation over averaging times."""
+"""Charts of the noise of the submission's `NoisyIMU`: its distribution, and its Allan deviation over averaging times."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TIMES = 12
 
 @dataclass(frozen=True)
 class _Sensor:
-    """One sensor's reads less the truth and the bias that was given: (states, reads, 3); `asked` is the standard deviation."""
+    """The noise (states, reads, 3) of one sensor: reads minus truth and given bias; `asked` is the requested standard deviation."""
 
     name: str
     unit: str
@@ -28,7 +28,7 @@ class _Sensor:
 
 
 def charts(run: NoiseRun | None, truth: Traces) -> list[Chart]:
-    """Yield the charts of a noise model's readings; none if no read returned two vectors."""
+    """Return the charts of a noise model's reads; none if any read was no two vectors of finite numbers."""
     if run is None or not (np.isfinite(run.accel).all() and np.isfinite(run.gyro).all()):
         return []
     scenario = truth["noise"]
@@ -42,7 +42,7 @@ def charts(run: NoiseRun | None, truth: Traces) -> list[Chart]:
 
 
 def _histogram(sensors: tuple[_Sensor, ...]) -> Chart:
-    """Return the chart of the distribution of the noise."""
+    """Return the chart of how the noise is distributed, one panel a sensor, with the measured standard deviations in words."""
     found = " and ".join(
         f"{np.sqrt(np.mean((s.noise - s.noise.mean(axis=1, keepdims=True)) ** 2)):.3g} {s.unit} (asked for: {s.asked:g})"
         for s in sensors
@@ -57,25 +57,21 @@ def _histogram(sensors: tuple[_Sensor, ...]) -> Chart:
 
 
 def _distribution(sensor: _Sensor) -> Panel:
-    """Return the histogram of one sensor's noise, with the normal density."""
+    """Return the histogram of one sensor's noise in units of the requested standard deviation, with the normal density."""
     values = np.clip(sensor.noise.ravel() / sensor.asked, -1e6, 1e6)
     reach = max(4.0, float(np.ceil(np.quantile(np.abs(values), 0.999))))
     counts, edges = np.histogram(np.clip(values, -reach, reach), _BINS, (-reach, reach))
     centres, width = (edges[:-1] + edges[1:]) / 2, edges[1] - edges[0]
     grid = np.linspace(-reach, reach, 121)
-    return Panel(
-        sensor.name,
-        f"Noise (in units of {sensor.asked:g} {sensor.unit})",
-        "Density",
-        (
-            curve("yours", "bars", centres, counts / (len(values) * width)),
-            curve("normal law", "model", grid, np.exp(-(grid**2) / 2) / np.sqrt(2 * np.pi)),
-        ),
+    curves = (
+        curve("yours", "bars", centres, counts / (len(values) * width)),
+        curve("normal law", "model", grid, np.exp(-(grid**2) / 2) / np.sqrt(2 * np.pi)),
     )
+    return Panel(sensor.name, f"Noise (in units of {sensor.asked:g} {sensor.unit})", "Density", curves)
 
 
 def _allan(sensors: tuple[_Sensor, ...], dt: float) -> Chart:
-    """Return the chart of the Allan deviation of the noise."""
+    """Return the chart of the Allan deviation of the noise, one panel a sensor, which shows noise that depends on earlier noise."""
     return Chart(
         "noise_model",
         "Allan deviation of your noise",
@@ -86,19 +82,14 @@ def _allan(sensors: tuple[_Sensor, ...], dt: float) -> Chart:
 
 
 def _deviation(sensor: _Sensor, dt: float) -> Panel:
-    """Return the Allan deviation of one sensor's noise, with that of white noise of the requested size."""
+    """Return the panel of one sensor's Allan deviation, with that of white noise of the requested size."""
     reads = sensor.noise.shape[1]
     sizes = np.unique(np.geomspace(1, max(reads // 10, 1), _TIMES).round().astype(int))
     in_turn = np.moveaxis(sensor.noise, 1, 0)
     found = np.nan_to_num([allan_deviation(in_turn, int(m)) for m in sizes])
     some = found > 1e-9 * sensor.asked
-    return Panel(
-        sensor.name,
-        "Averaging time (s)",
-        f"Allan deviation ({sensor.unit})",
-        (
-            curve("white noise as asked for", "model", sizes * dt, sensor.asked / np.sqrt(sizes)),
-            curve("yours", "own", (sizes * dt)[some], found[some]),
-        ),
-        log=True,
+    curves = (
+        curve("white noise as asked for", "model", sizes * dt, sensor.asked / np.sqrt(sizes)),
+        curve("yours", "own", (sizes * dt)[some], found[some]),
     )
+    return Panel(sensor.name, "Averaging time (s)", f"Allan deviation ({sensor.unit})", curves, log=True)

@@ -1,4 +1,4 @@
-"""Turn arrays into the few, finite points of a curve."""
+"""Conversion of arrays into the few finite points of a chart's curve."""
 
 from __future__ import annotations
 
@@ -12,21 +12,17 @@ _LARGEST = 1e12
 
 
 def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
-    """Return a curve for a chart, without the points that are not finite."""
+    """Return a curve for a chart, without the points that are not finite or too large to draw."""
     fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
-    return Curve(name, role, _to_float32(x[fine]), _to_float32(y[fine]), colour)
+    across, along = (tuple(each[fine].astype(np.float32).tolist()) for each in (x, y))  # finer than a pixel
+    return Curve(name, role, across, along, colour)
 
 
 def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
-    """Return indices of at most `most` of the errors (n,), the largest of each stretch, so that a thinned chart hides no peak."""
+    """Return indices of at most `most` errors (n,), the largest of each stretch, so that a thinned chart hides no peak."""
     n = len(error)
     width = -(-n // most)
     filled = np.full(width * -(-n // width), -1.0)
     filled[:n] = np.nan_to_num(np.abs(error), nan=np.inf)
     stretches = filled.reshape(-1, width)
     return np.asarray(stretches.argmax(axis=1) + width * np.arange(len(stretches)))
-
-
-def _to_float32(values: Array) -> tuple[float, ...]:
-    """Round to single precision, as `chart_data.packed` stores it."""
-    return tuple(values.astype(np.float32).tolist())

@@ -1,4 +1,4 @@
-"""Checks of the filter: each a threshold on one measured property."""
+"""Checks of the filter: each returns how one measured property deviates from what the sheet asks, None if it is right."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Run
 
 
 class Output(TypedDict):
-    """Numbers of a message: the output that was wanted, and the output of the student's filter."""
+    """Values for the message on a wrong output of the filter: the output that was wanted, and the output that came."""
 
     wanted: str
     came: str
 
 
 class Step(Output):
-    """Numbers of a message on a later output: both outputs, and the values that the recursion computes it from."""
+    """Values for the message on an output after the first one: also the values from which the recursion computes it."""
 
     x: str
     before: str
@@ -29,7 +29,7 @@ class Step(Output):
 
 
 class Constant(Output):
-    """Numbers of a message on an output after a number of equal measurements."""
+    """Values for the message on a constant input that comes out changed: also the number of equal measurements."""
 
     samples: int
 
@@ -110,7 +110,7 @@ def _off(wanted: Array, came: Array) -> tuple[Output, Size]:
 
 
 def _off_from(run: Run, initial: Array) -> Deviation[Output]:
-    """Describe the first output of a run from an initial value: half of what the check asks for."""
+    """Describe a wrong first output of a filter that was given an initial value, which costs half of the check."""
     output, size = _off(run.first_wanted, run.y[0])
     made_of = f"the measurement {vector(run.x[0])} after the initial value {vector(initial)}, with alpha {run.alpha:g}"
     return Deviation({**output, "wanted": f"{output['wanted']} for {made_of}"}, 0.5, size)

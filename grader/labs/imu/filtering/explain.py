@@ -1,4 +1,4 @@
-"""Diagnosis of a filter: hypotheses on why its outputs differ from the sheet's, by recursion, start and state."""
+"""Diagnosis of a filter: the known faults of its recursion, its start and its state, and what each makes of the outputs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grader.engine.charging import Judge, Measure
 from grader.engine.findings import Came, Deviation, Form, NoNumbers, Size
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.compare import Array, same
-from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Run, measure
+from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Ownership, Run, measure
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.parameters import CALL_REASONS, departures
 
@@ -44,24 +44,24 @@ _FEWEST = 6
 
 
 def recursion(alpha: float, x: Array, start: Array) -> Array:
-    """Return the outputs (n, 3) of the sheet's filter for measurements x (n, 3), with the first output `start` (3,)."""
+    """Return the outputs (n, 3) of the sheet's filter for measurements x (n, 3), if its first output is `start` (3,)."""
     steps = itertools.accumulate(x[1:], lambda y, sample: alpha * sample + (1 - alpha) * y, initial=start)
     return np.array(list(steps))
 
 
 def _every(holds: Callable[[Run], bool]) -> Callable[[Facts], bool]:
-    """Return a test of the facts: whether a property holds for every run."""
+    """Return a test of all facts from a test of one run of the filter: whether every run passes it."""
     return lambda facts: all(map(holds, facts.runs))
 
 
 # ---- what is done to the recursion's outputs
 
 
-def _rounded(run: Run) -> bool:
-    """Return whether the output is the sheet's with rounded, truncated or half-precision numbers, or whether its state is.
+def _is_rounded(run: Run) -> bool:
+    """Return whether a filter computes the sheet's recursion and rounds, truncates or halves the precision of output or state.
 
     A rounded output differs from the recursion by one step at most, and its start by one more. A rounded state obeys the recursion
-    from each output to the next within one step.
+    from each output to the next within one step. False if the outputs never change.
     """
     return bool(np.ptp(run.y, axis=0).any()) and any(
         same(run.y, recursion(run.alpha, run.x, run.y[0]), 2 * grain) or bool(np.all(run.off <= grain + ATOL))
@@ -70,15 +70,15 @@ def _rounded(run: Run) -> bool:
 
 
 def _grains(y: Array) -> list[float]:
-    """Return the step sizes of which all these numbers are multiples: powers of ten, and the step of half precision."""
+    """Return the steps to which all these numbers may be rounded: powers of ten, and the step of half precision; perhaps none."""
     steps = [10.0**-d for d in _DECIMALS if np.abs(y - y.round(d)).max() < _WHOLE]
     if np.abs(y).max() < 1e4 and np.abs(y - y.astype(np.float16)).max() < _WHOLE:
         steps.append(float(np.spacing(np.float16(np.abs(y).max()))))
     return steps
 
 
-def _limited(run: Run) -> bool:
-    """Return whether the output is the sheet's, clipped to two limits, with most outputs between them."""
+def _is_clipped(run: Run) -> bool:
+    """Return whether the output is the sheet's, clipped to two limits, with more than half of the outputs between them."""
     whole = recursion(run.alpha, run.x, run.x[0])
     cut = np.clip(whole, run.y.min(), run.y.max())
     return same(run.y, cut, ATOL) and 0.5 < float(np.mean(np.abs(whole - cut) <= ATOL)) < 1
@@ -101,80 +101,81 @@ WEIGHTS: tuple[tuple[int, str, Callable[[float], tuple[float, float, float]]], .
 
 
 def _made_of(weights: Callable[[float], tuple[float, float, float]]) -> Callable[[Facts], bool]:
-    """Return a test of the facts: whether every output is this weighted sum of two measurements and the last output."""
+    """Return a test of the facts: whether each output is a sum of two measurements and the last output with these weights."""
     return lambda facts: all(same(run.y[2:], run.made_of(*weights(run.alpha))[1:], ATOL) for run in facts.runs)
 
 
 def _ignores_alpha(facts: Facts) -> bool:
-    """Return whether runs with different alpha have the same weights."""
+    """Return whether runs with different alpha have the same weights, so that the filter does not use its alpha."""
     weights = [a for a, _ in facts.weights]
     return bool(weights) and max(weights) - min(weights) < 1e-6 and len({run.alpha for run in facts.runs}) > 1
 
 
 def _takes_constants_away(facts: Facts) -> bool:
-    """Return whether a constant input disappears in the output, and the signal is lost."""
+    """Return whether a constant input vanishes in the output and the signal is lost, as by a high-pass filter."""
     left = np.abs(facts.constant.y[-1]).max() < _NOTHING_LEFT * np.abs(facts.constant.x[0]).max()
     return bool(left) and not facts.signal_error < LARGEST_SIGNAL_ERROR
 
 
 def _hardly_moves(facts: Facts) -> bool:
-    """Return whether a slow motion has almost no effect on the output."""
+    """Return whether a slow motion has almost no effect on the output, as by one fixed tiny weight."""
     x, y = facts.second_half(facts.slow)
     return bool(np.linalg.norm(y.std(axis=0)) < _LITTLE_MOTION * np.linalg.norm(x.std(axis=0)))
 
 
 def _hardly_remembers(facts: Facts) -> bool:
-    """Return whether noise comes out as it went in, but for a factor and a trace of something else."""
+    """Return whether the output is the noise that went in, times a factor, with a mere trace of earlier outputs."""
     x, y = (each - each.mean(axis=0) for each in facts.second_half(facts.noise))
     beside = y - x * (np.sum(x * y, axis=0) / np.sum(x * x, axis=0))
     return bool(0 < np.linalg.norm(beside) < _LITTLE_BESIDE * np.linalg.norm(y))
 
 
 def _from_the_first(run: Run) -> bool:
-    """Return whether every output is a mean of the measurement and the first one, whichever has the weight alpha."""
+    """Return whether the state is never updated: each output mixes its measurement with the first one, with alpha or 1 - alpha."""
     return any(same(run.y[1:], w * run.x[1:] + (1 - w) * run.x[0], ATOL) for w in (run.alpha, 1 - run.alpha))
 
 
 def _from_one_value(run: Run) -> bool:
-    """Return whether each output after the first is a weight of its measurement plus one constant vector."""
+    """Return whether each output after the first mixes its measurement with one constant vector, whatever that is."""
     return any(np.ptp(run.y[1:] - w * run.x[1:], axis=0).max() <= ATOL for w in (run.alpha, 1 - run.alpha))
 
 
 def _restarts(facts: Facts) -> bool:
-    """Return whether the filter starts again at times: its output is the measurement, and the recursion holds after it."""
+    """Return whether the filter starts again at times: its output is then the measurement, and the recursion goes on from it."""
     again = [np.abs(run.y[1:] - run.x[1:]).max(axis=1) <= ATOL for run in facts.runs]
     seldom = all(o.mean() < _NOW_AND_THEN and a[o].all() for o, a in zip(facts.off, again, strict=True))
     return seldom and any((o[1:] & ~o[:-1]).any() for o in facts.off)  # after it had begun
 
 
 def _stays_at_times(facts: Facts) -> bool:
-    """Return whether the output at times keeps its last value whatever the measurement is, and obeys the recursion otherwise."""
+    """Return whether the output at times keeps its last value whatever the measurement is, and else obeys the recursion."""
     stays = [np.abs(np.diff(run.y, axis=0)).max(axis=1) <= ATOL for run in facts.runs]
     return all(np.sum(~o) >= _FEWEST and s[o].all() for o, s in zip(facts.off, stays, strict=True))
 
 
 def _begins_late(facts: Facts) -> bool:
-    """Return whether the recursion holds except for the first outputs, at most a third of them."""
+    """Return whether the recursion holds after the first outputs, at most a third of them; False if it holds from the start."""
     first = [int(np.argmin(o)) for o in facts.off]
     return any(first) and all(end <= len(o) // 3 and not o[end:].any() for end, o in zip(first, facts.off, strict=True))
 
 
-def _averages(run: Run) -> bool:
-    """Return whether each output is the mean of a fixed number of samples."""
+def _is_moving_average(run: Run) -> bool:
+    """Return whether each output is a moving average: the mean of a fixed number of samples."""
     sums = np.concatenate([np.zeros((1, 3)), np.cumsum(run.x, axis=0)])
     sizes = range(1, min(_LONGEST, len(run.x) // 2) + 1)
     return any(same(run.y[size:], (sums[size + 1 :] - sums[1:-size]) / size, ATOL) for size in sizes)
 
 
-def _means(run: Run) -> bool:
+def _is_mean_of_all(run: Run) -> bool:
     """Return whether each output is the mean of all samples so far."""
     return same(run.y, np.cumsum(run.x, axis=0) / np.arange(1, len(run.x) + 1)[:, None], ATOL)
 
 
-def _whole(run: Run) -> bool:
-    """Return whether the outputs change, and each is the recursion from the one before, cut off or rounded to whole numbers.
+def _has_whole_numbers(run: Run) -> bool:
+    """Return whether the state is of whole numbers: each output is the recursion from the one before, rounded or cut off.
 
-    A state of real numbers whose output alone is cut off goes on from numbers that are not shown.
+    A state of real numbers whose output alone is cut off goes on from numbers that are not shown. False if the outputs never
+    change.
     """
     y = run.y[1:]
     return bool(np.ptp(y, axis=0).any()) and any(
@@ -183,7 +184,7 @@ def _whole(run: Run) -> bool:
 
 
 def _leaves_axes_out(run: Run) -> bool:
-    """Return whether some axes obey the recursion, and the others are returned unfiltered or never change."""
+    """Return whether some axes obey the recursion, and the others come out unfiltered or never change."""
     y = run.y[1:]
     right, as_they_are = ((np.abs(y - other) <= ATOL).all(axis=0) for other in (run.wanted, run.x[1:]))
     left = as_they_are | (np.ptp(y, axis=0) <= ATOL)
@@ -191,7 +192,7 @@ def _leaves_axes_out(run: Run) -> bool:
 
 
 def _mixes_axes(run: Run) -> bool:
-    """Return whether the outputs depend on all axes together, not on each axis by itself."""
+    """Return whether each output depends on other axes than its own, by fixed weights."""
     columns = np.concatenate([run.x[1:], run.y[:-1]], axis=1)
     weights, *_ = np.linalg.lstsq(columns, run.y[1:], rcond=None)
     apart = ~np.tile(np.eye(3, dtype=bool), (2, 1))
@@ -199,7 +200,7 @@ def _mixes_axes(run: Run) -> bool:
 
 
 def _low_pass(facts: Facts) -> bool:
-    """Return whether the filter reduces noise, keeps the signal and passes a constant."""
+    """Return whether the filter is a low-pass of another kind: it reduces noise, keeps the signal and passes a constant."""
     return (
         facts.noise_gain < LARGEST_NOISE_GAIN
         and facts.signal_error < LARGEST_SIGNAL_ERROR
@@ -208,7 +209,7 @@ def _low_pass(facts: Facts) -> bool:
 
 
 def _default_alone(facts: Facts) -> bool:
-    """Return whether only the run with the default of alpha is wrong."""
+    """Return whether only the run without alpha is wrong, as with another default than the sheet's 0.1."""
     *given, default = facts.runs
     return not facts.needs_alpha and all(run.obeys for run in given) and not default.obeys
 
@@ -217,7 +218,7 @@ def _default_alone(facts: Facts) -> bool:
 
 
 def _from_zero(facts: Facts) -> bool:
-    """Return whether the first output follows from a state of zero. A high-pass filter gives the same output and is excluded."""
+    """Return whether the first output follows from a state of zero; False for a high-pass filter, which has the same output."""
     run = facts.runs[0]
     weights = (run.alpha, 1 - run.alpha, 0.0, *(run.weights or ())[:1])
     high_pass = any(_made_of(weights)(facts) for _, fault, weights in WEIGHTS if fault == "high-pass")
@@ -225,7 +226,10 @@ def _from_zero(facts: Facts) -> bool:
 
 
 def ignores_initial(run: Run) -> bool:
-    """Return whether the first output follows from the first measurement alone, or from zero in place of the initial value."""
+    """Return whether a first output is made of the first measurement alone, or of zero in place of the initial value.
+
+    False if the run was given no initial value, or is no recursion on its last output.
+    """
     if run.weights is None or run.initial is None or abs(run.weights[1]) <= ATOL:
         return False
     places = (run.x[0], run.weights[0] * run.x[0]) if run.initial.any() else (run.x[0],)
@@ -233,26 +237,31 @@ def ignores_initial(run: Run) -> bool:
 
 
 def _initial_ignored(facts: Facts) -> bool:
-    """Return whether a given initial value is ignored while the start without one is right."""
+    """Return whether a given initial value is ignored, while the start without one is right and no state is shared."""
     off = [run for run in facts.from_initial if not run.starts]
     return facts.runs[0].starts and any(map(ignores_initial, off)) and not facts.own.shared
+
+
+def _if_own(holds: Callable[[Ownership], bool]) -> Callable[[Facts], bool]:
+    """Return a test of all facts from a test of who can change a filter's state; False if filters share it anyway."""
+    return lambda facts: not facts.own.shared and holds(facts.own)
 
 
 OF, START, OWN = "follows_recursion", "starts_from_first_measurement", "instances_independent"
 REASONS: tuple[Reason[Facts], ...] = (
     *(Reason(OF, cost, fault, _made_of(weights)) for cost, fault, weights in WEIGHTS),
     Reason(OF, 0, "alpha-default", _default_alone),
-    Reason(OF, 0, "integer-state", lambda f: f.own.remembers and _every(_whole)(f)),
-    Reason(OF, 1, "output-rounded", lambda f: f.own.remembers and all(map(_rounded, f.runs))),
-    Reason(OF, 2, "output-limited", _every(lambda run: run.obeys or _limited(run))),
+    Reason(OF, 0, "integer-state", lambda f: f.own.remembers and _every(_has_whole_numbers)(f)),
+    Reason(OF, 1, "output-rounded", lambda f: f.own.remembers and all(map(_is_rounded, f.runs))),
+    Reason(OF, 2, "output-limited", _every(lambda run: run.obeys or _is_clipped(run))),
     Reason(OF, 3, "output-stuck", _every(lambda run: bool(np.ptp(run.y[1:], axis=0).max() <= ATOL))),
     Reason(OF, 3, "state-not-kept", _every(_from_the_first)),
     Reason(OF, 4, "does-not-filter", _every(_from_one_value)),
     Reason(OF, 5, "does-not-filter", lambda f: not f.own.remembers or _hardly_remembers(f)),
     # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
     Reason(OF, 6, "filter-restarts", _restarts),
-    Reason(OF, 6, "moving-average", _every(_averages)),
-    Reason(OF, 6, "mean-of-all-samples", _every(_means)),
+    Reason(OF, 6, "moving-average", _every(_is_moving_average)),
+    Reason(OF, 6, "mean-of-all-samples", _every(_is_mean_of_all)),
     Reason(OF, 7, "output-stuck", _hardly_moves),
     Reason(OF, 8, "gain-not-one", lambda f: any(abs(a + b - 1) > 1e-6 for a, b in f.weights)),
     Reason(OF, 9, "alpha-ignored", _ignores_alpha),
@@ -263,24 +272,21 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(OF, 15, "begins-late", _begins_late),
     Reason(OF, 16, "high-pass", _takes_constants_away),
     Reason(OF, 17, "other-low-pass", _low_pass),
-    Reason(
-        OF, 18, f"filtering.{OF}", lambda f: f.needs_alpha is not None
-    ),  # a missing default explains no wrong output
+    Reason(OF, 18, f"filtering.{OF}", lambda f: f.needs_alpha is not None),  # which explains no wrong output
     Reason(START, 1, "first-output-missing", lambda f: f.nothing_at_first),
     Reason(START, 2, "zero-initial-state", _from_zero),
     Reason(START, 3, "initial-value-ignored", _initial_ignored),
     Reason(
-        START, 4, "initial-value-mixed", lambda f: f.runs[0].starts and all(run.obeys for run in f.runs) and _is_own(f)
+        START,
+        4,
+        "initial-value-mixed",
+        lambda f: f.runs[0].starts and _every(lambda run: run.obeys)(f) and not f.own.shared,
     ),
     Reason(OWN, 1, "shared-state", lambda f: f.own.shared and f.own.settles(f.own.again)),
-    Reason(
-        OWN, 2, "aliased-output", lambda f: _is_own(f) and not same(f.own.spoilt_output, f.own.alone, ATOL), beside=True
-    ),
-    Reason(OWN, 3, "mutates-input", lambda f: _is_own(f) and f.own.input_changed, beside=True),
-    Reason(OWN, 4, "aliased-output", lambda f: _is_own(f) and f.own.output_changed, beside=True),
-    Reason(
-        OWN, 5, "aliased-input", lambda f: _is_own(f) and not same(f.own.spoilt_input, f.own.alone, ATOL), beside=True
-    ),
+    Reason(OWN, 2, "aliased-output", _if_own(lambda own: not same(own.spoilt_output, own.alone, ATOL)), beside=True),
+    Reason(OWN, 3, "mutates-input", _if_own(lambda own: own.input_changed), beside=True),
+    Reason(OWN, 4, "aliased-output", _if_own(lambda own: own.output_changed), beside=True),
+    Reason(OWN, 5, "aliased-input", _if_own(lambda own: not same(own.spoilt_input, own.alone, ATOL)), beside=True),
     Reason("handed_out", 1, "aliased-output", lambda _: True),
     Reason("form", 1, "output-unusable", lambda f: f.odd.startswith(_UNUSABLE)),
     Reason("form", 2, "wrong-return-type", lambda _: True),
@@ -289,19 +295,15 @@ REASONS: tuple[Reason[Facts], ...] = (
 )
 
 
-def _is_own(facts: Facts) -> bool:
-    return not facts.own.shared
-
-
 def _handed_out(facts: Facts) -> Deviation[NoNumbers] | None:
-    """Return a deviation if the filters share a state and also return that array, so that writing into an output changes it."""
+    """Return a deviation if filters share a state and return that array itself, which a caller may then change; else None."""
     own = facts.own
     both = own.shared and not own.stumbles and own.settles(own.again) and not own.settles(own.spoilt_output)
     return Deviation({}) if both else None
 
 
 def _form(facts: Facts) -> Deviation[Form] | None:
-    """Another form that a vector could be made out of; nothing at first alone is the start's."""
+    """Return a deviation if outputs are in another form than an array of three; None if only the first is, a fault of the start."""
     odd = facts.odd and not facts.nothing_at_first
     return Deviation({"form": FORM, "came": facts.odd}) if odd else None
 

@@ -1,4 +1,4 @@
-"""Facts about a `LowPassFilter`: signals that run through it, what comes out, and what the outputs show."""
+"""Measurement of a `LowPassFilter`: test signals run through it, and properties of what comes out."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _FEWEST = 6
 
 @dataclass(frozen=True)
 class Run:
-    """One run of a student's filter: outputs y (n, 3) for measurements x (n, 3), in m/s²; NaN where no number came."""
+    """One signal that ran through a student's filter: outputs y (n, 3), NaN where none came, for measurements x (n, 3), in m/s²."""
 
     alpha: float
     x: Array
@@ -45,17 +45,17 @@ class Run:
     initial: Array | None = None
 
     def made_of(self, now: float, last: float, before: float) -> Array:
-        """Return outputs (n - 1, 3) as a weighted sum of the measurement, the measurement before and the filter's last output."""
+        """Return outputs (n - 1, 3) as weighted sums of the measurement (`now`), the `last` one, and the output `before`."""
         return np.asarray(now * self.x[1:] + last * self.x[:-1] + before * self.y[:-1])
 
     @cached_property
     def wanted(self) -> Array:
-        """Outputs (n - 1, 3), from the second on, that the sheet's recursion makes of the filter's own last output."""
+        """Outputs (n - 1, 3), from the second on, that the sheet's recursion makes of the filter's own output before."""
         return self.made_of(self.alpha, 0.0, 1 - self.alpha)
 
     @cached_property
     def off(self) -> Array:
-        """Largest distance (n - 1,) of each output from `wanted`, in m/s²."""
+        """Largest error (n - 1,) of each output on any axis, from the second output on, in m/s²."""
         return np.asarray(np.abs(self.y[1:] - self.wanted).max(axis=1))
 
     @property
@@ -65,7 +65,7 @@ class Run:
 
     @cached_property
     def weights(self) -> tuple[float, float] | None:
-        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all axes obey, up to outputs that diverge; None if there are none."""
+        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all outputs up to 1e4 m/s² obey on all axes; None if no weights do."""
         away = np.abs(self.y).max(axis=1) > _AWAY
         end = int(away.argmax()) if away.any() else len(self.y)
         x, y = self.x[:end], self.y[:end]
@@ -77,7 +77,7 @@ class Run:
 
     @property
     def first_wanted(self) -> Array:
-        """First output (3,) that the sheet's filter makes of the first measurement and the initial value."""
+        """First output (3,) that the sheet's filter makes of the first measurement, after the initial value if there is one."""
         before = self.x[0] if self.initial is None else self.initial
         return np.asarray(self.alpha * self.x[0] + (1 - self.alpha) * before)
 
@@ -94,10 +94,11 @@ class Ownership:
 
     Attributes
     ----------
-    alone, again : no other code ran; beside : a second filter ran on other data
+    alone, again : no other code ran
+    beside : a second filter ran on other data
     spoilt_input, spoilt_output : the caller wrote into the array that went in, or that came out
     another_past : measurements 2 to 40 are larger by 3 m/s²; the first one and the others are the same
-    stumbles : what a filter raises if another one existed before it
+    stumbles : what a filter raises if another one existed before it; None if it raises nothing
     input_changed, output_changed : whether a filter wrote into what it was given, or later into what it had returned
     """
 
@@ -113,7 +114,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Return whether other earlier measurements change later outputs, by more than chance does."""
+        """Return whether earlier measurements change later outputs, beyond chance, as a filter's must; True if unknown."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()
@@ -124,25 +125,26 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Return whether another run approaches `alone`, as filters do that only start from different states."""
+        """Return whether another run ends as `alone` does: then only the start of its state differs, not the filter."""
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 
 
 @dataclass(frozen=True)
 class Facts:
-    """The facts about one filter.
+    """All that is measured of one filter: `measure` makes it, and checks and diagnosis read nothing else.
 
     Attributes
     ----------
-    runs : a noisy signal for each alpha that was asked for, and for none (taken for 0.1)
+    runs : a noisy signal with each alpha of the scenario, and the last one without (taken for 0.1)
     from_initial : runs of the same signal from an initial value, and from zeros
-    noise, slow, constant : noise, slow waves and a constant (alpha 0.2)
+    noise, slow, constant : runs of noise, of slow waves and of a constant (alpha 0.2)
     own : outputs that show whether other code can change the filter's state
-    odd : in words, what was returned in place of a vector; nothing_at_first : whether only the first output was missing
-    needs_alpha : the exception that the filter raises if no alpha is given
-    departs : the sheet's parameters that the filter could not be called with
-    stopped : by check, what kept its property from being measured
+    odd : in words, what was returned in place of a vector; "" if nothing was
+    nothing_at_first : whether only the first output was missing
+    needs_alpha : the exception that the filter raises if no alpha is given; None if it raises none
+    departs : names of the sheet's parameters that the filter does not accept
+    stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
     runs: tuple[Run, ...]
@@ -164,13 +166,13 @@ class Facts:
 
     @property
     def noise_gain(self) -> float:
-        """Variance of the output over that of the input, second half of the series."""
+        """Variance of the filtered noise over that of the noise, in the second half of the run; 1 without a filter."""
         x, y = self.second_half(self.noise)
         return float(np.var(y, axis=0).mean() / np.var(x, axis=0).mean())
 
     @property
     def signal_error(self) -> float:
-        """RMS of the output minus slow waves, in units of their own spread, second half of the series."""
+        """RMS error of filtered slow waves in units of their own spread, in the second half of the run; 1 if they are lost."""
         x, y = self.second_half(self.slow)
         return float(np.sqrt(np.mean((y - x) ** 2)) / np.sqrt(np.mean(np.var(x, axis=0))))
 
@@ -187,7 +189,7 @@ class Facts:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Measure a filter with one question for all cases; in a new process for each if a filter raises because of an earlier one."""
+    """Run all signals through the filter, each in a new process if an earlier filter makes it raise; return the facts."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:
@@ -196,7 +198,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def asked(scenario: Scenario) -> dict[str, FilterCase]:
-    """Return the cases to ask for, by name. The first ones run one signal with each alpha of the scenario."""
+    """Return the cases to ask for, by name: signals and arguments. The first ones run one signal with each alpha."""
     signal, initial = scenario["input"], scenario["initial"]
     alphas = [float(alpha) for alpha in scenario["alpha"]]
     short = signal[:60]
@@ -220,7 +222,7 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
 
 
 def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: StudentError | None = None) -> Facts:
-    """Build the facts of a filter from its answers, which are in the order of the cases."""
+    """Build the facts of a filter from its answers, one a case, and what it raised because of an earlier filter (`stumbles`)."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}
@@ -243,12 +245,12 @@ def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumble
         nothing_at_first=len(runs[plain[0]].x) < len(cases[plain[0]].signal),
         needs_alpha=needs_alpha,
         departs=next((departs for name in plain if (departs := said[name].departs)), ()),
-        stopped=_stopped(said, plain, own[:1] if stumbles else own) | _whatever_goes_in(runs["alone"]),
+        stopped=_stopped(said, plain, own[:1] if stumbles else own) | _skip_if_constant(runs["alone"]),
     )
 
 
 def _from_first_vector(case: FilterCase, run: FilterRun) -> tuple[FilterCase, FilterRun]:
-    """Return a case without its first sample if update() returned nothing for it; this is one fault, judged as such."""
+    """Return a case and its run without the first sample if update() returned nothing for it alone: one fault, judged as such."""
     missing = [] if run.output is None else np.flatnonzero(~np.isfinite(run.output).all(axis=1)).tolist()
     if run.error or missing != [0] or not run.odd:
         return case, run
@@ -257,7 +259,7 @@ def _from_first_vector(case: FilterCase, run: FilterRun) -> tuple[FilterCase, Fi
 
 
 def _rows(case: FilterCase, run: FilterRun) -> Array:
-    """Return an output for each measurement, with NaN for missing ones."""
+    """Return an output for each measurement of a case, NaN where the run has none."""
     rows = np.full(case.signal.shape, np.nan)
     if run.output is not None:
         rows[: len(run.output)] = run.output[: len(rows)]
@@ -265,7 +267,7 @@ def _rows(case: FilterCase, run: FilterRun) -> Array:
 
 
 def _stopped(said: Mapping[str, FilterRun], plain: Sequence[str], own: Sequence[str]) -> dict[str, Exception]:
-    """Return why a check's property could not be measured; infinity or NaN for one signal alone concern that signal."""
+    """Return by check why its property could not be measured; infinity or NaN for one signal stops that signal's check alone."""
     whole = next((stop for name in plain if (stop := _stop(said[name]))), None)
     found = {
         "follows_recursion": whole,
@@ -278,8 +280,8 @@ def _stopped(said: Mapping[str, FilterRun], plain: Sequence[str], own: Sequence[
     return {name: stop for name, stop in found.items() if stop is not None}
 
 
-def _whatever_goes_in(run: Run) -> dict[str, Exception]:
-    """Stop the question of the state where the output is always the same number, none that was measured."""
+def _skip_if_constant(run: Run) -> dict[str, Exception]:
+    """Skip the check of the filter's state if the output is one number that was never measured; else return nothing."""
     same_numbers = np.isfinite(run.y).all() and not np.ptp(run.y, axis=0).any() and not run.starts
     return {"instances_independent": Skipped("an output that depends on the measurements")} if same_numbers else {}
 

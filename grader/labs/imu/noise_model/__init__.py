@@ -1,1 +1,1 @@
-"""Noise model: white Gaussian noise of the size that is asked for, and a constant bias, independent on every axis."""
+"""The criterion *Noise model*: judges whether `NoisyIMU` adds white Gaussian noise of the requested size and a constant bias."""

@@ -1,4 +1,4 @@
-"""Checks of `NoisyIMU`: each a threshold on one measured property."""
+"""Checks of `NoisyIMU`: each returns how one measured property deviates from what the sheet asks, None if it is right."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CHANNELS = [f"{name} {axis}" for name in SENSOR_NAMES for axis in "xyz"]
 
 
 class Bias(TypedDict):
-    """Numbers of a message on the default bias: those that all texts about a sensor have, and the bias of one instance."""
+    """Values for the message on a default bias: the sensor, its unit, and `came`, what was measured in place of it."""
 
     sensor: str
     unit: str
@@ -29,7 +29,7 @@ class Bias(TypedDict):
 
 
 class Spread(Bias):
-    """Numbers of a message on the noise's size: the standard deviation asked for, the number of reads, and their rounding step."""
+    """Values for the message on noise of a wrong size: also the standard deviation asked for, and the rounding step `grain`."""
 
     std: float
     reads: int
@@ -37,7 +37,10 @@ class Spread(Bias):
 
 
 class GivenBias(Bias):
-    """The bias that was given, the one beside it, the one of an instance without noise, and the step of rounding."""
+    """Values for the message on a given bias that is not added: also the bias `wanted`, and what tells the fault.
+
+    `beside` is the bias beside the given one, `silent` that of an instance without noise, `grain` the step of rounding.
+    """
 
     wanted: str
     beside: str
@@ -46,10 +49,10 @@ class GivenBias(Bias):
 
 
 class Law(TypedDict):
-    """Numbers of the message on noise that is not white and normal.
+    """Values for the message on noise that is not white and normal, of which each fault quotes some.
 
     `beside` is the mean without the bias, `grain` the step of rounding, `memory` the correlation with earlier reads, `most` the
-    largest value, `ratio` Geary's ratio.
+    largest value, `ratio` Geary's ratio, a test of normality.
     """
 
     sensor: str
@@ -148,7 +151,7 @@ def check_leaves_simulation_alone(facts: Facts) -> Deviation[Came] | None:
 
 
 def _spread(reads: Reads, unit: str) -> str:
-    """Return the standard deviation of all axes in words; that of each axis if they differ."""
+    """Return the standard deviation of the noise in words: one number for all axes, one for each if they differ."""
     axes = np.sqrt(np.mean(reads.centred**2, axis=(0, 1)))
     if reads.still:
         return "the same number at every read"

@@ -1,7 +1,7 @@
-"""Hypotheses on the faults of a noise model: the size of the noise, its law, and the biases.
+"""Diagnosis of a noise model: the known faults of its noise and its biases, and what each of them makes of the readings.
 
 A fault of the size predicts the standard deviation of a sensor's reads, and a fault of a bias predicts their mean. Both may depend
-on the other sensor. A fault explains the readings if its prediction holds for every wrong sensor.
+on the other sensor. A fault explains the readings if its prediction holds for every sensor that is wrong.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ _THE_SAME = 0.99
 Holds = Callable[[Facts], bool]
 
 
-def which(facts: Facts, holds: Callable[[Sensor], bool]) -> list[int]:
-    """Return the sensors (0 accelerometer, 1 gyroscope) for which the test `holds`; both, one or none."""
+def sensors_that(facts: Facts, holds: Callable[[Sensor], bool]) -> list[int]:
+    """Return the indices of the sensors (0 accelerometer, 1 gyroscope) that pass a test, for the message; both, one or none."""
     return [i for i in BOTH if holds(facts.sensors[i])]
 
 
-def _is(find: Callable[[Facts], str], fault: str) -> Holds:
-    """Return a test that is true if `find` returns this fault's id."""
+def _diagnosed_by(find: Callable[[Facts], str], fault: str) -> Holds:
+    """Return a test of the facts: whether the function `find`, which names a fault, names this one."""
     return lambda facts: find(facts) == fault
 
 
@@ -47,26 +47,30 @@ def _is(find: Callable[[Facts], str], fault: str) -> Holds:
 
 
 def sizes_off(facts: Facts) -> list[int]:
-    """Return the sensors whose noise does not have the standard deviation that was asked for, whatever its law is."""
+    """Return the sensors whose noise does not have the standard deviation that was asked for, whatever its distribution.
+
+    Both, if the noise of one is not white and normal and a fault such as swapped standard deviations predicts both sizes.
+    """
     another = any(_spread_is(fault)(facts, BOTH) for fault in _SPREADS) and any(s.law_is_off for s in facts.sensors)
-    return [*BOTH] if another else which(facts, lambda sensor: not sensor.has_size)
+    return [*BOTH] if another else sensors_that(facts, lambda sensor: not sensor.has_size)
 
 
 def grain(facts: Facts) -> float:
-    """Return the step to which a noise model rounds its readings; 0 if it does not round."""
+    """Return the step to which a noise model rounds its readings, for the message; 0 if it does not round."""
     return max(sensor.reads.grain for sensor in facts.sensors)
 
 
 def _lost_in_rounding(facts: Facts) -> bool:
-    """Return whether readings are rounded to steps as large as the noise, for each sensor whose noise has a wrong size."""
+    """Return whether rounding to steps as large as the noise explains each noise of a wrong size; False if no size is wrong."""
     step = max(sensor.reads.step for sensor in facts.sensors)
     return bool(sizes_off(facts)) and all(facts.sensors[i].reads.std <= step for i in sizes_off(facts))
 
 
 def no_draw(facts: Facts) -> bool:
-    """Return whether reads hold no random draw: they count up, or all are equal without a std or with a fixed multiple of it.
+    """Return whether reads hold nothing random: they count up, or are all equal and do not depend on a draw.
 
-    Multiples that differ between axes may be one draw from a fixed seed, unless no default bias is drawn, either.
+    Equal reads hold no draw if the standard deviation does not change them, if the same multiple of it is added on all axes, or if
+    instances start alike and draw no bias, either. Another multiple on each axis may be one draw from a fixed seed.
     """
     if counts(facts) or (facts.still and _is_reseeded(facts) and len(none_drawn(facts)) == len(BOTH)):
         return True
@@ -79,19 +83,19 @@ def no_draw(facts: Facts) -> bool:
 
 
 def counts(facts: Facts) -> bool:
-    """Return whether reads change without noise: by a counter, or by rare events."""
+    """Return whether reads change without noise: by a counter, or by rare events; False if they are all equal."""
     return facts.noiseless and not all(sensor.reads.still for sensor in facts.sensors)
 
 
 def _repeated(facts: Facts) -> str:
-    """Return the fault that repeats one draw: "reseeded" (the same in all instances) or "frozen-noise"; "" for none."""
+    """Return the fault of noise that repeats one draw: "reseeded" (the same in all instances) or "frozen-noise"; "" for none."""
     if not (facts.follows and facts.still) or no_draw(facts):
         return ""
     return "reseeded" if _is_reseeded(facts) else "frozen-noise"
 
 
 def _is_reseeded(facts: Facts) -> bool:
-    """Return whether the first reads of two instances are equal."""
+    """Return whether the first reads of two instances are equal, as where each instance sets the same seed."""
     firsts = [(s.reads.residual[0, 0] + s.reads.truth[0], s.twins.base[0]) for s in facts.sensors]
     return all(same(one, other, EXACT) for one, other in firsts)
 
@@ -105,7 +109,7 @@ _SPREADS: Mapping[str, Callable[[Reads, Reads, float], Sequence[float]]] = {
 
 
 def _spread_is(fault: str) -> Callable[..., bool]:
-    """Return a test that is true if this fault predicts the spread of each sensor, or of those whose noise has a wrong size."""
+    """Return a test of whether a fault predicts the size of the noise of some sensors, without any of those with a wrong size."""
 
     def fits(facts: Facts, sensors: Iterable[int] | None = None) -> bool:
         off = sizes_off(facts) if sensors is None else sensors
@@ -121,11 +125,11 @@ def _spread_is(fault: str) -> Callable[..., bool]:
 
 @dataclass(frozen=True)
 class Offset:
-    """Hypothesis on a wrong bias: the fault, and the mean error (reading minus truth) that it predicts for a sensor.
+    """Hypothesis on a wrong bias: a fault, and the mean error (reading minus truth) of a sensor's reads that it predicts.
 
     Attributes
     ----------
-    cost : how unlikely the fault is
+    cost : how unlikely the fault is; the cheapest that fits is reported
     cause : the id of the fault
     predict : returns the mean errors that the fault may cause, from a sensor's reads and the other sensor's
     together : whether the fault always affects both sensors
@@ -137,13 +141,13 @@ class Offset:
     together: bool = False
 
     def fits(self, seen: Sequence[tuple[Reads, Reads]], /) -> bool:
-        """Return whether the fault predicts the mean error of the first of each pair: a wrong sensor, and the other sensor."""
+        """Return whether the fault predicts the mean error of each wrong sensor, given as its reads and the other sensor's."""
         enough = len(seen) == len(BOTH) or not self.together
         return enough and all(any(map(reads.offset_is, self.predict(reads, other))) for reads, other in seen)
 
 
 def _middle(values: Array) -> Array:
-    """Return the mean of the smallest and the largest value of each column."""
+    """Return the middle between the smallest and the largest value of each column, as one constant in place of them all."""
     return np.asarray((values.min(axis=0) + values.max(axis=0)) / 2)
 
 
@@ -166,7 +170,7 @@ _UNUSED = ("no-bias", "bias-argument-ignored")
 
 
 def offset_fault(facts: Facts) -> str:
-    """Return the cheapest fault that predicts the mean error of each sensor whose mean error is not the given bias; "" for none."""
+    """Return the cheapest fault that predicts each mean error that is not the given bias; "" if none does, or no mean is wrong."""
     reads = [sensor.reads for sensor in facts.sensors]
     wrong = [(reads[i], reads[1 - i]) for i in BOTH if not reads[i].bias_is_right]
     used = any(s.twins.seeded and not s.twins.ignores_bias() for s in facts.sensors)
@@ -176,39 +180,37 @@ def offset_fault(facts: Facts) -> str:
 
 
 def _off(facts: Facts) -> list[int]:
-    return which(facts, lambda s: not s.reads.bias_is_right)
+    return sensors_that(facts, lambda s: not s.reads.bias_is_right)
 
 
 def _is_added(sensor: Sensor) -> bool:
-    """Return whether a change of the given bias changes the readings by the same amount, whatever else they contain."""
+    """Return whether a change of the given bias changes each reading by as much; of a bias that drifts, only the first reading."""
     twins = sensor.twins
     return twins.begins_with_bias() if sensor.drifts else twins.adds_bias()
 
 
 def _is_rounded_off(facts: Facts) -> bool:
-    """Return whether rounding alone explains each wrong mean: it is off by at most half a step."""
+    """Return whether rounding alone explains each wrong mean: it is off by at most half a step. False if no mean is wrong."""
     off = [facts.sensors[i].reads for i in _off(facts)]
     return bool(off) and all(r.step > 0 and np.abs(r.offset - r.bias).max() <= r.step / 2 + r.mean_bound for r in off)
 
 
 def missing_bias(facts: Facts) -> list[int]:
-    """Return the sensors to whose readings the given bias was not added."""
+    """Return the sensors whose mean is wrong because the given bias was not added, or because the two sensors are exchanged."""
     exchanged = offset_fault(facts) == "swapped-sensors"
     return [i for i in _off(facts) if exchanged or not _is_added(facts.sensors[i])]
 
 
 def bias_beside(facts: Facts) -> list[int]:
-    """Return the sensors whose readings have a bias of their own although the given bias is zero."""
-    return which(facts, _has_another)
+    """Return the sensors whose readings have a bias of their own although they were given one of zero."""
+    return sensors_that(facts, _has_another)
 
 
 def _has_another(sensor: Sensor) -> bool:
-    """Return whether an instance without noise and bias has an offset that the noisy one does not have beside its bias."""
+    """Return whether an instance without noise and with zero bias has an offset that the noisy one lacks beside its given bias."""
     reads, silent = sensor.reads, sensor.silent
     apart = np.abs(silent.offset - (reads.offset - reads.bias)).max() > 2 * reads.mean_bound
-    nearest = (
-        reads.step / 2
-    )  # of a reading that is rounded; a step that hides more loses the size and the given bias itself
+    nearest = reads.step / 2  # of a rounded reading; a step that hides more loses the size and the given bias itself
     return bool(silent.still and np.abs(silent.offset).max() > TRUTH_ATOL + nearest and apart)
 
 
@@ -216,29 +218,29 @@ def _has_another(sensor: Sensor) -> bool:
 
 
 def drifts(facts: Facts) -> list[int]:
-    return which(facts, lambda s: s.drifts)
+    return sensors_that(facts, lambda s: s.drifts)
 
 
 def moves(facts: Facts) -> list[int]:
-    """Return the sensors whose default bias differs from read to read in one instance."""
-    return which(facts, lambda s: np.ptp(s.default, axis=1).max() > EXACT * max(1.0, np.abs(s.default).max()))
+    """Return the sensors whose default bias, without a given one, differs between the reads of one instance."""
+    return sensors_that(facts, lambda s: np.ptp(s.default, axis=1).max() > EXACT * max(1.0, np.abs(s.default).max()))
 
 
 def hidden(facts: Facts) -> list[int]:
-    """Return the sensors whose reads never repeat, not even from one seed and without noise: they show no default bias."""
-    return which(facts, lambda s: bool(np.isnan(s.default).any()))
+    """Return the sensors whose default bias cannot be measured: reads differ even without noise and with the same draws."""
+    return sensors_that(facts, lambda s: bool(np.isnan(s.default).any()))
 
 
 def none_drawn(facts: Facts) -> list[int]:
-    return which(facts, lambda s: np.abs(s.means).max() <= TRUTH_ATOL)
+    return sensors_that(facts, lambda s: np.abs(s.means).max() <= TRUTH_ATOL)
 
 
 def one_for_all_instances(facts: Facts) -> list[int]:
-    return which(facts, lambda s: s.has_default and np.ptp(s.means[1:], axis=0).max() <= EXACT)
+    return sensors_that(facts, lambda s: s.has_default and np.ptp(s.means[1:], axis=0).max() <= EXACT)
 
 
 def one_for_all_axes(facts: Facts) -> list[int]:
-    return which(facts, lambda s: s.has_default and np.ptp(s.means, axis=1).max() <= TRUTH_ATOL)
+    return sensors_that(facts, lambda s: s.has_default and np.ptp(s.means, axis=1).max() <= TRUTH_ATOL)
 
 
 def one_for_both_sensors(facts: Facts) -> list[int]:
@@ -252,7 +254,7 @@ DEFAULTS = (drifts, hidden, moves, none_drawn, one_for_all_instances, one_for_al
 
 
 def _moving(holds: Callable[[Array], bool]) -> Holds:
-    """Return a test that applies `holds` to the default biases (instances, reads, 3) of the first sensor whose bias moves."""
+    """Return a test of the default biases (instances, reads, 3) of the first sensor where they move; False if none moves."""
     return lambda facts: bool(moves(facts)) and holds(facts.sensors[moves(facts)[0]].default)
 
 
@@ -260,7 +262,7 @@ _gone_after_one_read = _moving(lambda bias: bool(np.abs(bias[:, 1:]).max() <= TR
 
 
 def _one_for_every_bias(facts: Facts) -> bool:
-    """Return whether zero or one constant replaces both given and drawn biases: one fault, which given_bias charges."""
+    """Return whether zero or one constant replaces given and drawn biases alike: one fault, deducted by `given_bias` alone."""
     constant = {*one_for_all_instances(facts), *none_drawn(facts)}
     known = [(s.reads, s.means[1]) for s in (facts.sensors[i] for i in constant & {*missing_bias(facts)})]
     given_too = [np.abs(reads.offset - mean).max() <= 2 * reads.mean_bound for reads, mean in known]
@@ -268,7 +270,7 @@ def _one_for_every_bias(facts: Facts) -> bool:
 
 
 def _never_random(facts: Facts) -> bool:
-    """Return whether all instances have the same bias, or none, and no fault of the noise or of given biases explains that."""
+    """Return whether all instances have the same bias, or none, unless that comes from a fault of the noise or of given biases."""
     constant = none_drawn(facts) or (one_for_all_instances(facts) and not _repeated(facts))
     return bool(constant) and not _one_for_every_bias(facts)
 
@@ -281,17 +283,17 @@ def _is_shared(facts: Facts) -> bool:
 
 
 def odd_laws(facts: Facts) -> list[int]:
-    """Return the sensors whose noise is not white and normal with zero mean; both if there is no noise or reads are rounded."""
-    odd = which(facts, lambda s: s.law_is_off) or off_centre(facts)
+    """Return the sensors whose noise is not white and normal with zero mean; both if there is no noise or readings are rounded."""
+    odd = sensors_that(facts, lambda s: s.law_is_off) or off_centre(facts)
     return odd or ([*BOTH] if grain(facts) or facts.noiseless else [])
 
 
 def off_centre(facts: Facts) -> list[int]:
     """Return the sensors whose mean is wrong although the given bias is added, such as by noise with a mean that is not zero.
 
-    A sensor without noise is charged for that alone: `normal(std, 0, 3)` adds the standard deviation itself.
+    A sensor without noise is left out: `normal(std, 0, 3)` adds the standard deviation itself, and loses points as no noise.
     """
-    off = which(facts, lambda s: s.noise.is_noise and not (s.reads.bias_is_right or s.reads.is_centred))
+    off = sensors_that(facts, lambda s: s.noise.is_noise and not (s.reads.bias_is_right or s.reads.is_centred))
     if not off or drifts(facts) or not all(_is_added(facts.sensors[i]) for i in off):
         return []
     return [] if offset_fault(facts) == "swapped-sensors" or _has_another(facts.sensors[off[0]]) else off
@@ -302,16 +304,16 @@ def _any(holds: Callable[[Reads], bool]) -> Holds:
 
 
 def columns(facts: Facts) -> Array:
-    """Return the standardised noise (reads, 6) of all channels.
+    """Return the noise of all six channels (reads, 6) in units of its standard deviation, for the test that none depend on another.
 
-    If it is slow, differences of neighbouring reads replace it: slow channels correlate by chance.
+    Noise that changes slowly is replaced by the differences of neighbouring reads: slow channels correlate by chance.
     """
     slow = any(s.drifts or s.accumulates or s.noise.memory for s in facts.sensors)
     return np.concatenate([(s.reads.paired if slow else s.reads).standardised for s in facts.sensors], axis=1)
 
 
 def most_correlated(values: Array) -> tuple[float, int, int]:
-    """Return the largest correlation between two of six channels, and their indices; equal to two digits, the first pair counts."""
+    """Return the largest correlation between two of six channels, and their indices; of those equal to two digits, the first."""
     matrix = st.correlations(values)
     pairs = [(abs(float(matrix[i, j])), i, j) for i, j in itertools.combinations(range(6), 2)]
     return max(pairs, key=lambda pair: round(pair[0], 2))
@@ -327,7 +329,7 @@ def _one_for_axes(facts: Facts) -> bool:
 
 
 def _is_loud_beside(facts: Facts) -> bool:
-    """Return whether the noise itself, without a bias that is redrawn, has a wrong size: it is what a larger deviation adds."""
+    """Return whether noise beside a bias that is redrawn at each read has a wrong size; False if no seed makes that measurable."""
     twins = [(s.twins.noise_size(), s.reads.std) for s in facts.sensors if s.twins.seeded]
     return any(abs(size / std - 1) > ROUGHLY for size, std in twins)
 
@@ -340,7 +342,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 2, f"noise_model.{SIZE}", lambda f: f.redrawn and _is_loud_beside(f)),
     Reason(SIZE, 2, "precision-lost", lambda f: f.noiseless and _lost_in_rounding(f)),
     Reason(SIZE, 3, "no-noise", no_draw),
-    *(Reason(SIZE, 4, fault, _is(_repeated, fault)) for fault in _REPEATED),
+    *(Reason(SIZE, 4, fault, _diagnosed_by(_repeated, fault)) for fault in _REPEATED),
     Reason(SIZE, 5, "precision-lost", _lost_in_rounding),
     Reason(SIZE, 6, "gyro-not-noisy", lambda f: any(not s.noise.is_noise for s in f.sensors)),
     Reason(SIZE, 7, "multiplicative-noise", _any(lambda reads: reads.proportional)),
@@ -353,7 +355,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),
     Reason(GIVEN, 1, "precision-lost", _is_rounded_off),
     Reason(GIVEN, 1, "bias-argument-ignored", lambda f: f.redrawn and bool(missing_bias(f))),
-    *(Reason(GIVEN, 1 + each.cost, each.cause, _is(offset_fault, each.cause)) for each in OFFSETS),
+    *(Reason(GIVEN, 1 + each.cost, each.cause, _diagnosed_by(offset_fault, each.cause)) for each in OFFSETS),
     Reason(GIVEN, 12, "another-bias-beside", lambda f: bool(_off(f) and bias_beside(f))),
     Reason(GIVEN, 12, "bias-argument-ignored", lambda f: not _off(f)),
     Reason(DEFAULT, 0, f"noise_model.{DEFAULT}", lambda f: bool(hidden(f))),
@@ -362,15 +364,15 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(DEFAULT, 5, "bias-redrawn", _moving(lambda bias: np.median(np.ptp(bias, axis=1).max(axis=1)) > EXACT)),
     Reason(DEFAULT, 7, "bias-not-random", _never_random),
     Reason(DEFAULT, 11, "bias-shared", _is_shared),
-    *(Reason(LAW, 0, fault, _is(_repeated, fault)) for fault in _REPEATED),
+    *(Reason(LAW, 0, fault, _diagnosed_by(_repeated, fault)) for fault in _REPEATED),
     Reason(LAW, 1, "precision-lost", lambda f: grain(f) > 0),
     Reason(LAW, 2, "noise-accumulates", lambda f: any(sensor.accumulates for sensor in f.sensors)),
     Reason(LAW, 3, "noise-correlated", _any(lambda reads: reads.memory > 0)),
     Reason(LAW, 4, "noise-not-zero-mean", _any(lambda reads: reads.one_signed)),
     Reason(LAW, 5, "noise-clipped", _any(lambda reads: reads.clipped)),
     Reason(LAW, 8, "not-gaussian", _any(lambda reads: not reads.is_normal)),
-    Reason(LAW, 9, "noise-not-zero-mean", _is(offset_fault, "noise-not-zero-mean")),
-    Reason(LAW, 9, "stale-clean-reading", _is(offset_fault, "stale-clean-reading"), beside=True),
+    Reason(LAW, 9, "noise-not-zero-mean", _diagnosed_by(offset_fault, "noise-not-zero-mean")),
+    Reason(LAW, 9, "stale-clean-reading", _diagnosed_by(offset_fault, "stale-clean-reading"), beside=True),
     Reason(APART, 0, "one-sensor-twice", lambda f: f.one_twice),
     Reason(APART, 1, "same-noise-on-axes", _one_for_axes),
     Reason(ALONE, 1, "mutates-sensordata", lambda f: not changed(f.disturbance)[:3].any()),

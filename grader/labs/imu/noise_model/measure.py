@@ -1,4 +1,4 @@
-"""Facts about a `NoisyIMU`, for each sensor: reads with and without noise, in two states, and of many instances."""
+"""Measurement of a `NoisyIMU`: its reads with and without noise, in two states of the robot, and of many instances."""
 
 from __future__ import annotations
 
@@ -46,15 +46,15 @@ Pair = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Sensor:
-    """Facts about one sensor of a noise model.
+    """What is measured of one sensor of a noise model; checks and diagnosis judge it.
 
     Attributes
     ----------
     reads : many reads in two states, with noise and a bias that is given
-    silent : fewer reads, without noise and bias
+    silent : fewer reads, without noise and with a given bias of zero
     default : (instances, reads, 3) reading minus truth, without noise and without a given bias. If reads without noise vary or have
         no default bias: reads with noise whose generators start anew before each read, minus the first; NaN if such reads vary, too
-    drifts : whether the bias moves from read to read
+    drifts : whether the bias moves slowly from read to read
     twins : reads of instances with the same seed; `UNSEEDED` if nothing is wrong, as they were not asked for then
     """
 
@@ -66,7 +66,7 @@ class Sensor:
 
     @cached_property
     def noise(self) -> Reads:
-        """The reads, or differences of neighbouring ones if the bias drifts or the noise accumulates."""
+        """The reads that the noise is judged by; their differences if the bias drifts or the noise accumulates."""
         return self.reads.paired if self.drifts or self.reads.accumulates else self.reads
 
     @cached_property
@@ -79,7 +79,11 @@ class Sensor:
 
     @cached_property
     def has_size(self) -> bool:
-        """Return whether the noise has the size that was asked for, also beside a drift, or scales with it and has another law."""
+        """Return whether the noise has the size that was asked for, also beside a bias that drifts.
+
+        Noise of another distribution passes if it grows with the standard deviation: a check of its own deducts for the
+        distribution.
+        """
         noise, twins = self.noise, self.twins
         if noise.size_is_right or not noise.is_noise:
             return noise.size_is_right
@@ -90,7 +94,7 @@ class Sensor:
 
     @cached_property
     def means(self) -> Array:
-        """Default bias (instances, 3) of each instance: the mean over its reads."""
+        """Default bias (instances, 3) of each instance, for the check that instances differ: the mean over its reads."""
         return np.asarray(self.default.mean(axis=1))
 
     @cached_property
@@ -100,18 +104,19 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Facts:
-    """Facts about one noise model.
+    """All that is measured of a noise model: `measure` makes it, and checks and diagnosis read nothing else.
 
     Attributes
     ----------
     sensors : the accelerometer and the gyroscope
-    follows : whether the readings change with the state
-    exchanged : whether the two sensors are swapped; one_twice : whether both vectors are one sensor's
-    disturbance : (4,) largest change of time, qpos, qvel and sensordata in a read
+    follows : whether the readings change with the robot's state
+    exchanged : whether each sensor's readings are returned as the other's
+    one_twice : whether both vectors are those of one sensor
+    disturbance : (4,) ndarray, largest change of time, qpos, qvel and sensordata in a read
     timestep : time step of the robot's model, in seconds
-    odd : the form in which the vectors were returned, in words, if it is not the sheet's
-    departs : the sheet's parameters that the code does not accept
-    stopped : by check, what kept its property from being measured
+    odd : the form in which the vectors were returned, in words; "" if it is the sheet's
+    departs : names of the sheet's parameters that the code does not accept
+    stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
     sensors: tuple[Sensor, Sensor]
@@ -126,23 +131,23 @@ class Facts:
 
     @cached_property
     def still(self) -> bool:
-        """Return whether all reads of both sensors are equal."""
+        """Return whether each sensor repeats one reading in each state."""
         return all(sensor.noise.still for sensor in self.sensors)
 
     @cached_property
     def noiseless(self) -> bool:
-        """Return whether neither sensor has noise: its reads are equal, rarely differ, or follow from those before."""
+        """Return whether neither sensor has noise: its reads are equal, rarely differ, or can be predicted from those before."""
         return not any(sensor.noise.is_noise for sensor in self.sensors)
 
     @cached_property
     def redrawn(self) -> bool:
-        """Return whether the code draws a new default bias on every read, which should happen once for each instance."""
+        """Return whether the code draws a new default bias at every read, not once for each instance; False if it drifts."""
         pairs = [(sensor.reads, sensor.silent) for sensor in self.sensors]
         return _is_redrawn(*zip(*pairs, strict=True)) and not any(sensor.drifts for sensor in self.sensors)
 
 
 def _is_redrawn(reads: Sequence[Reads], silent: Sequence[Reads]) -> bool:
-    """Return whether reads without noise vary like noise, and noisy ones vary clearly more: by a bias of each read.
+    """Return whether reads without noise vary like noise, and noisy ones vary clearly more: by a bias drawn at each read.
 
     Noise of a fixed size, whatever was asked for, varies as much in both. Code that takes a deviation of 0 for a missing one has
     noise in both, and in the noisy reads its size is right. The spread of 600 values has an error of 3 %.
@@ -155,7 +160,7 @@ def _is_redrawn(reads: Sequence[Reads], silent: Sequence[Reads]) -> bool:
 
 
 class _Questions:
-    """Questions to the worker about one noise model, with their arguments from the noise scenario."""
+    """Questions to the worker about one noise model: each makes instances with arguments and states of the noise scenario."""
 
     def __init__(self, student: Student, truth: Traces) -> None:
         scenario = truth["noise"]
@@ -169,21 +174,24 @@ class _Questions:
         """Whether the submission returns the two sensors in each other's place."""
 
     def noisy(self, *, given: bool) -> NoiseRun:
-        """Ask for many reads of one instance in each state; the report draws a chart of them if biases are given."""
+        """Ask for many reads of one instance in each state; with given biases, the report draws a chart of the answer."""
         biases, called = (self.biases, "noise") if given else (None, "")
         return self._student.noise(**self._place, reads=st.READS, stds=self.stds, biases=biases, called=called)
 
     def silent(self, *, given: bool) -> NoiseRun:
-        """Ask for reads without noise, with biases of zero if `given`."""
+        """Ask for reads without noise (standard deviation zero, or next to it where zero fails); biases are zero if `given`."""
         biases = (np.zeros(3), np.zeros(3)) if given else None
         return _without_noise(lambda stds: self._student.noise(**self._place, reads=_MANY, stds=stds, biases=biases))
 
     def default_bias(self, stds: tuple[float, float], *, one_draw: bool = False) -> NoiseRun:
-        """Ask for reads of many instances without a given bias; if `one_draw`, all generators start anew before each read."""
+        """Ask for reads of many instances without a given bias; if `one_draw`, random generators start anew before each read."""
         return self._student.default_bias(**self._place, instances=_INSTANCES, stds=stds, one_draw=one_draw)
 
     def twins(self, *, given: bool = True) -> NoiseRun:
-        """Ask for five series from one seed: the same arguments twice, another state, another bias if `given`, larger noise."""
+        """Ask for five series of reads from one seed: the first twice, then in another state, with another bias, with more noise.
+
+        Without `given` no biases are given, and the fourth series is as the first.
+        """
         biases = self.biases
         return self._student.noise_twins(
             **self._place,
@@ -194,7 +202,7 @@ class _Questions:
         )
 
     def clean(self) -> Pair | None:
-        """Return the readings (states, 3) of each sensor by the submission's own reader; None if they are missing or not finite."""
+        """Return the readings (states, 3) of each sensor by the submission's own reader; None if missing or not finite."""
         place = {key: self._place[key] for key in ("qpos", "qvel")}
         try:
             pairs = np.array([self._place["ids"]])
@@ -208,7 +216,7 @@ class _Questions:
         return (run.gyro, run.accel) if self.exchanged else (run.accel, run.gyro)
 
     def reads(self, run: NoiseRun, clean: Pair, biases: Pair | None) -> tuple[Reads, Reads]:
-        """Return the reads of both sensors with these biases, or with their mean as the bias if none are given."""
+        """Return the reads of both sensors as errors from `clean`, with the biases that were given, or their own means if None."""
         residuals = [r - c[:, None, :] for r, c in zip(self.in_order(run), clean, strict=True)]
         about = biases or [r.mean(axis=(0, 1)) for r in residuals]
         accel, gyro = (Reads(*each) for each in zip(residuals, clean, self.stds, about, strict=True))
@@ -220,7 +228,7 @@ def _without_noise(ask: Callable[[tuple[float, float]], NoiseRun]) -> NoiseRun:
 
 
 def _with_biases(ask: Callable[..., NoiseRun]) -> tuple[NoiseRun, StudentError | None]:
-    """Return a run with given biases and None; if the model fails only with these, a run without them and the fault."""
+    """Return a run with given biases, and None; if the model raises only with these, a run without them, and the exception."""
     run = ask(given=True)
     if run.error is not None and (own := ask(given=False)).error is None:
         return own, run.error
@@ -235,8 +243,8 @@ def _is_sound(run: NoiseRun) -> bool:
     return run.error is None and _is_whole(run)
 
 
-def _usable(run: NoiseRun) -> None:
-    """Raise if the model raised an exception or returned numbers that are not finite."""
+def _require_usable(run: NoiseRun) -> None:
+    """End the measurement with `Raised` or `Unusable` if the model raised an exception or returned numbers that are not finite."""
     raised(run.error, "reading the noisy IMU")
     if not _is_whole(run):
         fault = "wrong-return-type" if run.odd else "not-finite"
@@ -248,18 +256,18 @@ def _usable(run: NoiseRun) -> None:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Measure a noise model: ask for reads with and without noise, and for reads from one seed only if something is wrong."""
+    """Ask for reads with and without noise, and for reads from one seed only if something is wrong. Return the measured facts."""
     ask = _Questions(student, truth)
     failing: tuple[str, ...] = (*ALL, "leaves_simulation_alone")
     disturbance = np.zeros(4)
     try:
         run, refused = _with_biases(ask.noisy)
-        _usable(run)
+        _require_usable(run)
         failing, disturbance = ALL, run.disturbance.max(axis=0, initial=0.0)
         ask.exchanged = _are_exchanged(ask, run)
         clean = _clean_readings(ask, run)
         quiet, refused_quiet = _with_biases(ask.silent)
-        _usable(quiet)
+        _require_usable(quiet)
     except (Raised, Unusable) as stop:
         nothing = Reads(np.zeros((1, 1, 3)), np.zeros((1, 3)), 1.0, np.zeros(3))
         return Facts((Sensor(nothing, nothing),) * 2, disturbance=disturbance, stopped=dict.fromkeys(failing, stop))
@@ -294,7 +302,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def _are_exchanged(ask: _Questions, run: NoiseRun) -> bool:
-    """Return whether the two sensors are in each other's place, each with its own bias or one that is wrong too."""
+    """Return whether each sensor's readings are returned as the other's, each with its own bias or one that is wrong too."""
     straight = ask.reads(run, ask.truth, ask.biases)
     exchanged = ask.reads(replace(run, accel=run.gyro, gyro=run.accel), ask.truth, ask.biases)
     if all(each.bias_is_right for each in exchanged):
@@ -304,15 +312,15 @@ def _are_exchanged(ask: _Questions, run: NoiseRun) -> bool:
 
 
 def _is_one_twice(run: NoiseRun) -> bool:
-    """Return whether both vectors are the same noisy sensor; equal vectors without noise, such as zeros, are no sensor."""
+    """Return whether both vectors hold the same noisy readings; equal vectors without noise, such as zeros, do not count."""
     return np.array_equal(run.accel, run.gyro) and bool(np.ptp(run.accel, axis=1).all())
 
 
 def _clean_readings(ask: _Questions, run: NoiseRun) -> Pair:
     """Return the readings (states, 3) of each sensor without noise: the truth, or those of the submission's own reader.
 
-    The reader's values count for a sensor if the noisy readings follow them and not the truth, so that a fault of the reader
-    loses no points here.
+    The reader's values count for a sensor if the noisy readings follow them and not the truth, so that a fault of the reader loses
+    no points here.
     """
     beside_truth = ask.reads(run, ask.truth, None)
     if all(reads.keeps_its_offset for reads in beside_truth) or (own := ask.clean()) is None:
@@ -323,8 +331,8 @@ def _clean_readings(ask: _Questions, run: NoiseRun) -> Pair:
 
 
 def _default_biases(ask: _Questions, run: NoiseRun, clean: Pair) -> Pair:
-    """Return reading minus truth (instances, reads, 3) for each sensor; raise if the run is not usable."""
-    _usable(run)
+    """Return reading minus truth (instances, reads, 3) for each sensor; raise as `_require_usable` does if reads are unusable."""
+    _require_usable(run)
     accel, gyro = ask.in_order(run)
     return accel - clean[0][0], gyro - clean[1][0]
 
@@ -337,9 +345,10 @@ def _creeps(biases: Array) -> bool:
 
 
 def _shown_defaults(ask: _Questions, defaults: Pair, silent: Sequence[Reads]) -> Pair:
-    """Return the default biases as they are if reads without noise show them, and else by reads that share one draw of noise.
+    """Return `defaults` where reads without noise show the bias, and else the biases in reads that share one draw of noise.
 
-    Noise of a fixed size hides them without noise, and some models draw a default bias only together with noise.
+    Noise of a fixed size hides a bias without noise, and some models draw a default bias only together with noise. The biases of a
+    sensor are NaN if even reads that share one draw differ.
     """
     shown = [each.still and bool(np.abs(bias).max() > TRUTH_ATOL) for each, bias in zip(silent, defaults, strict=True)]
     if all(shown):
@@ -357,7 +366,7 @@ def _shown_defaults(ask: _Questions, defaults: Pair, silent: Sequence[Reads]) ->
 
 
 def _twins(ask: _Questions, *, given: bool = True) -> Sequence[Twins]:
-    """Return, for each sensor, reads by instances with the same seed and one parameter changed; `UNSEEDED` if the run failed."""
+    """Return, by sensor, reads of instances with the same seed and one parameter changed; `UNSEEDED` if the question failed."""
     if not _is_sound(run := ask.twins(given=given)):
         return UNSEEDED, UNSEEDED
     pairs = zip(ask.in_order(run), ask.other_biases - np.array(ask.biases), strict=True)
@@ -365,7 +374,7 @@ def _twins(ask: _Questions, *, given: bool = True) -> Sequence[Twins]:
 
 
 def _follow(ask: _Questions, sensors: tuple[Reads, Reads], truth: Traces) -> bool:
-    """Return whether readings change with the state: those in another state differ by more than chance.
+    """Return whether readings change with the robot's state: those in another state differ by more than chance.
 
     They may be of any sensor, in any order, sign, unit or scale. Also True if that cannot be measured.
     """
@@ -385,9 +394,9 @@ def _follow(ask: _Questions, sensors: tuple[Reads, Reads], truth: Traces) -> boo
 
 
 def _are_about_a_start(ask: _Questions, sensors: tuple[Reads, Reads], truth: Traces) -> bool:
-    """Return whether both sensors have right noise and bias, added to the reading at the start of a simulation.
+    """Return whether both sensors have right noise and bias, but added to the reading at the start of a simulation.
 
-    A `read` that does not call the reader uses the reading that an earlier line of the file took at such a start.
+    That is how a `read` answers that does not call the reader, and uses a reading that an earlier line of the file took.
     """
     if not all(twins.scales() and twins.adds_bias() for twins in _twins(ask)):
         return False

@@ -1,4 +1,4 @@
-"""Facts about one sensor's reads: mean and spread, the law of the noise, and dependence on earlier reads.
+"""Properties of one sensor's reads: mean and spread, the distribution of the noise, and dependence on earlier reads.
 
 A correct noise model fails a statistical test with probability `statistics.ALPHA`. No tolerance depends on the readings: what a
 fault makes impossible to measure is lost with that fault. `Twins` are reads of instances with the same seed and one parameter
@@ -39,12 +39,14 @@ _CUT = 2.9
 
 @dataclass(frozen=True)
 class Reads:
-    """Many reads of one sensor in each of several states, with what was asked for.
+    """Many calls of `read` for one sensor in each of several states, with what was asked for; its properties are what checks judge.
 
     Attributes
     ----------
     residual : (states, reads, 3) ndarray, reading minus truth
-    truth : (states, 3) ndarray; std : the standard deviation asked for; bias : (3,) ndarray, the bias given
+    truth : (states, 3) ndarray, the readings without noise and bias
+    std : the standard deviation of the noise that was asked for
+    bias : (3,) ndarray, the bias that was given
     """
 
     residual: Array
@@ -56,17 +58,17 @@ class Reads:
 
     @cached_property
     def offset(self) -> Array:
-        """Mean error (states, 3) of the readings: the bias that they show."""
+        """Mean error (states, 3) of the reads in each state: the bias that they show."""
         return np.asarray(self.residual.mean(axis=1))
 
     @cached_property
     def centred(self) -> Array:
-        """Residuals (states, reads, 3) minus their mean in each state."""
+        """Errors (states, reads, 3) of the reads minus their mean in each state: the noise alone."""
         return np.asarray(self.residual - self.residual.mean(axis=1, keepdims=True))
 
     @cached_property
     def spread(self) -> Array:
-        """Standard deviation (states, 3) of the reads."""
+        """Standard deviation (states, 3) of the reads, by state and axis."""
         return np.asarray(self.residual.std(axis=1))
 
     @cached_property
@@ -75,7 +77,7 @@ class Reads:
 
     @cached_property
     def standardised(self) -> Array:
-        """Residuals (states × reads, 3) in units of their own standard deviation; zero for an axis without noise."""
+        """Noise (states × reads, 3) in units of its own standard deviation, to compare axes; zero for an axis without noise."""
         spread = np.where(self.spread > EXACT * self.std, self.spread, np.inf)
         return np.asarray((self.centred / spread[:, None, :]).reshape(-1, 3))
 
@@ -86,7 +88,7 @@ class Reads:
 
     @cached_property
     def still(self) -> bool:
-        """Return whether all reads in one state are equal."""
+        """Return whether all reads in one state are equal, as without noise or with one draw that is repeated."""
         return bool(np.all(self.spread <= EXACT * self.std))
 
     @cached_property
@@ -96,15 +98,13 @@ class Reads:
 
     @cached_property
     def unpredicted(self) -> float:
-        """Spread of what the `_LAGS` reads before do not predict of a read, by least squares; 0 if that cannot be computed."""
+        """Spread of what a least-squares fit of the 16 reads before leaves open in a read; 0 if that cannot be computed."""
         if not 0 < self.pooled_spread < np.inf:
             return 0.0
         lags = min(_LAGS, self.residual.shape[1] // 4)
         scaled = self.centred / self.pooled_spread
-        windows = (
-            np.lib.stride_tricks.sliding_window_view(scaled, lags + 1, axis=1).swapaxes(1, 2).reshape(-1, lags + 1)
-        )
-        of_channels = np.split(windows, scaled.shape[0] * scaled.shape[2])
+        windows = np.lib.stride_tricks.sliding_window_view(scaled, lags + 1, axis=1).swapaxes(1, 2)
+        of_channels = np.split(windows.reshape(-1, lags + 1), scaled.shape[0] * scaled.shape[2])
         try:
             gaps = [
                 rows[:, -1] - rows[:, :-1] @ np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=None)[0]
@@ -116,35 +116,35 @@ class Reads:
 
     @cached_property
     def is_noise(self) -> bool:
-        """Return whether most reads differ from the one before, and earlier reads do not predict them as they do a counter's."""
+        """Return whether reads are random: most differ from the one before and, unlike a counter's, cannot be predicted."""
         return self.restless and self.unpredicted > _PREDICTED * self.pooled_spread
 
     @cached_property
     def mean_bound(self) -> float:
-        """Largest distance that chance explains between the mean of the reads in one state and the expected value.
+        """Largest distance that chance explains between the mean of the reads in one state and its expected value.
 
-        It names the fault that is behind a wrong mean; `bias_is_right` decides whether the mean is wrong.
+        The diagnosis uses it to find the fault behind a wrong mean; `bias_is_right` decides whether the mean is wrong.
         """
         sigma = max(self.std, self.pooled_spread) if self.is_noise else self.std
         return st.mean_bound(self.residual.shape[1], sigma) + TRUTH_ATOL
 
     def offset_is(self, wanted: Array) -> bool:
-        """Return whether the mean error in each state is the wanted one, within chance."""
+        """Return whether the mean error in each state is the wanted one (3,) or (states, 3), within chance."""
         return bool(np.abs(self.offset - wanted).max() <= self.mean_bound)
 
     @cached_property
     def keeps_its_offset(self) -> bool:
-        """Return whether the readings follow the truth: the mean error is the same in all states, within chance."""
+        """Return whether the readings follow the truth from state to state: the mean error is the same in all, within chance."""
         return bool(np.ptp(self.offset, axis=0).max() <= 2 * self.mean_bound)
 
     @cached_property
     def bias_is_right(self) -> bool:
-        """Return whether the mean error over all states is the given bias, within the chance of noise of the right size."""
+        """Return whether the mean error over all states is the given bias, within the chance of noise of the requested size."""
         return self._mean_is_bias(self.std)
 
     @cached_property
     def is_centred(self) -> bool:
-        """Return whether the noise, of whatever size, has zero mean about the given bias, within chance."""
+        """Return whether the noise, also of another size than requested, has zero mean about the given bias, within chance."""
         return self._mean_is_bias(self.pooled_spread)
 
     def _mean_is_bias(self, sigma: float) -> bool:
@@ -154,10 +154,10 @@ class Reads:
 
     @cached_property
     def size_is_right(self) -> bool:
-        """Return whether the pooled spread and that of each axis agree with the standard deviation that was asked for.
+        """Return whether the spread, pooled and on each axis, agrees with the standard deviation that was asked for.
 
         Rounding to a step adds a twelfth of its square to the variance (Sheppard's correction). This no longer holds for steps of
-        more than two standard deviations, which leave nothing of the noise to measure.
+        more than two standard deviations, which leave nothing of the noise to measure: False, and so it is without noise.
         """
         states, reads, axes = self.residual.shape
         per_axis = np.sqrt(np.maximum(np.mean(self.centred**2, axis=(0, 1)) - self.step**2 / 12, 0.0))
@@ -190,13 +190,13 @@ class Reads:
 
     @cached_property
     def proportional(self) -> bool:
-        """Return whether the spread is proportional to the size of the reading, over axes and states."""
+        """Return whether the spread grows in proportion to the reading, over axes and states, as by noise that is multiplied."""
         ratio = self.spread / np.abs(self.truth)
         return bool(ratio.std() < 0.1 * ratio.mean() and self.spread.std() > 0.2 * self.spread.mean())
 
     @cached_property
     def one_signed(self) -> bool:
-        """Return whether the noise has one sign: on every axis, truth plus bias is the smallest or the largest read."""
+        """Return whether the noise has one sign, as of `abs(normal)`: on each axis, truth plus bias is about the extreme read."""
         if self.still:
             return False
         beside, edge = self.residual - self.bias, 0.05 * self.pooled_spread
@@ -205,9 +205,9 @@ class Reads:
 
     @cached_property
     def clipped(self) -> bool:
-        """Return whether the noise is a normal law, of the size that was asked for, that is cut off at some bound.
+        """Return whether the noise is normal, of the size that was asked for, but cut off at some bound.
 
-        There is a bound if no read exceeds `_CUT`, or if the largest deviations occur again to the last digit.
+        There is a bound if no read exceeds `_CUT`, or if the largest errors occur again to the last digit.
         """
         cut = float(np.abs(self.centred).max()) / self.std
         if self.still or not (_UNLIKE_UNIFORM < cut < _CUT or self._repeats_extremes()):
@@ -228,7 +228,7 @@ class Reads:
 
     @cached_property
     def geary(self) -> float:
-        """Geary's ratio (mean absolute deviation over standard deviation) of the axes that have noise; 0 if none has."""
+        """Geary's ratio, a test of normality (mean absolute over standard deviation), of the axes with noise; 0 if none has."""
         return st.geary(self._living) if self._living.size else 0.0
 
     @cached_property
@@ -239,7 +239,7 @@ class Reads:
     def is_normal(self) -> bool:
         """Return whether the noise passes Geary's test of a normal distribution; True if no axis has noise.
 
-        The ratio `geary` of the axes that have noise must lie within `statistics.geary_bounds`, which allow for chance.
+        The ratio `geary` must lie within `statistics.geary_bounds`, which allow for chance.
         """
         if not self._living.size:
             return True
@@ -250,12 +250,12 @@ class Reads:
 
     @cached_property
     def accumulates(self) -> bool:
-        """Return whether each read adds its noise to that of earlier reads: successive reads differ and are strongly correlated."""
+        """Return whether each read adds its noise to that of the read before: successive reads differ and correlate strongly."""
         return self.restless and bool(min(st.autocorrelation(state, 1).min() for state in self.centred) > 0.9)
 
     @cached_property
     def memory(self) -> float:
-        """Largest absolute correlation of a read with one of the three before it: white noise has none; 0 if chance explains it."""
+        """Largest absolute correlation of a read with one of the three before it, 0 if chance explains it; white noise has none."""
         by_lag = [np.abs(st.autocorrelation(state, lag)).max() for state in self.centred for lag in (1, 2, 3)]
         chance = self.still or max(by_lag) <= st.correlation_bound(self.residual.shape[1])
         return 0.0 if chance else float(max(by_lag))
@@ -267,7 +267,7 @@ class Reads:
 
     @cached_property
     def drifts(self) -> bool:
-        """Return whether reads without noise drift: each step is small compared with the spread of all reads."""
+        """Return whether reads without noise drift: each step is small compared with the spread of all; False if they are equal."""
         if self.still:
             return False
         return float(np.mean(self.increments**2) / (2 * np.mean(self.centred**2))) < _SMOOTH
@@ -285,21 +285,16 @@ class Reads:
 
 
 def _step(values: Array) -> float:
-    """Return the largest step of which all values are multiples; 0 if it is finer than a rounding that counts."""
-    step = _closest(values)
+    """Return the largest step of which all values are multiples; 0 without one, or if it is finer than a rounding that counts."""
+    apart = np.diff(np.unique(values))
+    step = round(float(apart[apart > EXACT].min()), 15) if (apart > EXACT).any() else 1.0
     multiples = np.abs(values - (values / step).round() * step).max() < EXACT
     return step if step > _FINEST and multiples else 0.0
 
 
-def _closest(values: Array) -> float:
-    """Return the smallest difference between two unequal values; 1 if all are equal."""
-    apart = np.diff(np.unique(values))
-    return round(float(apart[apart > EXACT].min(initial=np.inf)), 15) if (apart > EXACT).any() else 1.0
-
-
 @dataclass(frozen=True)
 class Twins:
-    """Reads (reads, 3) of one sensor by instances with the same seed, so that their differences hold no chance.
+    """Reads (reads, 3) of one sensor by instances with the same seed: chance is alike in all, and what differs is the change.
 
     Attributes
     ----------
@@ -322,11 +317,11 @@ class Twins:
 
     @cached_property
     def response(self) -> Array:
-        """Difference (reads, 3) that a changed bias makes in each read."""
+        """Difference (reads, 3) that the change of the bias makes in each read."""
         return np.asarray(self.other - self.base)
 
     def adds_bias(self) -> bool:
-        """Return whether a changed bias changes every read by the same amount."""
+        """Return whether the change of the bias changes every read by as much; False if reads are not seeded."""
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL)
 
     def begins_with_bias(self) -> bool:
@@ -347,7 +342,7 @@ class Twins:
         return float(np.sqrt(np.mean(added**2) / 2))
 
     def scales(self) -> bool:
-        """Return whether most reads that differ from the one before do so by `factor` times as much in `scaled` as in `base`."""
+        """Return whether most changes from read to read are `factor` times as large in `scaled` as in `base`; False if unseeded."""
         if not self.seeded:
             return False
         wanted, came = self.factor * np.diff(self.base, axis=0), np.diff(self.scaled, axis=0)

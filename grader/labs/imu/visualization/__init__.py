@@ -1,1 +1,1 @@
-"""Visualization: labelled plots of the sensor data, and of raw and filtered data, judged by the figures that the code draws."""
+"""The criterion *Visualization*: judges the plots that the submission draws of the sensor data, and of raw and filtered data."""

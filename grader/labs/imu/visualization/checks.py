@@ -1,4 +1,4 @@
-"""Checks of the plots: each a threshold on one measured property."""
+"""Checks of *Visualization*: each returns how one measured property of the plots deviates from the sheet, None if it is right."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def check_curves_match_data(facts: Facts) -> Deviation[Came] | None:
     """Six curves show the six channels of the data against time"""
     if explain.misses_channels(facts):
         return Deviation({"came": explain.missing_in_words(facts)})
-    if explain.is_against_no_time(facts):
+    if words.is_against_no_time(facts.plot):
         return Deviation({"came": "curves against something else than the time in the unit of its label"})
     if came := explain.another_unit(facts):
         return Deviation({"came": came})

@@ -1,4 +1,4 @@
-"""Facts about the comparison plot: the figures of raw and filtered data that a submission's programs draw when they are run."""
+"""Measurement of the comparison plot (Step 6): the figures of raw and filtered data that the submission's files draw when run."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from grader.labs.imu.visualization.pictures import COMPARISON, was_handed_in
 
 @dataclass(frozen=True)
 class Comparison:
-    """Figures of raw and filtered data that the submission's programs draw.
+    """What the submission's files, run as scripts, show of raw and filtered data; `check_comparison_plot` judges it.
 
     Attributes
     ----------
-    saved : the pairs of curves in each saved figure of one program that has any
-    drawn : whether any figure has such a pair
-    meant : the number of curves of a figure that is meant to compare and has no such pair, and what they are in words
-    handed_in : whether a picture of such a figure was handed in
-    error : the exception that stopped a program
-    clean : whether the noise model has lost points, so that no noise is asked for
+    saved : the pairs of a raw and a filtered curve in each saved figure that has any, all drawn by one file
+    drawn : whether any figure, saved or not, has such a pair
+    meant : of a figure that is meant to compare and has no such pair, the number of curves, and what they are in words
+    handed_in : whether a picture of the comparison was handed in, where no file saves it
+    error : the first exception that stopped a file; None if none did
+    clean : whether the noise model has lost points already, so that raw data without noise is accepted here
     """
 
     saved: tuple[Sequence[comparing.Compared], ...] = ()
@@ -37,7 +37,7 @@ class Comparison:
 
     @property
     def noisy(self) -> bool:
-        """Return whether noise is seen in a raw curve, or none is asked for."""
+        """Return whether a saved raw curve has noise in it, as the sheet asks; also True if data without noise is accepted."""
         return self.clean or any(pair.noisy for pairs in self.saved for pair in pairs)
 
     @property
@@ -46,7 +46,7 @@ class Comparison:
 
     @property
     def stop_in_words(self) -> str:
-        """The exception that stopped a program, with its file and line; "" if none did."""
+        """The exception that stopped a file, with its line, for the message; "" if none did."""
         if self.error is None:
             return ""
         said = printable(f"{self.error.type}: {self.error.message}", 300) + not_handed_in(self.error)
@@ -54,7 +54,7 @@ class Comparison:
 
 
 def measure(student: Student) -> Comparison:
-    """Run the submission's programs until one saves a figure of noisy and filtered data.
+    """Run the submission's files until one saves a figure of noisy and filtered data, and return what they have drawn.
 
     A figure without noise counts only if no other figure is meant as the comparison: in any plot, one channel of a robot that comes
     to rest is smoother than another.
@@ -62,10 +62,10 @@ def measure(student: Student) -> Comparison:
     drawn, meant = False, (0, "")
     error: StudentError | None = None
     clean: Comparison | None = None
-    charged = _past_the_plot(student)
+    charged = _replace_failed_plot(student)
     for drawing in student.scripts():
         error = error or (drawing.error if drawing.error != charged else None)
-        pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
+        pairs = [(figure, _pairs_in(student, figure)) for figure in drawing.figures]
         if saved := tuple(pair for figure, pair in pairs if pair and figure.is_saved):
             _note_stopped(student, drawing.error)
             found = Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
@@ -73,14 +73,14 @@ def measure(student: Student) -> Comparison:
                 return found
             clean = clean or found
         drawn = drawn or any(pair for figure, pair in pairs if not figure.is_saved)
-        meant = max(meant, *_meant(figure for figure, pair in pairs if not pair))
+        meant = max(meant, *_meant_to_compare(figure for figure, pair in pairs if not pair))
     if clean is not None and meant[0] < 2:
         return clean
     return Comparison((), drawn, meant, was_handed_in(student, COMPARISON), error)
 
 
-def _past_the_plot(student: Student) -> StudentError | None:
-    """Let scripts go on beside a stand-in where `plot_imu_data` does not end, which is charged. Return what it raised."""
+def _replace_failed_plot(student: Student) -> StudentError | None:
+    """Replace a failed `plot_imu_data` by a sound one, so that scripts run on after its call. Return what it raised, or None."""
     drawing = student.stored_answer("plot")
     if drawing is None or drawing.error is not None:
         student.replace_broken(["plot_imu_data"])
@@ -88,9 +88,10 @@ def _past_the_plot(student: Student) -> StudentError | None:
 
 
 def _note_stopped(student: Student, error: StudentError | None) -> None:
-    """Add a note on a statement that stopped in a program and was stepped over, unless the import has noted it.
+    """Add a note on a statement that raised `error` when a file was run and that was skipped, unless the same statement has a note.
 
-    A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault.
+    Nothing is noted without an error or its line, or for an attribute that is missing beside stand-ins: these sound functions,
+    which the grader puts in the place of broken ones, lack what the submission has added to its own.
     """
     if error is None or not error.where or (error.type == "AttributeError" and student.broken):
         return
@@ -102,13 +103,13 @@ def _note_stopped(student: Student, error: StudentError | None) -> None:
         )
 
 
-def _compared(student: Student, figure: Figure) -> Sequence[comparing.Compared]:
-    """Return the raw and filtered curves; those of a filter that has been charged already go by their names."""
+def _pairs_in(student: Student, figure: Figure) -> Sequence[comparing.Compared]:
+    """Return the pairs of a raw and a filtered curve in a figure; of a filter that has lost points already, its pairs by name."""
     found = comparing.comparisons(figure)
     return found or (comparing.named_comparisons(figure) if "LowPassFilter" in student.broken else [])
 
 
-def _meant(figures: Iterable[Figure]) -> list[tuple[int, str]]:
-    """Return the curves of each figure that is meant to compare: its file's name says so, or the names of its curves."""
+def _meant_to_compare(figures: Iterable[Figure]) -> list[tuple[int, str]]:
+    """Return `in_words` of each figure that its file's name or its curves' names mark as a comparison, after (0, "") for none."""
     meant = (f for f in figures if f.file_name == COMPARISON or comparing.named_comparisons(f))
     return [(0, ""), *map(comparing.in_words, meant)]

@@ -1,4 +1,4 @@
-"""Raw and filtered: whether a figure shows a series together with a smoother version of it."""
+"""Search of a figure for raw and filtered data: for curves of which one is a smoother version of another."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _ROUNDING = 1e-5
 
 @dataclass(frozen=True)
 class Compared:
-    """Pair of curves of the comparison plot: raw data and a smoother version, their names, and whether the raw one is noisy."""
+    """A raw and a filtered curve of one figure: their names there ("" for no name), and whether the raw curve has noise in it."""
 
     raw: str
     smooth: str
@@ -50,7 +50,7 @@ class Compared:
 
 
 def comparisons(figure: Figure) -> list[Compared]:
-    """Return the raw series with smoother versions of them in a figure, on the same axes or on axes of one unit."""
+    """Return each pair of a curve and a smoother version of it that can be seen in a figure, on axes that may have one unit."""
     drawn = _seen_curves(figure)
     pairs = (
         (one, other) for one in drawn for other in drawn if one is not other and _may_be_in_one_unit(one[0], other[0])
@@ -63,7 +63,7 @@ def _compared(raw: Drawn, smooth: Drawn) -> Compared:
 
 
 def _may_be_in_one_unit(one: Axes, other: Axes) -> bool:
-    """Return whether two axes may be in one unit; those without a unit on their label may be in any."""
+    """Return whether two axes may have one unit, so that their curves may be compared; a label without a unit agrees with any."""
     units = {unit for axes in (one, other) if (unit := unit_of(axes.ylabel)) is not None}
     return one is other or len(units) < 2
 
@@ -74,14 +74,14 @@ def _last_points(curve: Curve) -> tuple[Array, Array]:
 
 
 def named_comparisons(figure: Figure) -> list[Compared]:
-    """Return the curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
+    """Return the pairs of curves that are named raw and filtered, for a filter that is known to be broken and may not smooth."""
     drawn = _seen_curves(figure)
     raw, smooth = ([each for each in drawn if says(_name_on(*each))] for says in (says_raw, says_smooth))
     return [_compared(one, other) for one in raw for other in smooth]
 
 
 def in_words(figure: Figure) -> tuple[int, str]:
-    """Describe the curves of a figure that should compare raw and filtered data and does not: their number, and what they are."""
+    """Return how many curves a figure has that should compare raw and filtered data, and in words what they show instead."""
     series = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
     said = f"{len(series)} curves, none of which is a smoother version of another over {FEWEST_POINTS} samples or more"
     if len(series) < 2:
@@ -111,7 +111,7 @@ def _long_curves(axes: Axes) -> list[Curve]:
 
 
 def _at_the_same_points(one: Curve, other: Curve) -> tuple[Array, Array, int]:
-    """Return the values of two curves where both are drawn, and how many of these rows there are to a point of the shorter one."""
+    """Return the values of two curves at the same x values, and how many of these there are to a point of the shorter curve."""
     (x, y), (its_x, its_y) = _last_points(one), _last_points(other)
     if len(x) == len(its_x):
         return y, its_y, 1
@@ -121,11 +121,11 @@ def _at_the_same_points(one: Curve, other: Curve) -> tuple[Array, Array, int]:
 
 
 def _is_smoothed(raw: Curve, smooth: Curve) -> bool:
-    """Return whether one curve is smoother than the other and goes where its running mean goes, at some lag.
+    """Return whether `smooth` is a filtered form of `raw`: it changes less from value to value, and follows its running mean.
 
-    A series is smoother if its differences from value to value are smaller; with noise, those of its second half count as well, as
-    a filter may climb from zero. Of clean channels each is smoother than some other one while a robot comes to rest. Of a thinned
-    curve the drawn values count: those between them lie on straight lines, and are no smoother for it.
+    With noise in the raw data it is enough if the second half changes less, as a filter may climb from zero. Without noise it is
+    not: each clean channel is smoother than some other one while a robot comes to rest. Of a thinned curve the drawn values count:
+    those between them lie on straight lines, and are no smoother for it. False if fewer than 50 values can be compared.
     """
     values, its_values, step = _at_the_same_points(raw, smooth)
     if len(values) < FEWEST_POINTS:
@@ -138,14 +138,14 @@ def _is_smoothed(raw: Curve, smooth: Curve) -> bool:
 
 
 def _has_noise(raw: Array) -> bool:
-    """Return whether a series goes up and down from value to value, by however little."""
+    """Return whether a series has noise in it: it goes up and down from value to value, by however little."""
     bends = np.diff(raw, 2)
     bends = bends[np.abs(bends) > _ROUNDING * np.abs(raw).max()]
     return len(bends) > 1 and float(np.mean(bends[1:] * bends[:-1] < 0)) > _TURNS
 
 
 def _follows(raw: Array, smooth: Array, window: int) -> bool:
-    """Return whether the second half of a series goes where the running mean of another goes, up to two windows later."""
+    """Return whether the second half of `smooth` goes where the running mean of `raw` goes, with a lag of at most two windows."""
     mean = np.convolve(raw, np.full(window, 1 / window), mode="same")[: len(raw) - window // 2]
     half = len(raw) // 2
     lags = range(0, min(2 * window, len(raw) // 4) + 1, max(1, window // 8))
@@ -153,7 +153,7 @@ def _follows(raw: Array, smooth: Array, window: int) -> bool:
 
 
 def _alike(wanted: Array, got: Array) -> bool:
-    """Return whether two series agree in shape, level and size."""
+    """Return whether two series agree in shape, level and size, as a filtered series and the running mean of the raw one do."""
     width, its_width = (float(np.std(each)) for each in (wanted, got))
     level, its_level = (float(np.mean(each)) for each in (wanted, got))
     likeness = float(np.mean((wanted - level) * (got - its_level)))

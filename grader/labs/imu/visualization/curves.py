@@ -1,6 +1,6 @@
-"""Facts about a figure of the data: which curve shows which channel, what is seen of it, and under which name.
+"""Recognition of the curves in a figure: which channel of the data each one shows, what is seen of it, and what it is called.
 
-Curves are matched with the data that the plot function was given, not by their labels.
+A channel is one axis of one sensor. Curves are matched with the numbers that the plot function was given, not by their labels.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ _ENOUGH = 0.5
 
 @dataclass(frozen=True)
 class Shown:
-    """A drawn curve that shows a channel of the data.
+    """A drawn curve whose numbers are those of one channel of the data, which the checks compare with labels and legends.
 
     Attributes
     ----------
-    sensor, axis : sensor 0 or 1, axis 0 to 2
-    unit, x : the unit in which the values are drawn, and the kind of x values (time, index, …)
+    sensor, axis : the channel: sensor 0 (acceleration) or 1 (angular velocity), axis 0 to 2
+    unit, x : the unit in which the values are drawn, and the kind of x values, such as ``s``, ``ms`` or ``index``
     drawn : the hundredths of the recorded time over which the curve is drawn
     """
 
@@ -60,13 +60,13 @@ class Shown:
 
     @property
     def share_inside(self) -> float:
-        """Share of the drawn points that lies within the axis limits."""
+        """Share of the curve, in hundredths of its length along x, that lies within the axis limits."""
         return float(self.curve.visible_parts.inside.mean())
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes: curves that show a channel, curves of other data (`strange`), and channels whose curves cannot be seen."""
+    """One set of axes: curves that show a channel, curves of other data (`strange`), and curves of channels that nobody can see."""
 
     axes: Axes
     shown: tuple[Shown, ...]
@@ -83,7 +83,7 @@ class Panel:
 
     @property
     def mainly(self) -> set[int]:
-        """The sensor that most curves of the panel show; both if they are equally many."""
+        """The sensor (0 or 1) that most curves of the panel show, so that labels should name it; both if equally many, or none."""
         counts = Counter(s.sensor for s in self.shown)
         return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
@@ -93,34 +93,34 @@ class Panel:
         return (right - left) * (high - low)
 
     def is_inset_of(self, other: Panel) -> bool:
-        """Return whether this panel repeats, much smaller, what another panel shows, and so needs no labels of its own."""
+        """Return whether this panel repeats, much smaller, channels of another panel, and so needs no labels of its own."""
         return bool(self.channels) and self.channels <= other.channels and self.area < other.area / 2
 
     @property
     def words(self) -> str:
-        """The title and the y label of the panel, joined by " | "."""
+        """The title and the y label of the panel, joined by " | ", in which the name of a sensor is looked for."""
         return " | ".join([self.axes.title, self.axes.ylabel])
 
 
 @dataclass(frozen=True)
 class Plot:
-    """The figure under judgement, and its panels."""
+    """The figure that is judged as the plot of the data, with its panels: the axes on which it draws data."""
 
     figure: Figure
     panels: list[Panel]
 
     @property
     def main_panels(self) -> list[Panel]:
-        """The panels that need words of their own: all but the insets."""
+        """The panels that need labels and names of their own: all but insets, which repeat another panel."""
         return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
 
     @property
     def titled_panels(self) -> list[Panel]:
-        """The main panels that show data and so need a title; other panels may stand without one."""
+        """The main panels that show data and so need a title; if none shows data, all main panels."""
         return [panel for panel in self.main_panels if panel.shown] or self.main_panels
 
     def of_sensor(self, sensor: int) -> list[Panel]:
-        """The panels that show this sensor alone; if there are none, those that it shares with the other sensor."""
+        """Return the panels that mainly show this sensor (0 or 1); if there are none, all that show it at all, perhaps none."""
         own = [panel for panel in self.panels if panel.mainly == {sensor}]
         return own or [panel for panel in self.panels if sensor in panel.sensors]
 
@@ -134,7 +134,7 @@ class Plot:
 
     @property
     def hidden(self) -> set[Channel]:
-        """The channels that are drawn and that a reader sees in no panel."""
+        """The channels that the code draws and that nobody can see in any panel, such as below other curves."""
         return {shown.channel for panel in self.panels for shown in panel.hidden} - self.drawn
 
     @property
@@ -143,47 +143,47 @@ class Plot:
 
     @property
     def abscissae(self) -> set[str]:
-        """The kinds of x values (seconds, milliseconds, index) that the curves of the plot have."""
+        """The kinds of x values (``s``, ``ms``, ``index``, …) of the curves that show a channel, to compare with the label."""
         return {shown.x for shown in self.shown}
 
     @property
     def x_labels(self) -> list[str]:
-        """Texts that label the time axis: of each panel or of the figure; "" for a panel without such a text."""
+        """Texts that may label the time axis: one for each panel ("" without one), then the label and texts of the whole figure."""
         return [panel.axes.xlabel for panel in self.panels] + [self.figure.xlabel, *self.figure.texts]
 
     @property
     def own_ticks(self) -> bool:
-        """True if the code formats the numbers of the time axis itself, so that they may differ from the data."""
+        """True if the code sets the numbers at the time axis itself, which may then be in another unit than the data."""
         return any(panel.axes.own_ticks for panel in self.panels)
 
     def of_channel(self, channel: Channel) -> list[Shown]:
         return [shown for shown in self.shown if shown.channel == channel]
 
     def in_part(self) -> dict[Channel, float]:
-        """Return the channels that are drawn over a part of the recorded time only, with that share."""
+        """Return the channels that are drawn over less than 0.9 of the recorded time, each with its share of that time."""
         drawn = {c: {part for shown in self.of_channel(c) for part in shown.drawn} for c in sorted(self.drawn)}
         return {channel: len(parts) / 100 for channel, parts in drawn.items() if len(parts) < 100 * NEARLY_ALL}
 
     def cut_off(self) -> dict[Channel, float]:
-        """Return the channels of which most lies outside the axis limits, with the share that lies inside."""
+        """Return the channels of which more than half lies outside the axis limits, each with the share that lies inside."""
         shares = {channel: sum(s.share_inside for s in self.of_channel(channel)) for channel in sorted(self.drawn)}
         return {channel: share for channel, share in shares.items() if share < _ENOUGH}
 
     @property
     def is_cropped(self) -> bool:
-        """True if curves leave the limits, or the code sets those of y itself: other data may lie outside them."""
+        """True if curves leave the axis limits, or the code sets y limits itself: the limits may then cut off other data, too."""
         return any(panel.axes.own_height for panel in self.panels) or any(s.share_inside < 1 for s in self.shown)
 
 
 def joined(figures: Sequence[Figure]) -> Figure:
-    """Return several figures as the panels of one; each panel keeps the title, labels and legend of its own figure."""
+    """Return several figures as the panels of one, for code that draws each sensor in its own; panels keep texts and legends."""
     axes = tuple(_moved_axes(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
     texts = tuple(text for figure in figures for text in figure.texts)
     return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts)
 
 
 def _moved_axes(axes: Axes, figure: Figure, number: int) -> Axes:
-    """Return one axes for a joined figure: with the titles and labels of its own figure, moved beside the others."""
+    """Return axes for a joined figure: labelled by their own figure where they have no label, and at a place of their own."""
     left, low, right, high = axes.position
     return replace(
         axes,
@@ -196,13 +196,13 @@ def _moved_axes(axes: Axes, figure: Figure, number: int) -> Axes:
 
 
 def panels(figure: Figure, series: Mapping[str, Array]) -> list[Panel]:
-    """Return the axes of a figure that hold at least one curve of data."""
+    """Return the visible axes of a figure that hold a curve of data, with each curve matched with the recorded series."""
     found = (_panel(axes, series) for axes in figure.visible_axes)
     return [panel for panel in found if panel.shown or panel.strange or panel.hidden]
 
 
 def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
-    """Match the curves of one set of axes with the recorded channels.
+    """Match the curves of one set of axes with the recorded channels, and sort out those that cannot be seen.
 
     If a channel is drawn twice, one curve hides the other. The hidden one then counts as shown.
     """
@@ -223,22 +223,22 @@ def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
 
 
 def has_curves(figure: Figure) -> bool:
-    """Return whether a figure draws anything with more than two points."""
+    """Return whether a figure draws a curve of more than two points, to tell a plot from a blank figure that is saved."""
     return any(curve.n > 2 for axes in figure.visible_axes for curve in axes.curves)
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether one of the six channels is drawn in none of these figures, so that further figures are needed."""
+    """Return whether one of the six channels is seen in none of these figures, so that the plot is tried with other data forms."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
 def is_reference(curve: Curve) -> bool:
-    """Return whether a curve is a line at a fixed value or moment, such as `axhline` and `axvline`."""
+    """Return whether a curve is no data but a line at a fixed value or moment, such as `axhline` and `axvline` draw."""
     return len(curve.y) <= 2 or float(np.ptp(curve.y)) == 0.0 or float(np.ptp(curve.x)) == 0.0
 
 
 def _channel(curve: Curve, series: Mapping[str, Array]) -> Shown | None:
-    """Return the channel that a curve shows, tried for every meaning of x, sensor, axis and unit; None if it shows none."""
+    """Return the channel that a curve shows, for any meaning of x, sensor, axis, unit; None if none fits or points are few."""
     if len(curve.y) < FEWEST_POINTS:
         return None
     time = series["time"]
@@ -254,7 +254,7 @@ def _channel(curve: Curve, series: Mapping[str, Array]) -> Shown | None:
 
 
 def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
-    """Return the kinds that x may be, with time stamps: those that span the recorded time first, then those of a part of it.
+    """Return what x values may mean, as kind and time stamps, those that span the recorded time first, then those of a part of it.
 
     Rows of thinned data may be counted anew, and are then spread over the recorded time.
     """
@@ -278,12 +278,12 @@ UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
 
 
 def factor_of(shown: Shown) -> str:
-    """Return the factor between the numbers of a curve and the data, such as 57.3 for degrees."""
+    """Return in words how many times the data the numbers of a curve are, such as "57.3 times" for degrees."""
     return f"{dict(_UNITS[shown.sensor])[shown.unit]:.3g} times"
 
 
 def unit_in(rows: Array, true: Array, sensor: int) -> str:
-    """Return the unit in which rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if no unit fits."""
+    """Return the unit in which recorded rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if no unit fits."""
     size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
     return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
 
@@ -292,26 +292,22 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
 
 
 def names_of(panel: Panel, figure: Figure) -> list[str | None]:
-    """Return the name of each shown curve: its legend entry, or a text beside it; None for a curve without a name."""
+    """Return the name of each shown curve of a panel: its legend entry, or a text beside it; None for a curve without either."""
     own = {s.curve.colour for s in panel.shown}
     neutral = [text for text in panel.axes.texts if text.colour not in own]
     names = names_of_curves([s.curve for s in panel.shown], panel, figure)
-    return [name or _beside(s, neutral) for s, name in zip(panel.shown, names, strict=True)]
+    beside = [next((text.text for text in neutral if axis_of(text.text) == s.axis), None) for s in panel.shown]
+    return [name or text for name, text in zip(names, beside, strict=True)]
 
 
 def names_of_curves(curves: Iterable[Curve], panel: Panel, figure: Figure) -> list[str | None]:
-    """Return the legend entry, or the text in its colour, of each of these curves of a panel; None for a curve without one."""
+    """Return the legend entry, or the text in its colour, for each of these curves of a panel; None for a curve without either."""
     axes = panel.axes
     entries = [*axes.legend, *figure.legend]
     for other in figure.axes:
         if other is not axes and other.position == axes.position:
             entries += other.legend  # twin axes share one legend
     return [name_of(curve, entries, axes.texts) for curve in curves]
-
-
-def _beside(shown: Shown, texts: Sequence[Placed]) -> str | None:
-    """Return the first of these texts of the panel that names the curve's axis; None without one."""
-    return next((text.text for text in texts if axis_of(text.text) == shown.axis), None)
 
 
 def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> str | None:
@@ -325,5 +321,5 @@ def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> 
 
 
 def _likeness(entry: Entry, curve: Curve) -> tuple[bool, bool]:
-    """Return how far a legend's sample looks like a curve of its colour: by style and marker, then by dashes, width and opacity."""
+    """Return how far a legend's sample looks like a curve, for `max`: by style and marker, then by dashes, width and opacity."""
     return (entry.style, entry.marker) == (curve.style, curve.marker), entry.stroke == curve.stroke

@@ -1,4 +1,4 @@
-"""Hypotheses on why a plot does not show what the sheet asks: its file, its panels, its curves, its words, the comparison."""
+"""Diagnosis of *Visualization*: the known faults of a plot, in its file, panels, curves and labels, and how each shows."""
 
 from __future__ import annotations
 
@@ -28,10 +28,8 @@ _IN_PART = 0.8
 """Largest share that a channel keeps if some of its rows are not drawn; one that shows less keeps the share that it shows."""
 
 
-def to_the_end(
-    measured: Callable[[Facts], Deviation[Numbers] | None],
-) -> Callable[[Facts], Deviation[Numbers] | None]:
-    """Wrap `measured` so that what a plot lacks because an exception stopped it is deducted as that exception, not as a fault."""
+def to_the_end(measured: Callable[[Facts], Deviation[Numbers] | None]) -> Callable[[Facts], Deviation[Numbers] | None]:
+    """Wrap a measurement so that what a plot lacks after an exception is deducted as that exception, not as missing labels."""
 
     @functools.wraps(measured)
     def judged(facts: Facts) -> Deviation[Numbers] | None:
@@ -47,7 +45,7 @@ def to_the_end(
 
 
 def is_lost(facts: Facts) -> bool:
-    """Return whether no saved file shows in the end what the figure shows, such as after an overwrite."""
+    """Return whether no saved file shows the plot, or a channel of it was only in a file that was overwritten."""
     return not facts.file.formats or bool(facts.file.lost)
 
 
@@ -63,7 +61,7 @@ def is_no_png(facts: Facts) -> bool:
 
 
 def shares_a_panel(facts: Facts) -> bool:
-    """Return whether both sensors are on the same axes."""
+    """Return whether a sensor has no panel that mainly shows it, as where both sensors are drawn on the same axes."""
     return any(panel.mainly != {sensor} for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor))
 
 
@@ -72,25 +70,25 @@ def misses_channels(facts: Facts) -> bool:
 
 
 def _missing(facts: Facts) -> set[Channel]:
-    """Return the channels of which nothing is drawn."""
+    """Return the channels (sensor, axis) of which no curve is drawn, seen or not."""
     return set(CHANNELS) - facts.plot.drawn - facts.plot.hidden
 
 
 def _shows_others(facts: Facts) -> bool:
-    """Return whether other numbers, or a channel twice, stand in the place of a missing channel."""
+    """Return whether a channel is missing and other numbers, or another channel twice, are drawn in its place."""
     plot = facts.plot
     return bool(_missing(facts)) and (bool(plot.strange) or len(plot.shown) > len(plot.drawn))
 
 
 def share_missing(facts: Facts) -> float:
-    """Return the share of the curves' points that no fault explains: the rows that are not drawn."""
+    """Return the share of the points that is lost for the times that curves leave out: one sixth a channel, at least 0.2 of it."""
     parts = facts.plot.in_part()
     return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
 
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return a deviation by the number of channels that are not drawn, larger if other data is drawn instead; None without any."""
+    """Return a deviation by the number of channels not drawn, larger if other data is drawn instead; None if all are drawn."""
     if not (missing := _missing(facts)):
         return None
     affected = max(len(missing) / len(CHANNELS), _OTHER_NUMBERS if _shows_others(facts) else 0)
@@ -99,7 +97,7 @@ def missing_curves(facts: Facts) -> Deviation[Came] | None:
 
 @to_the_end
 def unseen_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return a deviation if a channel is drawn outside the limits, covered, or in the background's colour; None if all are seen."""
+    """Return a deviation if a drawn channel is off limits, covered, in the background's colour or on a log axis; else None."""
     if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
         return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
     if not (facts.plot.hidden or facts.cut_off):
@@ -109,7 +107,7 @@ def unseen_curves(facts: Facts) -> Deviation[Came] | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
-    """Return a function that measures how many labels have the problem `name`, such as no unit; three such labels lose all."""
+    """Return a function that measures how many labels have a problem, such as "no-units". Three such labels lose all points."""
 
     def measured(facts: Facts) -> Deviation[Came] | None:
         texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]
@@ -130,7 +128,7 @@ def missing_in_words(facts: Facts) -> str:
 
 
 def _outside(facts: Facts) -> str:
-    """Return how much of each named channel is outside the limits: the least, if they differ."""
+    """Return in words how much of the channels is outside the limits: all, or so many per cent, the least if they differ."""
     shares = {round(100 * (1 - inside)) for inside in facts.cut_off.values()}
     least = "" if len(shares) == 1 else "at least "
     return f"{'all' if shares == {100} else f'{least}{min(shares)} %'} of {_named(facts.cut_off)}"
@@ -145,13 +143,11 @@ def part_in_words(parts: Mapping[Channel, float]) -> str:
     return f"{_named(parts)} over only {round(100 * min(parts.values()))} % of the recorded time"
 
 
-def is_against_no_time(facts: Facts) -> bool:
-    """Return whether curves stand against the sample's index, or against milliseconds under a label that says seconds."""
-    return words.x_is_wrong(facts.plot)
-
-
 def another_unit(facts: Facts) -> str:
-    """Describe numbers in another unit than their label's or, without a label, than the data's; "" if all units agree."""
+    """Describe numbers in another unit than their label's or, without a label, than the data's; "" if all units agree.
+
+    A label may also name the unit in which the submission itself records: the plot is then right for its own data.
+    """
     for shown, label, said in words.labelled_units(facts.plot):
         family = curves.UNITS[shown.sensor]
         own = shown.unit == family[0] and said == facts.recorded[shown.sensor]
@@ -164,7 +160,7 @@ def another_unit(facts: Facts) -> str:
 
 
 def names_are_exchanged(facts: Facts) -> bool:
-    """Return whether every saved comparison gives the raw curve the name of the filtered one."""
+    """Return whether every saved comparison calls the raw curve filtered and the filtered one raw; also True if none is saved."""
     return all(
         any(pair.exchanged for pair in pairs) and not any(pair.in_order for pair in pairs)
         for pairs in facts.comparison.saved
@@ -172,13 +168,13 @@ def names_are_exchanged(facts: Facts) -> bool:
 
 
 def shows_nothing(facts: Facts) -> bool:
-    """Return whether no saved picture is left in which a title could be read."""
+    """Return whether there is no picture in which a title could be read: none saved that is whole, and none handed in."""
     file = facts.file
     return (file.replaced or file.blank or not file.formats) and not file.handed_in
 
 
-def _in_file(cost: int, fault: str, holds: Callable[[Facts], bool]) -> tuple[Reason[Facts], ...]:
-    """Return the reasons for a file that shows no plot, and so no title."""
+def _file_reasons(cost: int, fault: str, holds: Callable[[Facts], bool]) -> tuple[Reason[Facts], ...]:
+    """Return the reasons for which a fault of the file loses points: at the check of the file, and at that of the titles."""
     return (
         Reason(SAVES, cost, fault, holds),
         Reason(TITLES, cost, fault, lambda facts: shows_nothing(facts) and holds(facts)),
@@ -187,9 +183,9 @@ def _in_file(cost: int, fault: str, holds: Callable[[Facts], bool]) -> tuple[Rea
 
 _LABEL_PROBLEMS = ("no-axis-labels", "no-units")
 REASONS: tuple[Reason[Facts], ...] = (
-    *_in_file(1, "picture-overwritten", lambda f: f.file.replaced),
-    *_in_file(2, "blank-image", lambda f: f.file.blank),
-    *_in_file(3, "plot-not-saved", lambda f: not f.file.formats),
+    *_file_reasons(1, "picture-overwritten", lambda f: f.file.replaced),
+    *_file_reasons(2, "blank-image", lambda f: f.file.blank),
+    *_file_reasons(3, "plot-not-saved", lambda f: not f.file.formats),
     Reason(SAVES, 3, "picture-overwritten", lambda f: bool(f.file.lost)),
     Reason(SAVES, 4, "low-resolution", is_small),
     Reason(PANELS, 1, "one-panel", shares_a_panel),
@@ -197,7 +193,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason("missing", 1, "wrong-data-plotted", _shows_others),
     Reason("missing", 2, "curves-missing", lambda _: True),
     Reason("unseen", 1, "curves-not-seen", lambda _: True),
-    Reason(CURVES, 4, "x-not-time", lambda f: not misses_channels(f) and is_against_no_time(f)),
+    Reason(CURVES, 4, "x-not-time", lambda f: not misses_channels(f) and words.is_against_no_time(f.plot)),
     Reason(CURVES, 5, "wrong-data-plotted", lambda f: not misses_channels(f) and bool(another_unit(f))),
     *(Reason(problem, 1, problem, lambda _: True) for problem in _LABEL_PROBLEMS),
     Reason(LEGEND, 1, "legend-order-wrong", lambda f: bool(words.exchanged_name(f.plot))),

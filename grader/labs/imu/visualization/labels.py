@@ -1,6 +1,6 @@
-"""Meaning of labels, legends and titles: units, sensors, axes and curves, in the languages of `languages.yaml`.
+"""Meaning of labels, legends and titles: which unit, sensor or axis a text names, in the languages of `languages.yaml`.
 
-Symbols are the same in every language and stand here; words stand there, a block a language.
+Symbols such as m/s² are the same in every language and are listed here; words are in that file, a block for each language.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ _once = lru_cache(maxsize=1024)  # a text is asked for with every pair of curves
 _LOOKALIKES = str.maketrans("º⁄", "°/")
 """Look-alikes of the degree sign and of the stroke, which normalisation would make a letter or leave."""
 
-
 _KINDS = {
     "acceleration", "angular_velocity", "hints", "axes", "raw", "filtered", "metre", "radian", "degree", "second", "per", "squared",
     "seconds", "milliseconds", "samples", "labels",
@@ -27,7 +26,7 @@ _KINDS = {
 
 @cache
 def languages() -> Mapping[str, Mapping[str, Any]]:
-    """Return the words that labels may use for sensors, axes and units, by language code."""
+    """Return the words that labels may use for sensors, axes and units, by language code; a block with other keys is refused."""
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
     blocks: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=loader)
@@ -39,13 +38,9 @@ def languages() -> Mapping[str, Mapping[str, Any]]:
 
 
 def _any_of(stems: Iterable[str]) -> str:
-    """Return a pattern that matches one of these stems; without stems it matches nothing."""
-    listed = sorted({re.escape(_spelt(stem)) for stem in stems})
+    """Return the source of a regular expression that matches any of these words; nothing if there are none."""
+    listed = sorted({re.escape(unicodedata.normalize("NFKC", stem).lower()) for stem in stems})
     return f"(?:{'|'.join(listed)})" if listed else r"(?!)"
-
-
-def _spelt(stem: str) -> str:
-    return unicodedata.normalize("NFKC", stem).lower()
 
 
 def _words(key: str) -> str:
@@ -58,7 +53,7 @@ def _hints(key: str) -> str:
 
 @_once
 def plain(text: str) -> str:
-    """Return a label without TeX and spaces, in lower case, with superscripts as digits."""
+    """Return a label as the patterns here expect it: lower case, no spaces or TeX, superscripts as digits, "per" as a slash."""
     text = unicodedata.normalize("NFKC", text.translate(_LOOKALIKES)).lower()
     text = re.sub(r"\b(?:in|en|em|per|pro|por|par)\s+|_(?=m?s(?:ec)?$)", "/", text)  # “in s”, “rad per s”, “time_s”
     text = re.sub(r"\\(?:mathrm|mathit|text|textrm|rm)\{([^{}]*)\}", r"\1", text)
@@ -68,9 +63,7 @@ def plain(text: str) -> str:
     return re.sub(r"[\s${}^\\·*_⋅×~]", "", text)
 
 
-_SOME = (
-    r"\w{0,24}?"  # words within a unit have a bound: without, a title of repeated units takes the cube of its length
-)
+_SOME = r"\w{0,24}?"  # a bound on words within a unit: without, a title of repeated units takes the cube of its length
 _PER = f"(?:/|{_words('per')})"
 _SQUARED = f"(?:2|²|{_words('squared')})"
 _ACCELERATION_UNIT = re.compile(
@@ -93,7 +86,7 @@ _COUNTED = re.compile(rf"{_words('samples')}|n$")
 
 @_once
 def unit_of(text: str) -> str | None:
-    """The unit of `plots.UNITS` that a label names; None if the label names no such unit."""
+    """Return the unit of `curves.UNITS` that a label names, to compare with the drawn numbers; None if it names no such unit."""
     words = plain(text)
     if _RATE_UNIT.search(words):
         if _DEGREES.search(words.replace("弧度", "rad")):
@@ -107,7 +100,7 @@ def unit_of(text: str) -> str | None:
 
 
 def has_unit_of(sensor: int, text: str) -> bool:
-    """Return whether a label names a unit of this sensor, perhaps among others."""
+    """Return whether a label names any unit of this sensor (0 acceleration, 1 angular velocity), perhaps among other units."""
     return bool((_ACCELERATION_UNIT, _RATE_UNIT)[sensor].search(plain(text)))
 
 
@@ -131,7 +124,7 @@ _RATE_WORDS = re.compile(f"{_NAMES[1]}|{_hints('angular_velocity')}")
 
 @_once
 def claims(text: str) -> frozenset[int]:
-    """Return which sensors (0 acceleration, 1 angular velocity) a title or label names: by its words, else by its unit."""
+    """Return which sensors (0 acceleration, 1 angular velocity) a title or label names by words, else by a unit; perhaps none."""
     words = plain(text)
     found = {0} if _ACCELERATION_WORDS.search(words) else set()
     if _RATE_WORDS.search(words):
@@ -143,7 +136,7 @@ def claims(text: str) -> frozenset[int]:
 
 
 def names_only(sensor: int, text: str) -> bool:
-    """Return whether a text calls one sensor, or what it measures, by its name and says nothing of the other one."""
+    """Return whether a text names this sensor, or what it measures, in words, and does not speak of the other sensor."""
     return bool(re.search(_NAMES[sensor], plain(text))) and claims(text) == {sensor}
 
 
@@ -155,7 +148,7 @@ _AXIS_LETTERS = ("x", "y", "z")
 
 @_once
 def axis_of(text: str) -> int | None:
-    """Return the axis (0, 1, 2) that a curve's name means; None if the name does not tell."""
+    """Return the axis (0, 1, 2) that a curve's name means, also by words such as "yaw"; None if it means none or several."""
     words = plain(text)
     named = {axis for axis, pattern in enumerate(_AXES) if pattern.search(words)}
     spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower())
@@ -170,10 +163,10 @@ _SMOOTH = re.compile(_words("filtered"))
 
 
 def says_raw(name: str) -> bool:
-    """Return whether a curve's name speaks of data as it was measured."""
+    """Return whether a curve's name calls its data raw, noisy or the like: as they were measured."""
     return bool(_RAW.search(plain(name)))
 
 
 def says_smooth(name: str) -> bool:
-    """Return whether a curve's name speaks of filtered data."""
+    """Return whether a curve's name calls its data filtered, smooth or the like, and not raw too."""
     return bool(_SMOOTH.search(plain(name))) and not says_raw(name)

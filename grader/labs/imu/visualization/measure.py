@@ -1,4 +1,4 @@
-"""Facts about the plot of the data: the figure that is judged, what is seen of it, and its picture file."""
+"""Measurement of the plot of the data (Step 4): which figure is judged, what can be seen of it, and which files hold it."""
 
 from __future__ import annotations
 
@@ -53,15 +53,15 @@ added at each call has 0.2 for the channel that changes most.
 
 @dataclass(frozen=True)
 class File:
-    """Facts about the picture file that `plot_imu_data` saves.
+    """What is in the picture files that `plot_imu_data` saves, for the check that it saves a readable picture.
 
     Attributes
     ----------
     size_px : size of the largest saved picture of the curves; (0, 0) without one
-    formats : file formats of all saved pictures
-    replaced, blank : whether a file was overwritten or damaged, or saved from an empty figure
-    handed_in : whether no file shows the plot and a picture of it was handed in
-    lost : the channels that only an overwritten file showed
+    formats : file formats of all saved pictures of the curves; empty if none is saved
+    replaced, blank : whether no file shows the curves because it was overwritten or damaged, or because an empty figure was saved
+    handed_in : whether no file shows the curves and a picture of that name was handed in
+    lost : the channels that only an overwritten file showed, beside others that are saved
     """
 
     size_px: tuple[int, int] = (0, 0)
@@ -74,16 +74,16 @@ class File:
 
 @dataclass(frozen=True)
 class Facts:
-    """Facts about the plots of one submission.
+    """All that is measured of a submission's plots: `measure` makes it, and the checks and the diagnosis read nothing else.
 
     Attributes
     ----------
     plot : the figure that shows most of the data
-    cut_off : the channels that lie outside the axis limits for the most part, with the share that is inside
-    recorded : the unit in which the submission itself records each sensor, if a label names another one than is drawn
-    error : the exception that broke the plot off
-    departs : the sheet's parameters that `plot_imu_data` could not be called with
-    stopped : by check, what kept its property from being measured
+    cut_off : the channels of which more than half lies outside the axis limits, with the share that is inside
+    recorded : the unit in which the submission records each sensor, if a label names another unit than is drawn; else ""
+    error : the exception that broke the plot off; None if it ran to its end
+    departs : names of the sheet's parameters that `plot_imu_data` does not accept
+    stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
     plot: Plot
@@ -100,7 +100,7 @@ _NO_PLOT = Plot(Figure("shown", None, "", (0, 0)), [])
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Measure the plots: ask for the plot of the tumbling run, then for what the submission's files draw when they are run."""
+    """Ask for the plot of a recorded run, and for what the submission's files draw when they are run. Return the measured facts."""
     try:
         drawing = drawing_of_data(student, truth)
         if drawing.error is not None and drawing.error.type in _NOT_THERE:
@@ -139,7 +139,7 @@ def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
 
 
 def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
-    """Return what `plot_imu_data` draws of a run whose data has the names and shapes that the submission itself records."""
+    """Return what `plot_imu_data` draws of a true run, which it gets under the keys that the submission's own recorder uses."""
     series = series_of(truth, run)
     own = _own_recording(student, truth)
     return student.plot(
@@ -175,14 +175,17 @@ def _note_missing_recording(student: Student, truth: Traces) -> None:
 
 
 def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:
-    """Return the true series under the names of the submission's own recording, if it has names."""
+    """Return the true series under the keys of the submission's own recording; under the sheet's if it has none or no names."""
     if own is None or any(name.isdigit() for name in own.keys.values()):
         return series
     return {own.keys.get(key, key): value for key, value in series.items()}
 
 
 def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, str]:
-    """Return the unit in which the submission records each sensor whose label names another unit than is drawn; else ""."""
+    """Return, by sensor, the unit of the submission's own recording where a label names another unit than is drawn; else "".
+
+    Such a label is right for the submission's own data, and only wrong for the data that the plot is given here.
+    """
     asked = {shown.sensor for shown, _, said in labelled_units(plot) if said not in (None, shown.unit)}
     if not asked:
         return "", ""
@@ -200,9 +203,10 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
-    """Return the figures that may be the plot: each one, and figures for one sensor each that together make the plot.
+    """Return the figures that may be the plot: each one, all saved ones joined, and all joined that were ever saved.
 
-    They are compared with the series that the plot was given: those of a faulty recorder where the plot fits no other.
+    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the series that the plot was
+    given: those of a faulty recorder where the plot fits no other.
     """
     saved = [figure for figure in drawing.figures if figure.is_saved]
     ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]
@@ -212,7 +216,7 @@ def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
 
 
 def best_of(plots: Sequence[Plot]) -> Plot | None:
-    """Return the plot that shows most of the six channels, the first of equal ones; None if none has curves of the data."""
+    """Return the plot that shows most of the six channels, of equal ones the first saved one; None if none has curves of data."""
     drawn = (plot for plot in plots if plot.panels)
     return max(drawn, key=lambda plot: (len(plot.drawn), plot.figure.is_saved), default=None)
 
@@ -220,8 +224,8 @@ def best_of(plots: Sequence[Plot]) -> Plot | None:
 def _file(student: Student, drawing: Drawing, plots: Sequence[Plot]) -> File:
     saved = _saved_curves(drawing)
     if not saved and drawing.figures:
-        looks = {_look(figure) for figure in drawing.figures if curves.has_curves(figure)}
-        found = (figure for d in student.scripts() for figure in _saved_curves(d) if _look(figure) in looks)
+        looks = {_appearance(figure) for figure in drawing.figures if curves.has_curves(figure)}
+        found = (figure for d in student.scripts() for figure in _saved_curves(d) if _appearance(figure) in looks)
         saved = list(itertools.islice(found, 1))
     events = {figure.event for figure in drawing.figures if curves.has_curves(figure)}
     shown, gone = (
@@ -242,15 +246,15 @@ def _saved_curves(drawing: Drawing) -> list[Figure]:
     return [figure for figure in drawing.figures if figure.is_saved and curves.has_curves(figure)]
 
 
-def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
-    """Return what makes a figure the same plot with other data: titles, labels, number of curves."""
+def _appearance(figure: Figure) -> tuple[tuple[str, str, int], ...]:
+    """Return by what a figure is recognised if a script draws it of other data: titles, labels, number of curves."""
     return tuple((axes.title, axes.ylabel, len(axes.curves)) for axes in figure.axes)
 
 
 def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
-    """Return the charges for a handed-in picture that no code draws: its form is earned, the rest is a person's to give.
+    """Return by check what a handed-in picture costs that no code draws; nothing if there is no picture.
 
-    Without a picture there are none.
+    It earns half of the check of the file. Nobody can read its curves, so a note asks a person whether the rest is earned.
     """
     if not was_handed_in(student, PICTURE):
         return {}
@@ -270,10 +274,9 @@ def _drawn_by_no_code(student: Student) -> dict[str, Exception]:
 
 
 def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, float]:
-    """Return the channels that the limits of the axes cut off of the recording of the lab.
+    """Return the channels that the axis limits cut off of the lab's own recording, with the share inside; none if no limit cuts.
 
-    Limits that are written into the code are chosen for the data that the code records. So that is drawn, too, where they leave
-    anything outside of the data that the plot was given here.
+    Limits in the code are chosen for the data that the code records. So that is drawn, too, where they leave out data given here.
     """
     if not plot.is_cropped:
         return {}
@@ -284,7 +287,7 @@ def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, float
 
 
 def _unseen(student: Student, truth: Traces, plot: Plot, outside: Mapping[Channel, float]) -> dict[str, Exception]:
-    """Return why the panels cannot be judged: no curves, none that a reader sees, or none that has to do with the data."""
+    """Return by check why panels cannot be judged: no curves, none that a reader sees, or none made of the data; else nothing."""
     if not plot.panels:
         return dict.fromkeys((*OF_WORDS, "curves_match_data"), Skipped("a figure with curves"))
     if any(shown.channel not in outside or shown.curve.visible_parts.seen.any() for shown in plot.shown):
@@ -297,10 +300,10 @@ def _unseen(student: Student, truth: Traces, plot: Plot, outside: Mapping[Channe
 
 
 def _follows_data(student: Student, truth: Traces, plot: Plot) -> bool:
-    """Return whether a curve that shows no channel is made of the data.
+    """Return whether a curve that shows no channel is made of the data, such as a norm, so that its labels count.
 
-    The plot is asked twice more, with stamps that stay: with numbers that are nearly the same, and with the rows in another order.
-    A curve made of the data stays nearer to the first than to the second, also if chance is added at each call.
+    The plot is asked twice more, with the same time stamps: of nearly the same numbers, and of the rows in another order. A curve
+    made of the data stays nearer to the first than to the second, also if chance is added at each call.
     """
     series = series_of(truth)
     order = np.random.default_rng(0).permutation(len(series["time"]))
@@ -312,7 +315,7 @@ def _follows_data(student: Student, truth: Traces, plot: Plot) -> bool:
 
 
 def _nearer(one: Array, two: Array, three: Array, order: int) -> bool:
-    """Return whether `one` is nearer to `two` than to `three` in differences of an order: a sum of chance is chance in its own."""
+    """Return whether `one` is nearer to `two` than to `three` in differences of an order; those tell a random walk from data."""
     first, second, other = (np.diff(each, n=order) for each in (one, two, three))
     return _distance(first, second) < _NEARER * _distance(first, other)
 
@@ -329,7 +332,7 @@ def _curves_of(student: Student, truth: Traces, series: dict[str, Array]) -> lis
 
 
 def _distance(y: Array, other: Array) -> float:
-    """Return the root mean square of the difference; infinite for curves of other lengths."""
+    """Return the root mean square difference of two curves; infinite if they differ in length or are empty."""
     if y.shape != other.shape or not y.size:
         return math.inf
     return float(np.sqrt(np.mean((y - other) ** 2)))

@@ -1,4 +1,4 @@
-"""Labels, titles and legends of a plot, compared with what its panels show."""
+"""Judgement of a plot's labels, titles and legends against what its panels show, for the checks of words."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Problem = tuple[str, str]
 
 
 def quoted(text: str) -> str:
-    """Quote a student's text for a message, shortened and printable."""
+    """Quote a student's text for a message, cut to 60 characters and without control characters."""
     return f"“{printable(text, 60)}”"
 
 
@@ -24,7 +24,7 @@ def quoted(text: str) -> str:
 
 @dataclass(frozen=True)
 class Misnamed:
-    """Texts on a panel that name only the other sensor; `share` of the points is lost: 1 if all its texts do, else 0.5."""
+    """Texts on a panel that name the other sensor only than it `shows`; a `share` of the points is lost, 1 if all its texts do."""
 
     said: list[str]
     shows: str
@@ -32,7 +32,7 @@ class Misnamed:
 
 
 def misnamed(plot: Plot) -> Misnamed | None:
-    """Return the texts of the first panel that name the other sensor only; None if no panel has such texts."""
+    """Return the wrong texts of the first panel with a title or label that names the other sensor only; None without such one."""
     for sensor, panel in [(which, panel) for which in (0, 1) for panel in plot.of_sensor(which)]:
         if said := _misnaming(plot, panel, sensor):
             written = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]
@@ -41,7 +41,7 @@ def misnamed(plot: Plot) -> Misnamed | None:
 
 
 def _misnaming(plot: Plot, panel: Panel, sensor: int) -> list[str]:
-    """Return the texts on a panel of this sensor that speak of the other one alone, if another panel shows that one."""
+    """Return the texts on a panel of this sensor that name the other sensor only; none if no other panel shows that sensor."""
     if not any(other is not panel and 1 - sensor in other.sensors for other in plot.panels):
         return []
     texts = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]
@@ -51,12 +51,12 @@ def _misnaming(plot: Plot, panel: Panel, sensor: int) -> list[str]:
 
 
 def _claimed(axes: Axes) -> frozenset[int]:
-    """Return the sensors that title and label of a panel speak of."""
+    """Return the sensors (0 acceleration, 1 angular velocity) that title and y label of a panel name; perhaps none."""
     return labels.claims(axes.title) | labels.claims(axes.ylabel)
 
 
 def missing_panel(plot: Plot) -> str:
-    """Return the sensor that has no axes of its own, not even empty ones; "" if both have."""
+    """Return in words a sensor without any panel, if the figure has one panel only and no empty axes for that sensor; else ""."""
     if len(plot.panels) > 1:
         return ""
     empty = [axes for axes in plot.figure.visible_axes if axes not in [panel.axes for panel in plot.panels]]
@@ -65,7 +65,10 @@ def missing_panel(plot: Plot) -> str:
 
 
 def is_named(plot: Plot, sensor: int) -> bool:
-    """Return whether a panel shows by any text which sensor it is for; missing labels and titles are deducted by other checks."""
+    """Return whether any text on a sensor's panels tells which sensor they are for.
+
+    Also True without a panel, or where only titles or only labels are missing: other checks deduct for those.
+    """
     panels = _panels_for(plot, sensor)
     if not panels or any(sensor in labels.claims(p.words) for p in panels):
         return True  # a sensor without a panel is `missing_panel`
@@ -77,7 +80,7 @@ def is_named(plot: Plot, sensor: int) -> bool:
 
 
 def _panels_for(plot: Plot, sensor: int) -> list[Panel]:
-    """Return the panels whose texts should speak of a sensor: its own, else those that show no channel and are not the other's.
+    """Return the panels whose texts should name a sensor: its own, else those that show no channel and do not name the other.
 
     A panel of other numbers, such as a norm, needs labels as much as one of the sensor's axes.
     """
@@ -86,7 +89,7 @@ def _panels_for(plot: Plot, sensor: int) -> list[Panel]:
 
 
 def _names_on(plot: Plot, panels: list[Panel]) -> list[str]:
-    """Return what names each curve of these panels; "" where nothing does."""
+    """Return the name of each curve of these panels, by legend or text beside it; "" for a curve without one."""
     return [name or "" for panel in panels for name in curves.names_of(panel, plot.figure)]
 
 
@@ -94,7 +97,7 @@ def _names_on(plot: Plot, panels: list[Panel]) -> list[str]:
 
 
 def label_problems(plot: Plot) -> list[Problem]:
-    """Return what is missing from the labels of the axes: one problem for each sensor, and one for the time."""
+    """Return what is missing from the axis labels, as fault and words: at most one problem for each sensor, and one for time."""
     found: list[Problem] = []
     for sensor in (0, 1):
         panels = _panels_for(plot, sensor)
@@ -131,15 +134,15 @@ def _of_time(plot: Plot) -> list[Problem]:
     return []
 
 
-def x_is_wrong(plot: Plot) -> bool:
-    """Return whether curves stand against the sample's index, or against milliseconds under a label that says seconds."""
+def is_against_no_time(plot: Plot) -> bool:
+    """Return whether curves are drawn against the sample's index, or against milliseconds under a label that does not say so."""
     labelled = [labels.plain(text) for text in plot.x_labels]
     said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
     return "index" in plot.abscissae or ("ms" in plot.abscissae and not said and not plot.own_ticks)
 
 
 def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
-    """Yield each shown curve with the label of its panel and the unit that this label names, None without a unit."""
+    """Yield each shown curve with its panel's label and the unit that this label names (None without a unit), to compare them."""
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
         label = next(filter(labels.unit_of, texts), panel.axes.ylabel)
@@ -150,13 +153,13 @@ def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
 
 
 def _crowded(plot: Plot) -> list[Panel]:
-    """Return the panels whose curves need names: those of several channels, or of other numbers in place of a sensor's."""
+    """Return the panels whose curves need names: those of several channels, or of other numbers in place of a missing sensor."""
     in_place = [panel for sensor in (0, 1) if not plot.of_sensor(sensor) for panel in _panels_for(plot, sensor)]
     return [panel for panel in plot.main_panels if len(panel.shown) > 1 or panel in in_place]
 
 
 def _is_nameless(plot: Plot, panel: Panel) -> bool:
-    """Return whether a curve of a panel has no name, or one name stands for two channels."""
+    """Return whether a reader cannot tell the curves of a panel apart: one has no name, or one name stands for two channels."""
     if not panel.shown:  # one curve may be named by the label of its axis
         others = curves.names_of_curves(panel.strange, panel, plot.figure)
         return None in others and not (len(others) == 1 and panel.axes.ylabel.strip())
@@ -167,14 +170,17 @@ def _is_nameless(plot: Plot, panel: Panel) -> bool:
 
 
 def share_nameless(plot: Plot) -> float:
-    """Return 1 if no panel names its curves, one half if some do, 0 if all do."""
+    """Return the share of the points that missing names cost: 1 if no panel names its curves, 0.5 if some do, 0 if all do."""
     crowded = _crowded(plot)
     nameless = [panel for panel in crowded if _is_nameless(plot, panel)]
     return 0.0 if not nameless else 0.5 if len(nameless) < len(crowded) else 1.0
 
 
 def exchanged_name(plot: Plot) -> str:
-    """Describe a curve under the name of another axis; "" without such a curve. A channel under several names has a wrong curve."""
+    """Describe a curve that is named after another axis than it shows, such as "Y" at the curve of x; "" without one.
+
+    A panel with nameless curves, or with a channel under several names, is left to other checks.
+    """
     for panel in _crowded(plot):
         named = zip(panel.shown, curves.names_of(panel, plot.figure), strict=True)
         told = {(name, shown.channel) for shown, name in named if name}
@@ -187,7 +193,7 @@ def exchanged_name(plot: Plot) -> str:
 
 
 def share_untitled(plot: Plot) -> float:
-    """Return 1 if no panel has a title, one half if some have none, 0 if all have one or the figure has."""
+    """Return the share of points that missing titles cost: 1 if no panel has one, 0.5 if some have, 0 if all have or the figure."""
     figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
     titled = [panel.axes.position in places for panel in panels]

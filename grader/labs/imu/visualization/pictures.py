@@ -1,4 +1,4 @@
-"""Pictures of plots that were handed in, whose curves nobody can read: only whether there is one that may be a plot."""
+"""Handed-in pictures of plots, whose curves nobody can read: only whether there is one that may be a plot."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ _SMALLEST_PX = 150
 
 
 def was_handed_in(student: Student, name: str) -> bool:
-    """Return whether a picture of that name was handed in, and may be a plot."""
+    """Return whether a picture of that name was handed in and may be a plot: not tiny, not blank, no photograph."""
     picture = student.picture(name)
     return picture is not None and _INK[0] < picture.ink < _INK[1] and min(picture.size_px) >= _SMALLEST_PX

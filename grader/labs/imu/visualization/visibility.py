@@ -37,7 +37,7 @@ _NO_STROKE = ("None", "none", "", " ")
 
 
 class Patience:
-    """Budget of pixels that are examined for one answer, so that a hostile figure costs bounded time; beyond it the check fails.
+    """Budget of pixels that are examined for one answer, so that a hostile figure costs bounded time; the rest counts as not seen.
 
     Most honest figures need half a million pixels, the largest of the corpus 2.3 million.
     """
@@ -51,7 +51,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return the figure with `visible_parts` set: the parts of each curve that can be seen in its pixels."""
+    """Return a figure as the worker reports it with `visible_parts` set: the parts of each curve that its pixels show."""
     places = [[_place(curve, panel, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken(itertools.chain(*places), figure.pixels.shape[:2])
     axes = []
@@ -71,9 +71,9 @@ def looked_at(figure: Figure, patience: Patience) -> Figure:
 
 @dataclass(frozen=True)
 class _Place:
-    """Row and column of each point in the picture, and whether it lies within the panel's limits.
+    """Row and column in the picture of each point of a curve, and whether the point lies within the axis limits.
 
-    Both are `known` only on linear scales.
+    Row and column are `known` only on linear scales; on others, any trace in the panel counts as the curve.
     """
 
     rows: NDArray[np.intp]
@@ -82,7 +82,7 @@ class _Place:
     known: bool
 
     def fits(self, shape: tuple[int, ...], at: tuple[int, int] = (0, 0)) -> tuple[Mask, tuple[Any, Any]]:
-        """Return which points lie within an array that begins at a pixel, and their indices in it."""
+        """Return which points lie within an array of this `shape` that begins at the pixel `at`, and their indices in it."""
         rows, columns = self.rows - at[0], self.columns - at[1]
         fits = self.inside & (rows >= 0) & (columns >= 0) & (rows < shape[0]) & (columns < shape[1])
         return fits, (rows[fits], columns[fits])
@@ -104,7 +104,7 @@ def _place(curve: Curve, panel: Axes, figure: Figure) -> _Place:
 
 
 def _shares(values: Array, limits: Sequence[float]) -> Array:
-    """Return how far along an axis each value lies; -1 for a value that is not finite."""
+    """Return where along an axis each value lies, 0 to 1 within the limits; -1 for a value that is not finite."""
     ends = np.array(limits, dtype=float)
     with np.errstate(all="ignore"):
         share = (values - ends[0]) / (ends[1] - ends[0])
@@ -112,7 +112,7 @@ def _shares(values: Array, limits: Sequence[float]) -> Array:
 
 
 def _taken(places: Iterable[_Place], shape: tuple[int, ...]) -> Mask:
-    """Return where some curve is said to stand, two pixels around it included."""
+    """Return the pixels where some curve is said to be, and two pixels around it: what is there tells nothing of the background."""
     taken = np.zeros(shape, bool)
     for place in places:
         taken[place.fits(shape)[1]] = True
@@ -124,16 +124,16 @@ def _taken(places: Iterable[_Place], shape: tuple[int, ...]) -> Mask:
 
 @dataclass(frozen=True)
 class _Window:
-    """A panel's part of the picture.
+    """The part of a picture that one panel covers, prepared for the search for its curves.
 
     Attributes
     ----------
-    free : (h, w) ndarray of bool, where no curve is said to stand
+    free : (h, w) ndarray of bool, where no curve is said to be
     ground : (3,) ndarray, the colour behind the curves, each channel 0 to 1
-    marked : (k,) ndarray, the flat indices of the pixels that are not of that colour
-    off : (3, k) ndarray, how far they are from it
-    room : (k,) ndarray, how many free pixels are around each
-    at : its first row and column
+    marked : (k,) ndarray, the flat indices of the pixels that differ from that colour
+    off : (3, k) ndarray, by how much each of them differs, in red, green and blue
+    room : (k,) ndarray, how many free pixels are in the square around each of them
+    at : row and column of the window's first pixel in the picture
     dots : pixels to a point (1/72 inch)
     """
 
@@ -146,7 +146,7 @@ class _Window:
     dots: float
 
     def standing_out(self, strength: Pixels, least: float) -> Mask:
-        """Return which pixels exceed by so much the mean strength around them where no curve is said to stand."""
+        """Return the pixels with a curve's colour: its `strength` there is by `least` more than in the free pixels around."""
         free = self.free.ravel()[self.marked]
         quiet = np.zeros(self.free.size)
         quiet[self.marked[free]] = strength[free]
@@ -157,7 +157,7 @@ class _Window:
 
 
 def _window(panel: Axes, figure: Figure, free: Mask) -> _Window | None:
-    """Return the pixels of a panel; None if it is invisible or no larger than a stroke."""
+    """Return the pixels of a panel; None if the panel is switched off or too small to show a curve."""
     left, low, right, high = panel.position
     height, width = free.shape
     rows = slice(*sorted(int(np.clip(share * height, 0, height)) for share in (1 - high, 1 - low)))
@@ -189,7 +189,7 @@ def _visible_parts(
 
 
 def _by_parts(x: Array, inside: Mask, seen: Mask) -> VisibleParts:
-    """Return for each part of the curve whether it is inside and seen: a point in it is, or the point next to its middle."""
+    """Return for each hundredth of a curve along x whether it is inside the limits, and seen: by a point in it or at its middle."""
     middles = x.min() + (np.arange(PARTS) + 0.5) / PARTS * np.ptp(x)
     order = np.argsort(x, kind="stable")
     next_to = order[np.clip(np.searchsorted(x[order], middles), 0, len(x) - 1)]
@@ -201,9 +201,9 @@ def _by_parts(x: Array, inside: Mask, seen: Mask) -> VisibleParts:
 
 
 def _shown_points(curve: Curve, place: _Place, window: _Window, others: Sequence[Array], patience: Patience) -> Mask:
-    """Return which points of a curve differ visibly from their surroundings, in any of its colours.
+    """Return which points of a curve differ visibly from their surroundings, in any of the curve's colours.
 
-    What is mixed with another curve's colour is looked for where much is missing.
+    Where less than half is found, its colour is also looked for mixed with those of other curves. The search ends with `patience`.
     """
     shown = np.zeros(len(place.rows), bool)
     inks: Sequence[Array | None] = _inks(curve) or [None]
@@ -221,13 +221,16 @@ def _shown_points(curve: Curve, place: _Place, window: _Window, others: Sequence
 
 
 def _reach(curve: Curve, dots: float) -> int:
-    """Return how far from its point a curve may leave its colour: a hollow marker does at its rim."""
+    """Return how many pixels from its point a curve may leave its colour: a hollow marker leaves it at its rim."""
     plain = curve.kind == "line" and curve.marker in _NO_STROKE
     return 1 if plain else 2 + int(min(dots * curve.width, 6.0) / 2)
 
 
 def _strength(window: _Window, ink: Array | None, curve: Curve, others: Sequence[Array]) -> tuple[Pixels, float]:
-    """Return how much of the curve's colour is in each marked pixel, 0 to 1, and how much of it the curve has to leave."""
+    """Return how much of the curve's colour is in each marked pixel, 0 to 1, and the least that a drawn curve leaves there.
+
+    With `ink` None the colour is unknown, and any difference from the background counts.
+    """
     if ink is None:
         return np.abs(window.off).max(axis=0), 2 * _FAINTEST
     opacity = ink[3] if ink[3] < 1 else curve.alpha
@@ -246,7 +249,7 @@ def _strength(window: _Window, ink: Array | None, curve: Curve, others: Sequence
 
 
 def share_of_way(off: Pixels, way: Array) -> Pixels:
-    """Return how far pixels (3, k) have moved from the background to a curve's colour, 0 to 1; 0 if they have another colour."""
+    """Return how far pixels (3, k) have gone from the background to a curve's colour, 0 to 1; 0 for pixels of another colour."""
     share = (way / (way @ way)).astype(np.float32) @ off
     beside = np.abs(off - np.outer(way.astype(np.float32), share)).max(axis=0)
     share = np.clip(share, 0, 1)
@@ -254,7 +257,7 @@ def share_of_way(off: Pixels, way: Array) -> Pixels:
 
 
 def _share_mixed(off: Pixels, way: Array, other: Array) -> Pixels:
-    """Return that share where another curve's colour is mixed in, as far as that colour alone does not explain the pixel."""
+    """Return how far pixels have gone to a curve's colour beside another one's; 0 where that other colour explains them alone."""
     basis = np.stack([way, other], axis=1).astype(np.float32)
     if abs(np.linalg.det(basis.T @ basis)) < 1e-3:
         return np.zeros(off.shape[1], np.float32)
@@ -267,7 +270,7 @@ def _share_mixed(off: Pixels, way: Array, other: Array) -> Pixels:
 
 
 def _around(values: NDArray[Any], at: NDArray[np.intp]) -> Array:
-    """Return the sums over the squares around pixels, given by flat indices."""
+    """Return for each pixel `at` (a flat index) the sum of `values` over the square around it."""
     sums = np.pad(values.astype(float), (_AROUND + 1, _AROUND)).cumsum(axis=1)
     for row in range(1, len(sums)):  # faster than `cumsum` along this axis
         sums[row] += sums[row - 1]
@@ -278,7 +281,7 @@ def _around(values: NDArray[Any], at: NDArray[np.intp]) -> Array:
 
 
 def _widened(mask: Mask, reach: int) -> Mask:
-    """Return the mask dilated by `reach` pixels along both axes."""
+    """Return the mask with each True spread by `reach` pixels along both axes, as points may be drawn a pixel off."""
     for _ in range(2):
         mask = np.ascontiguousarray(mask)
         wide = mask.copy()
@@ -294,7 +297,7 @@ def _inks(curve: Curve) -> list[Array]:
 
 
 def _rgba(text: str) -> Array | None:
-    """Return red, green, blue and opacity, 0 to 1, of `#rrggbb` or `#rrggbbaa`; None if the text is neither."""
+    """Return red, green, blue and opacity, 0 to 1, of `#rrggbb` or `#rrggbbaa`; None for any other text, as a worker may send."""
     try:
         values = bytes.fromhex(text.removeprefix("#"))
     except ValueError:
