@@ -124,6 +124,18 @@ def test_what_each_check_is_charged(off: str, fits: str, marked: dict[str, tuple
     assert charged(off, fits) == marked
 
 
+def test_a_fault_in_half_of_a_property_costs_half_at_each_check_and_is_told_where_it_is_seen() -> None:
+    seen_at_b = Judge(LAB, "part", JUDGE.measure, (reason("b", 1, "dear"),), {}, dict(JUDGE.checks))
+    seen_at_b.check("part.b", lab_step=1)(check_of("b", Deviation({"came": 2}, affected=0.5)))
+    found = {id_: (each.keeps, each.costs[0].see) for id_, each in seen_at_b.judge(Facts("b", "dear"), ROWS).items()}  # type: ignore[union-attr]
+    assert found == {"part.a": (0.625, "B holds"), "part.b": (0.75, "")}
+
+
+def test_a_fault_of_any_criterion_explains_the_check_that_shows_it() -> None:
+    found = JUDGE.judge(Facts("a", "cheap"), {**ROWS, "cheap": replace(ROWS["cheap"], group="any")})
+    assert {name: _short(each) for name, each in found.items()} == {"part.a": (0.0, "cheap")}
+
+
 def test_a_second_fault_gives_no_points_back() -> None:
     shows = {"cheap": "a b", "dear": "a b", "beside": "a", "precise": "b", "odd": "form"}
 

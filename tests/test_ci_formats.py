@@ -125,12 +125,20 @@ def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submissio
 
 def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -> None:
     lab = "import numpy\n\n\nclass LowPassFilter:\n    pass\n"
-    draw = "class NoisyIMU:\n    pass\n"
-    write({"week4/lab/lab.py": lab, "week4/lab/imu_reader.py": "x = 1\n", "week4/draw.py": draw}, tmp_path)
+    draw = "class NoisyIMU:\n    def plot_imu_data(): ...\n"
+    write(
+        {
+            "week4/lab/lab.py": lab,
+            "week4/lab/imu_reader.py": "x = 1\ndef plot_imu_data(): ...\n",
+            "week4/draw.py": draw,
+        },
+        tmp_path,
+    )
     places = find_places(LAB, read_submission(tmp_path, LAB.files), tmp_path, tmp_path)
     assert places.definitions["LowPassFilter"] == FileLine("week4/lab/lab.py", 4)
     assert places.definitions["get_imu_readings"] == FileLine("week4/lab/imu_reader.py")
     assert places.definitions["NoisyIMU"] == FileLine("week4/draw.py", 1)
+    assert places.definitions["plot_imu_data"] == FileLine("week4/lab/imu_reader.py", 2)
     assert "multi_imu" not in places.definitions
 
 

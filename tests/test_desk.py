@@ -348,6 +348,16 @@ def test_one_decision_stands_for_all_of_a_group_is_shown_as_one_and_taken_back_a
     assert [row(out, id_)["final"] for id_ in ("bob", "cyd")] == ["94", "98"]
     assert "undone" in words(desk.get("/groups").text)
     assert desk.post("/decisions/take-back", {"number": 1}).status == 400
+    comment_alone = [
+        ("id", "bob"),
+        ("id", "cyd"),
+        ("target", "filtering"),
+        ("points", ""),
+        ("comment", "come and see me"),
+        ("seen", 9),
+    ]
+    assert desk.post("/groups/fault/sensor-id-as-address", comment_alone).status == 303
+    assert "come and see me" in words(desk.get("/submission/bob").text)
 
 
 # ---- alike ----

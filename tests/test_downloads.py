@@ -240,15 +240,15 @@ def submitter(name: str, sid: str) -> dict[str, str]:
 def test_a_group_is_one_submission_of_all_its_people_in_any_order(tmp_path: Path) -> None:
     both = [submitter("Bob Roe", "s2"), submitter("Ann Lee", "s1")]
     records = {
-        "submission_1": {":submitters": both, ":created_at": "2026-11-20 13:00:00.5 -08:00"},
+        "submission_12": {":submitters": both, ":created_at": "2026-11-20 13:00:00.5 -08:00"},
         "submission_7": {":submitters": both[::-1], ":created_at": "2026-11-21 13:00:00.5 -08:00"},
     }
-    found = export(tmp_path, records, "submission_1", "submission_7")
+    found = export(tmp_path, records, "submission_12", "submission_7")
     (group,) = found.entries
     assert (group.id, group.name) == ("Ann_Lee_s1", "Ann Lee; Bob Roe")
     assert [person.sid for person in group.hand_in.people] == ["s1", "s2"]
     assert (group.hand_in.submitted, group.hand_in.number) == ("2026-11-21T21:00:00+00:00", "7")
-    assert found.leftovers == (f"{tmp_path}/g.zip/submission_1: an earlier attempt; the latest one is graded",)
+    assert found.leftovers == (f"{tmp_path}/g.zip/submission_12: an earlier attempt; the latest one is graded",)
 
 
 @pytest.mark.parametrize("text", ["{", "- a", "!!python/object/apply:os.system ['true']", "\0", ""])

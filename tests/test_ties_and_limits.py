@@ -14,8 +14,10 @@ from typing import Any
 import pytest
 
 from grader.base.errors import RequestError
-from grader.course.publishing.contradictions import untimed
-from grader.desk import regrade_requests
+from grader.course.publishing.contradictions import Contradiction, untimed
+from grader.course.regrading.groups import decisions, groups
+from grader.desk import drafts, regrade_requests, review_queue
+from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import CheckRun, Judgement
 from grader.engine.feedback import Feedback
@@ -23,12 +25,12 @@ from grader.engine.rubric import LatePolicy
 from grader.intake.downloads import Download
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import FinalGrade, HandIn, Person
+from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
 from grader.people.late_policy import judged
 from grader.platforms import canvas
 from grader.platforms.found import AMBIGUOUS, at_least_half
 from grader.worker import fuzzy_names, saved
-from tests.fake_results import result
+from tests.fake_results import check, lost, result
 
 DUE = datetime(2026, 11, 20, 12, tzinfo=timezone.utc)
 
@@ -83,6 +85,60 @@ def test_a_late_mark_beside_a_time_vouches_for_those_without_both() -> None:
     ):
         final_grades = {"a": FinalGrade("a", result(), hand_in), "b": FinalGrade("b", result(), other)}
         assert untimed(final_grades, settings) == unknown
+
+
+def _queue(
+    *final_grades: FinalGrade, groups: Sequence[SimilarityGroup] = (), contradictions: Sequence[Contradiction] = ()
+) -> list[str]:
+    by_id = {each.id: each for each in final_grades}
+    items = review_queue.items(by_id, groups, {}, (), {}, contradictions, (), LAB, None)
+    return [" ".join([item.reason.kind, *item.ids]) for item in items]
+
+
+@pytest.mark.parametrize(("points", "queued"), [(4.0, []), (5.0, ["boundary a"]), (5.5, ["boundary a"])])
+def test_a_grade_on_a_boundary_is_not_below_it(points: float, queued: list[str]) -> None:
+    full = check(id="sensor_access.matches_truth", points=14.0, max_points=14.0)
+    assert _queue(FinalGrade("a", result(check("partial", points), full))) == queued
+
+
+def test_times_that_nobody_knows_are_in_the_queue_once() -> None:
+    unknown = Contradiction("unknown lateness", "", "two times are unknown", stops_export=False)
+    marked = HandIn(marked_late=True, late=Lateness("", None))
+    assert _queue(FinalGrade("a", result()), contradictions=[unknown]) == ["lateness "]
+    assert _queue(FinalGrade("a", result(), marked), contradictions=[unknown]) == ["lateness a"]
+
+
+def test_similar_code_of_some_who_have_the_same_files_is_not_listed_again() -> None:
+    three = [replace(result(name=id_), provenance={"submission_sha256": "1"}) for id_ in "abc"]
+    alike = SimilarityGroup(("a", "b"), (0.9, 0.9), (9, 9))
+    assert _queue(*(FinalGrade(each.submission, each) for each in three), groups=[alike]) == ["same-files a b c"]
+
+
+def test_the_largest_group_is_first_and_nobody_is_in_it_whose_code_did_not_run() -> None:
+    faults = {"a": ("rare", "usual"), "b": ("rare", "usual"), "c": ("usual",), "d": ("usual",)}
+    found = {id_: FinalGrade(id_, result(lost(misconceptions=names))) for id_, names in faults.items()}
+    found["d"] = FinalGrade("d", replace(found["d"].result, status="empty"))
+    assert [(each.key, each.ids) for each in groups(found)] == [
+        ("usual", ("a", "b", "c")), ("rare", ("a", "b")), ("sensor_access.follows_address", ("a", "b", "c"))
+    ]  # fmt: skip
+
+
+def test_the_latest_decision_on_a_group_is_listed_first() -> None:
+    made = [("a", Adjustment("filtering", 1.0, "", "Ann", "", decision=number)) for number in (1, 1, 2)]
+    store: Any = SimpleNamespace(history=lambda: made, decisions=lambda: {1: "first", 2: "second"})
+    assert [(each.what, each.made) for each in decisions(store, {})] == [("second", 1), ("first", 2)]
+
+
+@pytest.mark.parametrize(("fields", "kept"), [("[]", []), ("", []), ('[["points", "6"]]', ["ann /a#points"])])
+def test_a_form_without_a_field_is_no_draft(fields: str, kept: list[str]) -> None:
+    drafts_of = {"ann /a#points"}
+    store = SimpleNamespace(
+        drop_draft=lambda who, form: drafts_of.discard(f"{who} {form}"),
+        keep_draft=lambda who, form, text: drafts_of.add(f"{who} {form}"),
+    )
+    form: Any = SimpleNamespace(author="ann", text={"draft": "/a#points", "fields": fields}.__getitem__)
+    drafts.keep(SimpleNamespace(store=store), form)  # type: ignore[arg-type] # as far as it is used
+    assert sorted(drafts_of) == kept
 
 
 def test_a_regrade_request_has_the_longest_length_at_most() -> None:

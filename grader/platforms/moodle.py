@@ -134,7 +134,7 @@ def _matches_of_teams(final_grades: Mapping[str, FinalGrade]) -> dict[str, Match
     return {
         final_grade.name.strip().casefold(): Match(id_, None)
         for id_, final_grade in final_grades.items()
-        if len(final_grade.people) == 1 and spellings(final_grade.name)
+        if spellings(final_grade.name)
     }
 
 
