@@ -62,13 +62,19 @@ def test_a_check_without_its_evidence_loses_points(
     op: str, place: tuple[str, ...], bench: Bench, sound: dict[str, float]
 ) -> None:
     points = bench.points(lambda asked, frame: _emptied(frame, place) if asked == op else frame)
-    assert {name for name in EMPTIED[op, place] if points[name] >= sound[name]} == set()
+    kept = {name for name in EMPTIED[op, place] if points[name] >= sound[name]}
+    assert kept == set(), (
+        f"no points lost without {op} {'.'.join(place)}: a fault with the share 0 there, or evidence of another place"
+    )
 
 
 def test_every_check_has_evidence_that_can_be_taken_away() -> None:
     criteria = {part.id for part in LAB.parts}
     judged = {name for names in EMPTIED.values() for name in names}
-    assert judged == {check for part in LAB.parts if part.id in criteria for check in _checks_of(part.id)}
+    checks = {check for part in LAB.parts if part.id in criteria for check in _checks_of(part.id)}
+    assert judged == checks, (
+        "add the check to EMPTIED, at the place in the worker's answer without which it cannot pass"
+    )
 
 
 def _checks_of(criterion: str) -> set[str]:
