@@ -19,6 +19,7 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 myst_heading_anchors = 3
 myst_enable_extensions = ["colon_fence"]
+smartquotes = False  # headings are messages: --format keeps its two hyphens
 
 # "Edit this page" needs the address of the repository, which only the machine that publishes the site knows.
 _hosted = os.environ.get("READTHEDOCS_GIT_CLONE_URL", "").removesuffix(".git")
