@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import math
 import re
 import textwrap
@@ -17,20 +18,16 @@ import numpy as np
 import pytest
 
 from grader.engine import rubric
+from grader.engine.charging import Judge
 from grader.engine.faults import catalogue, rows
 from grader.engine.feedback import fault_of
 from grader.engine.findings import StudentError
 from grader.labs.imu.bonuses import checks as bonuses
-from grader.labs.imu.data_collection import checks as data_collection
-from grader.labs.imu.filtering import checks as filtering
 from grader.labs.imu.lab import LAB
-from grader.labs.imu.noise_model import checks as noise_model
-from grader.labs.imu.sensor_access import checks as sensor_access
-from grader.labs.imu.visualization import checks as visualization
 
 ENTRIES = catalogue(LAB)
-PARTS = [each.JUDGE for each in (sensor_access, data_collection, visualization, noise_model, filtering)]
-PARTS += [bonuses.TILT, bonuses.ALLAN, bonuses.IMUS, bonuses.LIVE]
+PARTS = [importlib.import_module(f"grader.labs.imu.{part.id}.checks").JUDGE for part in LAB.parts]
+PARTS += [each for each in vars(bonuses).values() if isinstance(each, Judge)]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
 

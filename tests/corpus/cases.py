@@ -37,17 +37,13 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from grader.labs.imu.lab import LAB
 from tests.corpus import special
 from tests.corpus.pieces import BASES, PARTS, lab_of, part, read
 from tests.corpus.writing import Content, Files, Late, Link, notebook
 
-CRITERIA = ("sensor_access", "data_collection", "visualization", "noise_model", "filtering")
-EXTENSIONS = {
-    "complementary_filter": "complementary_filter.py",
-    "allan_variance": "allan_variance.py",
-    "multiple_imus": "multi_imu.py",
-    "realtime_visualization": "live_plot.py",
-}
+CRITERIA = tuple(part.id for part in LAB.parts)
+EXTENSIONS = {part.id: part.home for part in LAB.bonuses}
 """The file of each extension."""
 ORIGINS = {
     "habit": "follows a habit of public code; what it loses was decided before the code that judges it was mended",

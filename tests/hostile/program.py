@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from tests.corpus.cases import CRITERIA
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files
 
 FAMILIES = ("forgery", "denial", "escape", "poison", "bytes")
-ALL = ("sensor_access", "data_collection", "visualization", "noise_model", "filtering")
 READER, NOISE, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 
 
@@ -44,7 +44,7 @@ class Program:
 
 def but(*lost: str) -> tuple[str, ...]:
     """All criteria other than these."""
-    return tuple(criterion for criterion in ALL if criterion not in lost)
+    return tuple(criterion for criterion in CRITERIA if criterion not in lost)
 
 
 def first(files: Files, path: str, attack: str) -> Files:

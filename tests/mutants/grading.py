@@ -15,17 +15,13 @@ import reference
 from grader.engine.grader import Marker
 from grader.intake import Submission
 from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from tests.mutants.operators import Mutant, mutants
 from tests.sandboxes import opened
 
 REFERENCE = Path(reference.__file__).parent
-SHEET = ("imu_reader.py", "noisy_imu.py", "filters.py")
-EXTENSIONS = {
-    "complementary_filter.py": "complementary_filter",
-    "allan_variance.py": "allan_variance",
-    "multi_imu.py": "multiple_imus",
-    "live_plot.py": "realtime_visualization",
-}
+SHEET = LAB.files
+EXTENSIONS = {part.home: part.id for part in LAB.bonuses}
 FILES = (*SHEET, *EXTENSIONS)
 
 
