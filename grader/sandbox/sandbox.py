@@ -16,6 +16,7 @@ import signal
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 
     from .launch import Zygote
 
+_NO_MEMORY = (
+    "this machine ran out of memory, so that the kernel ended the process; grade again with fewer jobs or more memory"
+)
 _GRACE_S = 1.0  # for a process that hung up to end by itself, so that we learn how
 
 
@@ -159,6 +163,7 @@ class Worker:
         self._process = process
         self._printed = printed
         self._text: str | None = None
+        self._oom_kills = _oom_kills()
         self.alive = True
 
     def __enter__(self) -> Worker:
@@ -207,7 +212,7 @@ class Worker:
         TimedOut, Crashed, Malformed
             What the code in the sandbox may do instead of answering; the worker is dead afterwards.
         GraderError
-            If the request itself cannot be sent, or the sandbox failed us.
+            If the request itself cannot be sent, the machine ran out of memory, or the sandbox failed us.
         """
         if not self.alive:
             raise Crashed("the process had already ended")
@@ -226,7 +231,10 @@ class Worker:
             failure: NoAnswer = TimedOut(f"no answer within {error.within}", cpu_s=error.cpu_s, wall_s=error.wall_s)
         except LineClosedError:
             self.alive = False
-            failure = Crashed(_exit_in_words(self._process.end(_GRACE_S)))
+            code = self._process.end(_GRACE_S)
+            if code == -signal.SIGKILL and _oom_kills() > self._oom_kills:
+                raise GraderError(_NO_MEMORY) from None
+            failure = Crashed(_exit_in_words(code))
         except (wire.WireError, Malformed) as error:
             failure = Malformed(f"what came back is no answer: {error}")
         self._end()
@@ -279,6 +287,14 @@ def _unwrapped(frame: wire.Frame) -> wire.Frame:
     if set(frame.fields) != {"fields"} or not isinstance(fields, dict):
         raise Malformed("it has no fields")
     return wire.Frame(fields, frame.arrays)
+
+
+def _oom_kills() -> int:
+    """Return how many processes the kernel has ended for lack of memory, so that this is no crash of the code; 0 if unknown."""
+    with contextlib.suppress(OSError, ValueError, StopIteration):
+        lines = Path("/proc/vmstat").read_text(encoding="ascii").splitlines()
+        return int(next(line for line in lines if line.startswith("oom_kill ")).split()[1])
+    return 0
 
 
 def _exit_in_words(code: int) -> str:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from grader.base.errors import Crashed, GraderError, Malformed, TimedOut
+from grader.sandbox import sandbox as sandbox_module
 from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox, Worker
 
@@ -96,6 +99,23 @@ def test_a_question_that_cannot_be_sent_is_our_fault_and_harms_nobody(anyone: Wo
     with pytest.raises(GraderError, match="cannot be sent"):
         anyone.ask("echo", {"x": object()})
     assert run(anyone, "result = 1") == {"result": 1}
+
+
+@pytest.mark.parametrize("rises", [False, True])
+def test_a_process_that_the_kernel_ended_for_lack_of_memory_is_no_crash_of_the_code(
+    rises: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts = itertools.count() if rises else itertools.repeat(7)
+    monkeypatch.setattr(sandbox_module, "_oom_kills", lambda: next(counts))
+    kind, text = (GraderError, "out of memory") if rises else (Crashed, "ended by SIGKILL")
+    plain = Sandbox(Contents(WORKER_CODE), isolation_level="none")
+    with plain as sandbox, sandbox.worker() as worker, pytest.raises(kind, match=text):
+        run(worker, "import os\nos.kill(os.getpid(), 9)")
+
+
+def test_a_counter_that_linux_keeps_is_read() -> None:
+    if sys.platform == "linux":
+        assert f"oom_kill {sandbox_module._oom_kills()}\n" in Path("/proc/vmstat").read_text()
 
 
 # Printed text ---------------------------------------------------------------------------------------------------------
