@@ -81,7 +81,7 @@ The truth value of an array with more than one element is ambiguous | No points 
 imugrade is already installed with the same version | doctor says landlock | The address of the desk opens nothing
 A student says: 94 at home and 80 here | A student says: the grader is wrong | It takes very long | No space left on device
 A package that submissions import is missing | Which version graded this? | doctor says landlock, bubblewrap or none
-The platform gives everybody the same | Killed, or sound work was ended by SIGKILL
+The platform gives everybody the same | Killed, or this machine ran out of memory
 """
 """Headings of the pages on messages that are no text of imugrade: what other programs say, and what people see."""
 EXAMPLE_VALUES = r"NotImplementedError: |^breakpoint|^points must be |^--format canvas |filters\.py|LowPassFilter|get_imu_readings|alice|starlette|Lab 04-01|tcp://…|mujoco [\d.]+|\d+(?:\.\d+)+|\d+"
