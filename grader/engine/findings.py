@@ -145,8 +145,8 @@ class Cost:
     ----------
     row : id of the fault in the fault table; if no fault is known, id of the check, which has an entry there, too
     share : the deduction as a share of the check's points
-    shown : the deviation in which the fault shows, at this check or another; its numbers fill the templates of the fault's entry
-    own : the deviation of this check's property; None if the property does not deviate
+    shown : the deviation (`Deviation`) in which the fault shows, at this check or another; its numbers fill the fault's templates
+    own : the deviation that this check found itself; None if it found none, and loses points by a fault seen at another check
     see : title of another check that reports the fault; "" if this check reports it
     """
 

@@ -176,13 +176,13 @@ class DeadlyStatements:
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
-        """Record the statement in which a process ended; it is skipped after one timeout or two crashes, as one may be chance.
+        """Record the statement in which a process ended, to skip it after one timeout or two crashes: a single crash may be chance.
 
         Parameters
         ----------
         written : the place that the process wrote down last; a text that is no place is ignored
         nothing : why the process did not answer
-        standins : the names that correct code replaced in that process
+        standins : the names that correct code replaced in that process; the statement is skipped only where these are replaced
         """
         place = _statement_place(written)
         if place is None or len(self._known) >= _MOST:

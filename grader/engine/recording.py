@@ -105,12 +105,14 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
 
 
 def try_recording(lab: Lab) -> Traces | None:
-    """Record ground truth from a random secret, as `imugrade doctor` does to test this machine; None without a recorder.
+    """Return ground truth recorded here from a random secret, so that `imugrade doctor` can test this machine.
+
+    None where the package has no program that records, as in a student's kit.
 
     Raises
     ------
     GraderError, RequestError
-        If it cannot be recorded or read.
+        If recording fails, or what it wrote cannot be read.
     """
     if folder_of(lab) is None:
         return None

@@ -169,7 +169,7 @@ class ErrorReply(Struct):
 
 
 class SteppedOver(ErrorReply):
-    """Reply fields for a statement that failed and was skipped."""
+    """A statement that failed while the worker loaded a file, and was skipped, so that the rest of the file could be judged."""
 
     path: Long
     number: Whole

@@ -342,7 +342,10 @@ class SandboxSession:
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Return what `ask` returns; after a failure call it again in a new process, as long as that may bring an answer."""
+        """Return what `ask` returns; if the process crashes, call `ask` again in a new one, or raise its failure.
+
+        It is called again once, and once more for each statement found to end the process, which a new process skips.
+        """
         tried = False
         while True:
             known = self._endings.count

@@ -93,7 +93,7 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
 
 
 def foreign(name: str) -> str:
-    """Return the note that an archive such as a .rar is not opened, because reading its kind has no bound on time or memory."""
+    """Return the note that the archive `name`, a .rar or the like, is not opened: reading it has no bound on time or memory."""
     return f"{name} is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it."
 
 

@@ -88,7 +88,9 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
-    """Write Gradescope's `autograder.zip`: its two scripts, the wheel, the class's package versions, `hidden` traces if given.
+    """Write the archive `out` for Gradescope: the two scripts that it runs, the grader's wheel, the class's package versions.
+
+    `rubric` replaces the lab's own in the wheel. With `hidden`, the ground truth that students do not have, grades come from that.
 
     Raises
     ------

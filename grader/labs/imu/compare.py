@@ -76,7 +76,7 @@ def thinned(n: int, most: int = 200) -> NDArray[np.intp]:
 
 
 def triple(rows: Array, first: int) -> Array:
-    """Return columns ``first:first+3`` of `rows` (k, n) as a reader of sensordata gets them; NaN where there is no such column."""
+    """Return columns ``first:first+3`` of `rows` (k, n) as (k, 3); NaN beyond the last column, and if `first` is negative."""
     out = np.full((len(rows), 3), np.nan)
     part = rows[:, first : first + 3] if first >= 0 else rows[:, :0]
     out[:, : part.shape[1]] = part

@@ -146,9 +146,10 @@ class Student(Plotting):
 
     def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, stds: tuple[float, float],
                      one_draw: bool = False) -> NoiseRun:  # fmt: skip
-        """Return three reads of each of many `NoisyIMU`s that were given no bias: (instances, 3, 3).
+        """Make many `NoisyIMU`s without bias arguments, so that each chooses its default, and return three reads of each.
 
-        If `one_draw`, every random generator starts anew before each read, so that all reads have the same noise.
+        The reads are (instances, 3, 3). If `one_draw`, all random generators are seeded alike before each read, so that
+        all reads have the same noise and differ by the bias alone.
         """
         fields = self._noise_fields(ids, 3, stds) | {"instances": instances, "one_draw": one_draw}
         return self.answer(Question("default_bias", "NoisyIMU", _noise_run, fields, {"qpos": qpos, "qvel": qvel}))

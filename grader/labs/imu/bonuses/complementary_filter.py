@@ -232,7 +232,11 @@ def response(outputs: list[Array]) -> Response | None:
 
 
 def turns(outputs: list[Array]) -> Array:
-    """Return the gain (2, 2) from a turn about x or y (rows) to roll and pitch (columns); the filter may lag by one sample."""
+    """Return what part of a turn about x or y (rows) a student's filter adds to roll and pitch (columns); the identity is right.
+
+    `outputs` are the angles (k, 2) that it returned for a turn about x, and for one about y. The angles of the sample in which the
+    robot turns count, or those of the next sample if they change more.
+    """
     steps = np.array([wrapped(out[BEFORE : BEFORE + 2] - out[BEFORE - 1]) for out in outputs]) / TURN
     later = np.abs(steps[:, 1]).max(axis=1) > np.abs(steps[:, 0]).max(axis=1)
     return np.asarray(np.where(later[:, None], steps[:, 1], steps[:, 0]))

@@ -337,7 +337,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """The start of the first run in words, if it is not the lab sheet's push; "" if it is: the check `applies_push` passes."""
+        """How the first run starts, in words, if not with the lab sheet's push; "" if with it, so that `applies_push` passes."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"

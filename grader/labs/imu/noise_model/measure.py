@@ -256,7 +256,7 @@ def _require_usable(run: NoiseRun) -> None:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Ask for reads with and without noise, and for reads from one seed only if something is wrong. Return the measured facts."""
+    """Measure a noise model by reads with and without noise; if these show a fault, also by reads that start from the same seed."""
     ask = _Questions(student, truth)
     failing: tuple[str, ...] = (*ALL, "leaves_simulation_alone")
     disturbance = np.zeros(4)

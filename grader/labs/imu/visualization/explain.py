@@ -88,7 +88,10 @@ def share_missing(facts: Facts) -> float:
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return a deviation by the number of channels not drawn, larger if other data is drawn instead; None if all are drawn."""
+    """Return the `Deviation` of a plot without some channels: it grows with their number; None if all channels are drawn.
+
+    Other data drawn in their place costs at least the share `_OTHER_NUMBERS`.
+    """
     if not (missing := _missing(facts)):
         return None
     affected = max(len(missing) / len(CHANNELS), _OTHER_NUMBERS if _shows_others(facts) else 0)

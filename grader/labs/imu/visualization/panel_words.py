@@ -142,7 +142,10 @@ def is_against_no_time(plot: Plot) -> bool:
 
 
 def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
-    """Yield each shown curve with its panel's label and the unit that this label names (None without a unit), to compare them."""
+    """Yield each visible curve with its panel's label and the unit in it (or None), to compare that with the unit of its numbers.
+
+    The label is that of the y axis; if it names no unit, that of the figure or the title, if it does.
+    """
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
         label = next(filter(labels.unit_of, texts), panel.axes.ylabel)
