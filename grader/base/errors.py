@@ -15,7 +15,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 class RequestError(Exception):
-    """The user asked for something impossible, such as a bad path or a bad rubric. The message says what is wrong; exit code 2.
+    """Exception: the user asked for something impossible, such as a bad path. The message says what is wrong; exit code 2.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of our
 
 
 class TimedOut(NoAnswer):
-    """The process that runs student code did not answer within its limit of CPU time or wall time."""
+    """Exception: the process that runs student code did not answer within its limit of CPU time or wall time."""
 
     def __init__(self, message: str, *, cpu_s: float, wall_s: float) -> None:
         super().__init__(message)
@@ -72,8 +72,8 @@ class TimedOut(NoAnswer):
 
 
 class Crashed(NoAnswer):
-    """The process that runs student code ended, by a signal or an exit, without an answer."""
+    """Exception: the process that runs student code ended, by a signal or an exit, without an answer."""
 
 
 class Malformed(NoAnswer):
-    """The process that runs student code sent a reply that breaks the protocol, as tampering code may do."""
+    """Exception: the process that runs student code sent a reply that breaks the protocol, as tampering code may do."""

@@ -59,7 +59,7 @@ def titled(
 
 
 def written(rows: Iterable[Iterable[str]]) -> str:
-    """Return rows as the text of a CSV file; a cell that a spreadsheet would run as a formula is escaped, numbers are unchanged."""
+    """Return rows as the text of a CSV file; text that a spreadsheet would run as a formula gets an apostrophe, numbers do not."""
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
     table.writerows([text if decimal(text) is not None else csv_cell(text) for text in row] for row in rows)

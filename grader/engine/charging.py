@@ -27,7 +27,7 @@ class Measurement(Protocol):
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
-        """Exceptions that kept properties from being measured, by the short name of the check; this check ends with it."""
+        """Exceptions that kept properties from being measured: by the short name of a check, that which ends it; {} if none."""
 
 
 Facts = TypeVar("Facts", bound=Measurement)
@@ -90,7 +90,7 @@ class Judge(Generic[Facts]):
     def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
         """Return by check id the deductions of each check that loses points or deviates, or the exception that kept it unjudged.
 
-        `facts` is the measured record; `table` has the deductions and texts of each fault and check by id.
+        `facts` is the measured record, `table` the lab's fault table by id (see `faults.rows`). Checks that pass are left out.
 
         Raises
         ------

@@ -23,7 +23,7 @@ Role = Literal[
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve of a chart. `role` is its drawing style; `colour` (``#rrggbb``) is "" for a curve that no student drew."""
+    """One curve of a chart, named in its legend. `role` is its drawing style; `colour` (``#rrggbb``) "" if no student drew it."""
 
     name: str
     role: Role

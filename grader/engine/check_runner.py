@@ -94,14 +94,15 @@ class CheckRun:
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:
-        """Return whether to run a check: not if its extension was not attempted, or if `only` names another criterion."""
+        """Return whether to run a check: not if its extension was not attempted, or if the run's `only` is another criterion."""
         asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
         return asked_about and self._only in (None, this.criterion)
 
     def begin(self, this: Check) -> None:
         """Prepare a check: account its CPU time to its criterion, and replace faulty functions of earlier criteria by correct code.
 
-        So a fault costs points in its own criterion only. A rerun (`rerun_beside`) sets its replacements itself.
+        So a fault costs points in its own criterion only. All extensions share one account. A rerun (`rerun_beside`) sets its
+        replacements itself.
         """
         self.student.account_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
         if self._alone:
@@ -301,7 +302,7 @@ class Session:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:
-        """Report only whether a check failed. Nobody reads pytest's own report, which takes 0.5 s per failed check."""
+        """Give pytest a report only of whether a check failed: nobody reads pytest's own, which takes 0.5 s per failed check."""
         outcome: Literal["passed", "failed"] = "passed" if call.excinfo is None else "failed"
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)  # type: ignore[arg-type] # never "collect"
 
@@ -314,13 +315,13 @@ def _last_line(text: str) -> str:
 
 @functools.cache
 def session(lab: Lab, own: OwnChecks = ()) -> Session:
-    """Return this process's only pytest session over a lab's checks; they are collected at the first call, and then kept.
+    """Return this process's only pytest session over a lab's checks and `own`; it collects them at the first call and is then kept.
 
     The machine's pytest configuration and plugins are not used.
 
     Parameters
     ----------
-    own : the instructor's own checks; they are trusted like the rubric and run in this process
+    own : name and content of each file of the instructor's own checks; they are trusted like the rubric and run in this process
 
     Raises
     ------

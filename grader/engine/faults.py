@@ -20,7 +20,7 @@ from grader.engine.lab import Lab
 
 @dataclass(frozen=True)
 class FaultRow:
-    """One entry of a lab's fault table (``faults.yaml``): deductions and texts of a fault, or texts of a check without known fault.
+    """One entry of a lab's fault table (``faults.yaml``): deductions and texts of a fault, or of a check if no fault is known.
 
     Attributes
     ----------

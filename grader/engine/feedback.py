@@ -28,7 +28,7 @@ from grader.engine.results import Deducted, Outcome, message_of
 
 @dataclass(frozen=True)
 class Feedback:
-    """What a student reads about one check. `keeps` is the share of points that is earned; other fields are as in `CheckResult`."""
+    """What a student reads about one check: `keeps` is the share earned, `faults` the faults' ids; the rest as in `CheckResult`."""
 
     outcome: Outcome
     keeps: float
@@ -221,9 +221,10 @@ def _feedback_on_no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> 
 
 
 def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a question that got no answer.
+    """Return the feedback on a check whose question to the student's code got no answer; it earns nothing.
 
-    `outcome` and `got` say what came instead; `named` holds the ids of the faults that explain it, () if none is known.
+    `outcome` (such as "timeout") and `got` say what came instead; `named` are the ids of faults that explain it, whose hints in
+    `table` are shown. If there are none, the feedback has the hint of `NOT_UNDERSTOOD`.
     """
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint

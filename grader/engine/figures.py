@@ -90,7 +90,8 @@ class Curve:
     kind : ``line`` or ``points``; ``nothing`` if it has neither stroke nor marker
     n : number of points that the code drew
     x, y : (k,) ndarray, all points or every n-th one, in the units of the axes; not finite where nothing is drawn
-    style, marker, stroke : matplotlib's names for them; `stroke` holds dashes, width and opacity
+    style, marker : matplotlib's names of its line style and marker
+    stroke : dashes, width and opacity of its line as text, to compare with a legend's sample; "" for points
     alpha : opacity, 0 to 1
     inks : the colours that it leaves in the picture, ``#rrggbbaa``; empty if there are too many to tell
     width : width of the stroke or of the marker, in points (1/72 inch)
@@ -117,7 +118,7 @@ class Curve:
 
     @cached_property
     def points(self) -> tuple[Array, Array]:
-        """The points whose x and y are finite; the output of a filter may be NaN while it warms up."""
+        """The x and the y of those points of which both are finite; the output of a filter may be NaN while it warms up."""
         known = np.isfinite(self.x) & np.isfinite(self.y)
         return self.x[known], self.y[known]
 
@@ -225,7 +226,8 @@ def figures_of(frame: Frame) -> list[Figure]:
 def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Figure]:
     """Return the figures that a reply of the sandbox describes.
 
-    `array_of(type, name)` is called for each array of a figure, with the array's name in the reply, and returns the array.
+    `array_of(type, name)` is called for each array of a figure and returns it: `type` is the annotation of its field, such as
+    `Pixels`, and `name` its name in the reply.
 
     Raises
     ------

@@ -241,7 +241,7 @@ def raised(error: StudentError | None, doing: str) -> None:
 class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not a grader error
     """Exception: a required name is not defined, because its file is missing, does not import, or does not define it.
 
-    `fault` is the id of the fault, `where` the place of the cause in a student's file; None without one.
+    `fault` is the id of the fault that explains it, `where` the place of the cause in a student's file; None if no place is known.
     """
 
     def __init__(self, name: str, fault: str, message: str, where: Where | None = None) -> None:

@@ -31,7 +31,7 @@ _TOKEN = re.compile(
 
 
 def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
-    """Return hashes of the token runs in a submission's code (path -> content), sorted; similar submissions share many."""
+    """Return sorted hashes of sequences of tokens in a submission's code (path -> content); similar submissions share many."""
     found: set[int] = set()
     for source in _sources(files):
         found |= _winnowed(source)

@@ -92,7 +92,7 @@ class Marker:
         waiting: Callable[[str], None] | None = None,
         listen: Listener | None = None,
     ) -> Result:
-        """Grade one submission. It raises for nothing that student code does. An empty or unreadable submission runs no code.
+        """Grade one submission and return its result. No student code makes it raise; an empty or unreadable submission runs none.
 
         Parameters
         ----------

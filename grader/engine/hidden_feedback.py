@@ -28,7 +28,7 @@ _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 def feedback_on(
     finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, table: Mapping[str, FaultRow]
 ) -> Feedback:
-    """Return what a student reads about the exception that ended a check on hidden scenarios: its kind and size, and no data."""
+    """Return what a student reads about a finding on hidden scenarios, like `feedback.feedback_on`, but its kind and size alone."""
     if isinstance(finding, Charged):
         return _feedback_on_charge(finding.charge, table)
     if isinstance(finding, CheckFailed):
@@ -48,9 +48,9 @@ def feedback_on(
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that findings (exceptions that end checks) share if their cause is one, like `feedback.cause_key`.
+    """Return a key that findings (exceptions that end checks) share if their cause is one; None to report each, as in `feedback`.
 
-    It holds no text of the student's.
+    It holds no text of the student's. `part` is the id of the criterion.
     """
     if isinstance(finding, Raised):
         return f"Raised: {part}: {_kind(finding)}"
@@ -60,7 +60,7 @@ def cause_key(finding: BaseException, part: str) -> str | None:
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:
-    """Return a `Missing` without hidden data: `public`, from a session with public data; if None, one with a constant message."""
+    """Return a `Missing` to show on hidden scenarios: `public`, found with public data; if None, one with a constant message."""
     if public is not None:
         return public
     return Missing(finding.name, finding.fault, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")

@@ -72,7 +72,7 @@ def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """Do the same as `explain` for groups of equal cost, cheapest first. A group is made only if nothing before it fits."""
+    """Do the same as `explain` for groups of equal cost, cheapest first. Groups after the first with a fit are not looked at."""
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.cause for each in fitting}) == 1 else None

@@ -102,7 +102,7 @@ class Loaded:
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
-    """Return the report on the file `path` from the sandbox's reply to `load`, which may also tell of files that it imports."""
+    """Return the report on the file `path` from the sandbox's reply to `load`, without the failed statements of imported files."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
     misspelled = tuple((name, other) for name, other in frame.fields["misspelled"])
     names, unreadable = frozenset(frame.fields["names"]), StudentError.of(frame.fields["unreadable"])
@@ -168,7 +168,7 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number of records. If it has grown, a new process would skip more statements, so it may help to ask a question again."""
+        """Number that grows with each statement suspected or recorded; if a question raised it, asking again may get an answer."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
@@ -180,7 +180,7 @@ class DeadlyStatements:
 
         Parameters
         ----------
-        written : the place that the process wrote down last; a text that is no place is ignored
+        written : the place (file and number of the statement, as JSON) that the process wrote down last; any other text is ignored
         nothing : why the process did not answer
         standins : the names that correct code replaced in that process; the statement is skipped only where these are replaced
         """
@@ -194,7 +194,11 @@ class DeadlyStatements:
         self._suspects.add(suspect)
 
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
-        """Record the statements that a reply reports as interrupted after their time, so that new processes skip them."""
+        """Record the statements that a reply reports as interrupted after their time, so that new processes skip them.
+
+        `standins` are the names that correct code replaced in that process. Where others are replaced, a statement is skipped if
+        none of their code was running in it.
+        """
         beside = frozenset(standins)
         new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]
         self._known = list(dict.fromkeys([*self._known, *new]))[:_MOST]  # a process may report any number of them

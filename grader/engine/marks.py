@@ -68,7 +68,7 @@ def _score_before(found: Result, rubric: Rubric) -> float:
 def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
     """Return a check's points: the share of `most` that it earned, None if it was not judged.
 
-    If the rubric deducts fixed points for all faults of the check, they are subtracted from `most` instead. Each fault's deduction
+    If the rubric's fixed `deductions` (points by fault) have all faults of the check, they are subtracted from `most` instead. Each
     counts once in a criterion, so what this check loses is subtracted in `deductions`, for the criterion's later checks.
     """
     if found.keeps is None:

@@ -60,10 +60,10 @@ class SingleSubmission:
 
 
 def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
-    """Read one submission in a process that can be killed, so that no file can block or exhaust this one.
+    """Read the submission at `path` in a process that can be killed, so that no file can block or exhaust this one, and return it.
 
-    Outside Linux it is read in this process: a new one would import all modules again, and without a sandbox people grade only
-    their own code there.
+    `required` are the files that the lab asks for. Outside Linux it is read in this process: a new one would import all modules
+    again, and without a sandbox people grade only their own code there.
     """
     if sys.platform != "linux":
         return SingleSubmission(path, required).read()
@@ -92,7 +92,7 @@ class ReadingProcess:
         self._end()
 
     def read(self, entry: Readable) -> Submission:
-        """Read a submission; after two attempts without an answer it counts as unreadable.
+        """Read and return a submission; after two attempts without an answer, return one that counts as unreadable.
 
         Raises
         ------

@@ -80,7 +80,7 @@ def stretched(secret: str) -> str:
 
 
 def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject | None = None) -> Traces:
-    """Return the ground truth `name` of a lab from the cache; if it is not there, or damaged, record and cache it.
+    """Return a lab's ground truth, `name` being "public" or "hidden", from the cache; if missing or damaged, record and cache it.
 
     The recorder simulates `subject`; None stands for the lab's own. Unless the name is "public", `seed` is the instructor's secret.
     It is stretched first, so that neither the numbers nor the name of the cache entry lets anybody test a guess faster.
@@ -121,7 +121,7 @@ def try_recording(lab: Lab) -> Traces | None:
 
 
 def run(module: Sequence[str], what: str, text: str = "") -> subprocess.CompletedProcess[str]:
-    """Run a Python module in a new process, as ``python -m`` does in the folder that holds this package.
+    """Run a Python module in a new process, as ``python -m`` does in the folder that holds this package; return the ended process.
 
     Parameters
     ----------

@@ -73,12 +73,12 @@ class Answer:
         return array
 
     def node(self, value: Any, depth: int = 0) -> None:
-        """Check a node: a description, by `worker.values`, of a value that student code returned; None is the node of no value.
+        """Check a node, a description by `worker.values` of a value from student code, inside `depth` nodes; None: no value.
 
         Raises
         ------
         Wrong
-            If the node breaks a rule, such as a limit on its size.
+            If the node breaks a rule, such as a limit on its size or depth.
         """
         if value is None and not depth:
             return
@@ -99,7 +99,7 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check a list of at most `most` nodes, or of as many as `exactly` says; raise `Wrong` otherwise."""
+        """Check a list of at most `most` nodes (of `exactly` so many, if given) inside `depth` nodes; raise `Wrong` otherwise."""
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:
@@ -158,7 +158,7 @@ class _Node(Struct):
 
 
 class ErrorReply(Struct):
-    """Reply fields for an exception that student code raised."""
+    """The part of a sandbox's reply that describes an exception of student code; `StudentError` has the same fields, explained."""
 
     type: Short
     message: Long

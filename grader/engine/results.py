@@ -131,7 +131,7 @@ AUTOMATIC = "imugrade"
 class Repair:
     """A patch to a submitted file, so that it can be graded: a unified diff, and the points deducted for it.
 
-    `at` is the time as text, `score_before` the score of the submission as it was handed in.
+    `at` is the time at which it was made, as text, `score_before` the score of the submission as it was handed in.
     """
 
     file: str

@@ -83,7 +83,7 @@ class NodeReader:
         self.problems.append((node.start_mark.line + 1, problem))
 
     def compose(self, data: bytes) -> yaml.Node:
-        """Parse the file and return its root node; raise RubricError at once if it is empty, too large, or no YAML in UTF-8."""
+        """Parse the bytes of the file, return its root node; raise RubricError at once if empty, too large, or no YAML in UTF-8."""
         if len(data) > MAX_BYTES:
             refuse(self.source, [(1, "the file is larger than 1 MB; start again from the shipped rubric.yaml")])
         try:
@@ -168,7 +168,7 @@ class NodeReader:
         return found
 
     def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
-        """Return the one line of text of a node; "" for None or after adding a problem. `like` describes `pattern` in a problem."""
+        """Return a node's line of text; "" for None or after adding a problem, as if `pattern` (in words `like`) does not match."""
         if node is None:
             return ""
         if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
@@ -182,7 +182,7 @@ class NodeReader:
         return ""
 
     def number(self, node: yaml.Node | None, what: str, low: float = 0.0, high: float = LARGEST) -> float | None:
-        """Return the decimal number of a node; None for None or after adding a problem. (YAML 1.1 would read 1:30 as 90.)"""
+        """Return the decimal number of a node; None for None or after adding a problem, as for numbers outside `low` to `high`."""
         if node is None:
             return None
         plain = isinstance(node, yaml.ScalarNode) and not node.style and _NUMBER.fullmatch(node.value)

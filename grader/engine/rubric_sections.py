@@ -22,7 +22,7 @@ _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
 
 def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
-    """Read the criteria, in the order of the lab's `ids`; `reader` collects problems, such as no points in any criterion."""
+    """Return the criteria in their section, ordered as the lab's `ids`; `reader` collects problems, such as 0 points in all."""
     criteria = []
     for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
         title = reader.text(keys.get("title"), f"the title of {name}")
@@ -35,7 +35,7 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the points of each extension that names none itself (0 without this section), and the cap of all (None: no cap)."""
+    """Return the points of each extension that names none, and the cap of all (None: no cap); 0 and None without a section."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
@@ -46,7 +46,7 @@ def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float
 def read_extensions(
     reader: NodeReader, node: yaml.Node | None, ids: Sequence[str], each: float
 ) -> tuple[Extension, ...]:
-    """Read the extensions, in the order of the lab's `ids`, worth `each` points if it names none; collect problems in `reader`."""
+    """Return the extensions, in the order of the lab's `ids`, worth `each` points if they name none; `reader` collects problems."""
     extensions = []
     for name, (item, keys) in reader.records(
         node, "extension", ids, ("id", "title", "file"), ("points", "checks")
@@ -108,7 +108,7 @@ def divided(points: float, weights: Sequence[float]) -> list[float]:
 
 
 def read_limits(reader: NodeReader, node: yaml.Node | None) -> Limits:
-    """Read the limits of CPU time; `reader` collects problems, such as less for a submission than for a call. 0 for a bad value."""
+    """Return the limits of CPU time, 0 for a bad value; `reader` collects problems, such as less for a submission than a call."""
     keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
     call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
     submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
@@ -129,7 +129,7 @@ LATE_KEYS: Mapping[str, str] = {
 
 
 def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePolicy | None:
-    """Read the late policy; None if the rubric has none or no valid due date. A percentage in it is one of `of` points."""
+    """Return the late policy; None if the rubric has none or no valid due date. A percentage in it is one of `of` points."""
     if node is None:
         return None
     keys = reader.fields(node, "late", ("due",), tuple(name for name in LATE_KEYS if name != "due"))

@@ -139,7 +139,7 @@ class SandboxSession:
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission's own definitions, not correct code in their place, in this context; yields what `beside` does."""
+        """Use the submission's own definitions in this context, not correct code in their place; yields the answers as `beside`."""
         return self.beside(())
 
     @contextmanager
@@ -243,7 +243,9 @@ class SandboxSession:
         self._part = part
 
     def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Frame:
-        """Ask the current sandbox process a question, and account its time to the current criterion; `once` asks equal ones once.
+        """Ask the current sandbox process a question and return its reply; `once`, used with it, asks equal questions only once.
+
+        `op` names the operation, whose input is `fields` and `arrays`. Its time is accounted to the current criterion.
 
         Raises
         ------
@@ -314,12 +316,12 @@ class SandboxSession:
             timer.cancel()
 
     def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        """Ask a process that does not hold the submission: it runs no student code, so none can change the answer."""
+        """Return the reply to a question, as `ask`, of a process without the submission: no student code can change the answer."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
     def once(self, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to the question with this `key`; call `ask` only the first time. A missing answer is raised again."""
+        """Return the answer to question `key`; call `ask` only the first time. A `NoAnswer` or `Missing` of it is raised again."""
         if key not in self._answers:
             try:
                 self._answers[key] = self.retried(ask)
@@ -342,9 +344,10 @@ class SandboxSession:
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Return what `ask` returns; if the process crashes, call `ask` again in a new one, or raise its failure.
+        """Return what `ask` returns; if it fails, call it again in a new process, or raise the failure where that cannot help.
 
-        It is called again once, and once more for each statement found to end the process, which a new process skips.
+        It is called again once, but not after a timeout; and after each failure that brings to light a statement that ends the
+        process or takes too long, which a new process skips.
         """
         tried = False
         while True:

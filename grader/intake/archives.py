@@ -57,13 +57,13 @@ class _Exhausted(Exception):  # noqa: N818 - an end of reading, not an error of 
 
 
 def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) -> FileBudget:
-    """Read the files of a submitted archive; its first bytes tell its kind, as its name may be wrong.
+    """Return a `FileBudget` with the files of a submitted archive; its first bytes tell its kind, as its name may be wrong.
 
     Parameters
     ----------
     stream : the archive, seekable
     name : the archive's printable name, for notes in the report
-    required : names of the files that the lab asks for
+    required : names of the files that the lab asks for; the budget keeps room for these
 
     Raises
     ------
@@ -147,9 +147,9 @@ class _Narrow(io.RawIOBase):
 def gather_members(
     archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str, required: Collection[str] = ()
 ) -> FileBudget:
-    """Read the files of one submission out of a class's zip, whose name in notes is `name`.
+    """Return a `FileBudget` with the files of one submission in a class's zip, which notes call `name`.
 
-    `members` are pairs of a file's path in the submission and its entry in the zip.
+    `members` are pairs of a file's path in the submission and its entry in the zip. The budget keeps room for `required` files.
     """
     budget = FileBudget(required=required)
     try:

@@ -75,7 +75,10 @@ def open_download(path: Path) -> list[Download]:
 
 
 def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> FileBudget:
-    """Read one submission out of a class's download; `sources` pair its files and folders there with paths in the submission."""
+    """Return a `FileBudget`, which keeps room for `required`, with the files of one submission in a class's download at `path`.
+
+    `sources` pair files and folders of the submission in the download with their paths in the submission.
+    """
     if os.path.isdir(path):
         return gather_places(path, sources, required)
     contents = _contents(path)

@@ -19,7 +19,7 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 
 
 
 def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
-    """Read the files of a handed-in folder in the order of their names, within `FileBudget`, which keeps room for `required`."""
+    """Return a `FileBudget`, which keeps room for `required`, with the files of a handed-in folder in the order of their paths."""
     budget = FileBudget(required=required)
     for parts, path, size in sorted(_listed(root, budget)):
         _take(budget, parts, path, size)
@@ -27,7 +27,10 @@ def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
 
 
 def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> FileBudget:
-    """Read one submission out of a class's download folder; `places` pair its files and folders there with submission paths."""
+    """Return a `FileBudget`, which keeps room for `required`, with the files of one submission in a class's folder `root`.
+
+    `places` pair files and folders of the submission, relative to `root`, with their paths in the submission.
+    """
     budget = FileBudget(required=required)
     found: list[tuple[tuple[str, ...], str, int]] = []
     for place, name in places:
@@ -43,7 +46,7 @@ def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Colle
 
 
 def gather_file(path: Path) -> FileBudget:
-    """Read a single program or notebook as a submission, as if it were in a folder of its own."""
+    """Return a `FileBudget` with a single program or notebook, as if it were in a folder of its own."""
     budget = FileBudget()
     _take(budget, (path.name,), os.path.realpath(path), 0)  # the caller's own path may be a link
     return budget

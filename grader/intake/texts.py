@@ -31,7 +31,7 @@ def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
 
 
 def as_programs(budget: FileBudget, required: Collection[str]) -> None:
-    """Rename `filters.py.txt` to `filters.py`, as mail programs add `.txt`; if there is no code at all, also `filters.txt`."""
+    """Rename `filters.py.txt` to `filters.py`, as mail programs add `.txt`; without any code also `filters.txt`, if `required`."""
     there = set(map(folded, budget.files))
     no_code = not any(map(is_code, budget.files))
     taken = []

@@ -32,7 +32,7 @@ _EDITORS = {
 class Kit:
     """Report on files that `imugrade kit` wrote, for students or for a platform that grades.
 
-    `place` is their path, `title` the platform or "students", and `scenarios` says whether they grade by public or hidden ones.
+    `place` is their path, `title` the platform or "students"; `scenarios` says whether the files grade by public or hidden ones.
     """
 
     place: Path
@@ -49,7 +49,9 @@ _JOBS = {
 
 
 def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write a platform's CI job, the grader's wheel and the class's package versions into a folder, beside files already there.
+    """Write a platform's CI job, the grader's wheel and the class's package versions into the folder `out`; return the report.
+
+    `platform` is classroom50, github or gitlab; `rubric` goes into the wheel, None: the shipped one. Other files stay.
 
     Raises
     ------
@@ -67,7 +69,9 @@ def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write the students' kit into a new folder: starter files, the lab's extra files, editor settings, guide, wheel.
+    """Write starters, the lab's extra files, editor settings, guide and wheel into the new folder `out`; return the report.
+
+    `rubric` goes into guide and wheel; None takes the shipped one.
 
     Raises
     ------
@@ -88,7 +92,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
-    """Write the archive `out` for Gradescope: the two scripts that it runs, the grader's wheel, the class's package versions.
+    """Write Gradescope's archive `out` (two scripts, the grader's wheel, the class's package versions); return the report on it.
 
     `rubric` replaces the lab's own in the wheel. With `hidden`, the ground truth that students do not have, grades come from that.
 

@@ -26,10 +26,7 @@ _FAULTS, _CHECKS = "faults", "checks"
 
 
 def build(lab: Lab, rubric: Path | None = None) -> str:
-    """Return the students' guide of a lab as one HTML page, with the points of a rubric (None: the lab's own).
-
-    Its first section lists the others.
-    """
+    """Return the students' guide of a lab as one HTML page, with the points of a rubric (None: the lab's own)."""
     folder = pages(lab)
     index = (folder / "index.md").read_text(encoding="utf-8")
     listed = re.findall(r"^- \[[^]]+\]\(([\w-]+)\.md\)", index, re.MULTILINE)

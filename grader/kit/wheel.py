@@ -43,6 +43,7 @@ def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
 
     Parameters
     ----------
+    rubric : the rubric's file, beside which the instructor's own checks lie; the wheel contains both
     own : the instructor's file that the rubric names in place of one of the lab's; None if it names none
 
     Raises

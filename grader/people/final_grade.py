@@ -124,7 +124,7 @@ class Adjustment:
 
 @dataclass(frozen=True)
 class Term:
-    """One summand of a final grade: "score" or "total", "bonus", "extra credit", "repair" or "late". Deductions are negative."""
+    """Summand of a final grade, negative if deducted; `name`: "score", "total", "bonus", "extra credit", "repair" or "late"."""
 
     name: str
     points: float
@@ -291,7 +291,7 @@ def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
 
 @dataclass(frozen=True)
 class GradeChange:
-    """A submission whose final grade a regrade or another run changed; `before` and `after` are None where the grade was open."""
+    """A submission whose final grade a regrade or another run changed, from `before` to `after`; None where a grade was blank."""
 
     final_grade: FinalGrade
     before: float | None
@@ -331,7 +331,7 @@ def maximum_by_check(result: Result, ids: Collection[str]) -> dict[str, float]:
 
 
 def summed(points: Mapping[str, float | None]) -> float | None:
-    """Return the sum of points; None while any of them is open because a check was not judged."""
+    """Return the sum of the points of several checks; None if any of them is None, because a check was not judged."""
     return None if None in points.values() else round(sum(p for p in points.values() if p is not None), 2)
 
 

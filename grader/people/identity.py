@@ -82,9 +82,9 @@ class Directory:
         ]
 
     def why_not(self, row: PersonRow) -> str:
-        """Say for a warning why a row has no match; "" if nobody resembles it.
+        """Return for a warning why a row has no match; "" if nobody resembles it.
 
-        The row fits several people, or one whom another row means as well, or identifiers contradict each other.
+        The row fits several submissions, or a person whom another row means as well, or its identifiers contradict the person's.
         """
         refused = ""
         for kind, word in _asked(row):

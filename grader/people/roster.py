@@ -77,7 +77,7 @@ class RosterRow:
         )
 
     def completed(self, person: Person) -> Person:
-        """Return a person with what this row says of them. The platform's number stays, because file names contain it."""
+        """Return a person with the name, numbers and section of this row. The platform's number stays: file names contain it."""
         numbers = self.who.numbers
         sid = person.sid or next((number for number in numbers if number != person.key), "")
         return replace(
@@ -91,7 +91,7 @@ class RosterRow:
         )
 
     def merged(self, other: RosterRow) -> RosterRow:
-        """Return this row merged with another one of the same person or group; `_FACTS` tells which of two values counts."""
+        """Return this row joined with one of the same person or group: later dates, most grace days, first section and group."""
         return replace(
             self, **{fact: of_two(getattr(self, fact), getattr(other, fact)) for fact, of_two in _FACTS.items()}
         )
@@ -129,7 +129,7 @@ NO_ROSTER = Roster()
 
 
 def load(path: Path, zone: tzinfo | None = None) -> Roster:
-    """Read a roster. `zone` is the time zone of the times in a Moodle worksheet; without it these times are left out.
+    """Read and return a class's roster (CSV). `zone` is the time zone of a Moodle worksheet's times; None leaves these out.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def load(path: Path, zone: tzinfo | None = None) -> Roster:
 
 
 def parse(data: bytes, source: str, zone: tzinfo | None = None) -> Roster:
-    """Read the bytes of a roster; messages call it `source`. `zone` and the errors raised are those of `load`."""
+    """Return the roster in the bytes of a file; messages call it `source`. `zone` and the errors raised are those of `load`."""
     table = tables.read(data, source).rows
     people = tuple(_rows(table, source, zone))
     local = zone is None and any(local_time(cell) for _, cells in table for cell in cells)
@@ -218,9 +218,9 @@ class RosterMatch:
 
 
 def place(roster: Sequence[RosterRow], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
-    """Match the rows of the roster with the hand-ins, and add names, sections and dates to these.
+    """Match the rows of a roster with a class's hand-ins; in the result these have the names, sections and dates of the rows.
 
-    `hand_ins` are the platform's, by id of the submission.
+    `hand_ins` are those that the platform lists, by id of the submission.
     """
     placed = {id_: _with_login(hand_in, roster) for id_, hand_in in hand_ins.items()}
     directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
