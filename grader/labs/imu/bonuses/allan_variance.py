@@ -54,7 +54,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Finite averaging times and deviations (k,) of the first column, sorted, at most 200; None if they were not returned."""
+        """Finite averaging times and deviations (k,) of the first column by time, thinned to 200; None if none were returned."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
@@ -64,7 +64,7 @@ class AllanRun:
 
     @property
     def stop(self) -> Exception | None:
-        """The exception that ends the checks of this curve, if it has fewer than three times; None if the curve can be judged."""
+        """The exception that ends the checks of this curve if the code raised or gave under three times; None if it can go on."""
         if self.error:
             return Raised(self.error, "computing the Allan deviation")
         if self.curve is None:
@@ -128,7 +128,7 @@ _CURVES: Mapping[str, Estimate] = {
 
 
 def in_seconds(taus: Array, rate: float) -> Array:
-    """Return the cluster sizes, in samples, of averaging times in seconds."""
+    """Return the cluster sizes, in samples, of averaging times in seconds, at a sampling `rate` in Hz."""
     return np.round(taus * rate)
 
 
@@ -183,7 +183,7 @@ def meaning(records: Sequence[Record], rate: float) -> Meaning:
 
 
 def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
-    """Return the log-log slopes of the true Allan deviation and of a student's curve, at times of thirty clusters or more."""
+    """Return log-log slopes of a record's true Allan deviation and of its curve, at 30 clusters or more; NaN below three times."""
     taus, curve, samples = record
     sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
     wanted = np.array([allan_deviation(samples, int(m)) for m in sizes])
@@ -239,13 +239,13 @@ class Allan:
 
     @property
     def worst(self) -> Record:
-        """The first record whose curve is not its Allan deviation over seconds, to be the example in the message."""
+        """The first record whose curve is not its Allan deviation over seconds, the message's example; raises if all are."""
         records = (self.records[kind] for kind in _RECORDS)
         return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
 
 
 def measure(student: Student, truth: Traces) -> Allan:
-    """Ask for the Allan deviation of five records, of three axes together, and of each of these axes alone."""
+    """Ask for the Allan deviation of five records, of three axes together, and of each of these axes alone; return the answers."""
     scenario = truth["allan"]
     rate = float(scenario.scalars["sample_rate_hz"])
     runs = {kind: allan(student, scenario[kind], rate) for kind in dict.fromkeys((*_RECORDS, *KINDS))}

@@ -108,8 +108,8 @@ class Response:
     Attributes
     ----------
     turn : (2, 2) ndarray, roll and pitch (columns) per unit of a turn about x and about y (rows)
-    first : (2,) ndarray, the share of the tilt that the first output has
-    settled : (2,) ndarray, the last output, in rad
+    first : (2,) ndarray, the share of the tilt that the first output after it shows
+    settled : (2,) ndarray, the last output after the tilt, as returned (in rad if right)
     moved : whether the tilt changed the outputs
     """
 
@@ -135,7 +135,7 @@ class Tilt:
 
     Attributes
     ----------
-    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; `odd` says what was
+    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; `odd` says in words what was
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
     errors, alone : by check, the RMS error in its motion, and that of each sensor alone, in rad
     response : outputs after single changes of each sensor; None if some are missing
@@ -157,7 +157,7 @@ class Tilt:
 
 
 def measure(student: Student, truth: Traces) -> Tilt:
-    """Run the filter at rest, in three motions and over single changes; each motion is a question with a time limit of its own."""
+    """Run the filter at rest, in three motions (each with a time limit of its own) and over single changes; return the `Tilt`."""
     level, *still = tilt(student, _at_rest(truth["tilt_start"]))
     stops: dict[str, Exception | None] = {
         LEVEL: level.raised,
@@ -222,7 +222,7 @@ def _probes() -> list[tuple[Array, Array]]:
 
 
 def response(outputs: list[Array]) -> Response | None:
-    """Return the response that outputs (n, 2) of the three experiments show; None if one is incomplete or not finite."""
+    """Return the `Response` shown by outputs (n, 2) for turns about x and y and a tilt; None if one is incomplete or not finite."""
     if any(len(out) < BEFORE + 50 or not np.isfinite(out).all() for out in outputs):
         return None
     tilted = outputs[2]

@@ -76,7 +76,7 @@ def live(
 ) -> LiveRun:
     """Run the student's `live_plot` and return what it drew while it ran.
 
-    The robot starts with the velocity `push` (m/s), so that there is motion to draw. `ids` are accelerometer and gyroscope.
+    The robot of `model` (MJCF text) starts with the velocity `push` (m/s), so that it moves. `ids` are accelerometer and gyroscope.
     """
     fields = {
         "model": model, "accel_id": ids[0], "gyro_id": ids[1], "duration_s": duration_s, "timestep": timestep, "push": push
@@ -94,7 +94,7 @@ def _run(frame: Frame) -> LiveRun:
 
 
 def shows(x: Array, y: Array, channels: Array, dt: float) -> bool:
-    """Return whether a curve (n,) follows a true channel (m, c), an axis of acceleration or angular velocity of any of the IMUs.
+    """Return whether a curve (n,) follows a column of `channels` (m, c), true readings every `dt` seconds of an axis of any IMU.
 
     Columns are three of an accelerometer and three of a gyroscope in turn. Angular velocity may be drawn in degrees per second;
     noise and bias as on the sheet may be on the first IMU's readings.

@@ -36,7 +36,7 @@ class ImuReadings:
     Attributes
     ----------
     calls : for each state, the readings by name of the IMU
-    later : the first result, looked at again after the next step
+    later : the first result, looked at again after the next step: a copy has not changed
     shape : the form of the first result, in words
     """
 
@@ -47,7 +47,7 @@ class ImuReadings:
 
 
 def imus(student: Student, *, model: str, qpos: Array, qvel: Array) -> ImuReadings:
-    """Ask the student's `read_all_imus` in these states (k, nq), (k, nv) of a model (MJCF text), and return its answers."""
+    """Ask the student's `read_all_imus` in k states, qpos (k, nq) and qvel (k, nv), of a model (MJCF text); return its answers."""
     states = {"qpos": qpos, "qvel": qvel}
     return student.answer(Question("imus", "read_all_imus", _readings, {"model": model}, states))
 
@@ -73,7 +73,7 @@ def _by_place(node: Node | None, arrays: Arrays) -> dict[str, Reading]:
 
 @dataclass(frozen=True)
 class World:
-    """Readings of all IMUs of one model, and the truth by name of the IMU: (k, 6) acceleration and angular velocity in k states."""
+    """Answers `got` for one model, and `true` readings by name of the IMU: (k, 6) acceleration and angular velocity in k states."""
 
     got: ImuReadings
     true: Mapping[str, Array]
@@ -137,7 +137,7 @@ class Imus:
 
 
 def measure(student: Student, truth: Traces) -> Imus:
-    """Ask `read_all_imus` about the lab's robot, even if the class uses another, and about a model with other IMUs."""
+    """Ask `read_all_imus` about the lab's robot, even if the class uses another, and one with other IMUs; return the answers."""
     sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
     many = truth["reading_many"]
     lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))

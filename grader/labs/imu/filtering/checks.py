@@ -21,7 +21,7 @@ class Output(TypedDict):
 
 
 class Step(Output):
-    """Values for the message on an output after the first one: also the values from which the recursion computes it."""
+    """Values for the message on an output after the first one: also the measurement `x`, the output `before`, and `alpha`."""
 
     x: str
     before: str

@@ -37,7 +37,7 @@ _FEWEST = 6
 
 @dataclass(frozen=True)
 class Run:
-    """One signal that ran through a student's filter: outputs y (n, 3), NaN where none came, for measurements x (n, 3), in m/s²."""
+    """A signal run through a student's filter from `initial` (None: not given): outputs y (n, 3) for inputs x; NaN if none came."""
 
     alpha: float
     x: Array
@@ -45,7 +45,7 @@ class Run:
     initial: Array | None = None
 
     def made_of(self, now: float, last: float, before: float) -> Array:
-        """Return outputs (n - 1, 3) as weighted sums of the measurement (`now`), the `last` one, and the output `before`."""
+        """Return sums (n - 1, 3): `now` times the measurement, `last` times the one before, `before` times the last output."""
         return np.asarray(now * self.x[1:] + last * self.x[:-1] + before * self.y[:-1])
 
     @cached_property
@@ -65,7 +65,7 @@ class Run:
 
     @cached_property
     def weights(self) -> tuple[float, float] | None:
-        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all outputs up to 1e4 m/s² obey on all axes; None if no weights do."""
+        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all outputs until one exceeds 1e4 m/s² obey; None if none do."""
         away = np.abs(self.y).max(axis=1) > _AWAY
         end = int(away.argmax()) if away.any() else len(self.y)
         x, y = self.x[:end], self.y[:end]
@@ -77,7 +77,7 @@ class Run:
 
     @property
     def first_wanted(self) -> Array:
-        """First output (3,) that the sheet's filter makes of the first measurement, after the initial value if there is one."""
+        """First output (3,) that the sheet's filter makes after the initial value; without one, the first measurement itself."""
         before = self.x[0] if self.initial is None else self.initial
         return np.asarray(self.alpha * self.x[0] + (1 - self.alpha) * before)
 
@@ -143,7 +143,7 @@ class Facts:
     odd : in words, what was returned in place of a vector; "" if nothing was
     nothing_at_first : whether only the first output was missing
     needs_alpha : the exception that the filter raises if no alpha is given; None if it raises none
-    departs : names of the sheet's parameters that the filter does not accept
+    departs : how calls must differ from the sheet: names of parameters, "method …", "global …"; `CALL_REASONS` deduct for it
     stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
@@ -189,7 +189,7 @@ class Facts:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Run all signals through the filter, each in a new process if an earlier filter makes it raise; return the facts."""
+    """Run all signals of `asked` through the filter, in new processes if an earlier filter makes it raise; return the `Facts`."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:
@@ -198,7 +198,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def asked(scenario: Scenario) -> dict[str, FilterCase]:
-    """Return the cases to ask for, by name: signals and arguments. The first ones run one signal with each alpha."""
+    """Return the cases (signal and arguments) that the filter is run on, by name; the first have the scenario's alphas."""
     signal, initial = scenario["input"], scenario["initial"]
     alphas = [float(alpha) for alpha in scenario["alpha"]]
     short = signal[:60]
@@ -222,7 +222,7 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
 
 
 def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: StudentError | None = None) -> Facts:
-    """Build the facts of a filter from its answers, one a case, and what it raised because of an earlier filter (`stumbles`)."""
+    """Return the facts of a filter from its answers, one a case in order, and what it raised after an earlier one (`stumbles`)."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}

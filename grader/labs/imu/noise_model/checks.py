@@ -29,7 +29,7 @@ class Bias(TypedDict):
 
 
 class Spread(Bias):
-    """Values for the message on noise of a wrong size: also the standard deviation asked for, and the rounding step `grain`."""
+    """Values for the message on noise of a wrong size: also the `std` asked for, how many reads, and the rounding step `grain`."""
 
     std: float
     reads: int

@@ -56,7 +56,7 @@ def sizes_off(facts: Facts) -> list[int]:
 
 
 def grain(facts: Facts) -> float:
-    """Return the step to which a noise model rounds its readings, for the message; 0 if it does not round."""
+    """Return the step to which a noise model rounds its readings or their noise, for the message; 0 if it does not round."""
     return max(sensor.reads.grain for sensor in facts.sensors)
 
 
@@ -170,7 +170,7 @@ _UNUSED = ("no-bias", "bias-argument-ignored")
 
 
 def offset_fault(facts: Facts) -> str:
-    """Return the cheapest fault that predicts each mean error that is not the given bias; "" if none does, or no mean is wrong."""
+    """Return the likeliest of `OFFSETS` that predicts each mean that is not the given bias; "" if none does or no mean is wrong."""
     reads = [sensor.reads for sensor in facts.sensors]
     wrong = [(reads[i], reads[1 - i]) for i in BOTH if not reads[i].bias_is_right]
     used = any(s.twins.seeded and not s.twins.ignores_bias() for s in facts.sensors)
@@ -313,7 +313,7 @@ def columns(facts: Facts) -> Array:
 
 
 def most_correlated(values: Array) -> tuple[float, int, int]:
-    """Return the largest correlation between two of six channels, and their indices; of those equal to two digits, the first."""
+    """Return the largest absolute correlation of two of six columns, and their indices; of those equal to two digits, the first."""
     matrix = st.correlations(values)
     pairs = [(abs(float(matrix[i, j])), i, j) for i, j in itertools.combinations(range(6), 2)]
     return max(pairs, key=lambda pair: round(pair[0], 2))

@@ -66,7 +66,7 @@ class Sensor:
 
     @cached_property
     def noise(self) -> Reads:
-        """The reads that the noise is judged by; their differences if the bias drifts or the noise accumulates."""
+        """The reads that judge the noise: `reads`, or their `paired` differences if the bias drifts or the noise accumulates."""
         return self.reads.paired if self.drifts or self.reads.accumulates else self.reads
 
     @cached_property
@@ -115,7 +115,7 @@ class Facts:
     disturbance : (4,) ndarray, largest change of time, qpos, qvel and sensordata in a read
     timestep : time step of the robot's model, in seconds
     odd : the form in which the vectors were returned, in words; "" if it is the sheet's
-    departs : names of the sheet's parameters that the code does not accept
+    departs : how calls must differ from the sheet: names of parameters, "method …", "global …"; `CALL_REASONS` deduct for it
     stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
@@ -131,7 +131,7 @@ class Facts:
 
     @cached_property
     def still(self) -> bool:
-        """Return whether each sensor repeats one reading in each state."""
+        """Return whether each sensor repeats one reading in each state: without noise, or with one draw for all reads."""
         return all(sensor.noise.still for sensor in self.sensors)
 
     @cached_property
@@ -256,7 +256,7 @@ def _require_usable(run: NoiseRun) -> None:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Measure a noise model by reads with and without noise; if these show a fault, also by reads that start from the same seed."""
+    """Return the `Facts` of a noise model by reads with and without noise; if these show a fault, also by reads from one seed."""
     ask = _Questions(student, truth)
     failing: tuple[str, ...] = (*ALL, "leaves_simulation_alone")
     disturbance = np.zeros(4)

@@ -46,7 +46,7 @@ class Reads:
     residual : (states, reads, 3) ndarray, reading minus truth
     truth : (states, 3) ndarray, the readings without noise and bias
     std : the standard deviation of the noise that was asked for
-    bias : (3,) ndarray, the bias that was given
+    bias : (3,) ndarray, the bias that was given; the mean error of the reads if none was
     """
 
     residual: Array
@@ -262,7 +262,7 @@ class Reads:
 
     @cached_property
     def law_is_off(self) -> bool:
-        """Return whether the noise is not normal with zero mean, or a read depends on earlier ones."""
+        """Return whether the noise is not normal, has one sign or is cut off, or a read depends on earlier ones."""
         return self.memory > 0 or self.one_signed or self.clipped or not self.is_normal
 
     @cached_property
@@ -325,7 +325,7 @@ class Twins:
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL)
 
     def begins_with_bias(self) -> bool:
-        """Return whether the first read changes by the change of the bias, to 5 %: a drifting bias stays only that long."""
+        """Return whether the first read changes by the change of the bias, to 5 %: a bias that drifts is as given only then."""
         return self.seeded and same(self.response[0], self.change, 0.05 * float(np.abs(self.change).max()))
 
     def ignores_bias(self) -> bool:
@@ -334,7 +334,7 @@ class Twins:
     def noise_size(self) -> float:
         """Return the standard deviation of the noise of `base`, estimated from what larger noise adds; 0 if reads are not seeded.
 
-        All else that moves is equal in both series and cancels. With 117 differences the estimate has an error of 10 %.
+        All else that moves is equal in `base` and `scaled` and cancels. With 117 differences the estimate has an error of 10 %.
         """
         if not self.seeded:
             return 0.0

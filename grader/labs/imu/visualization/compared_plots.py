@@ -23,7 +23,7 @@ class Comparison:
     saved : the pairs of a raw and a filtered curve in each saved figure that has any, all drawn by one file
     drawn : whether any figure, saved or not, has such a pair
     meant : of a figure that is meant to compare and has no such pair, the number of curves, and what they are in words
-    handed_in : whether a picture of the comparison was handed in, where no file saves it
+    handed_in : whether the code saves no comparison and a picture under its name was handed in
     error : the first exception that stopped a file; None if none did
     clean : whether the noise model has lost points already, so that raw data without noise is accepted here
     """
@@ -54,7 +54,7 @@ class Comparison:
 
 
 def measure(student: Student) -> Comparison:
-    """Run the submission's files until one saves a figure of noisy and filtered data, and return what they have drawn.
+    """Run the submission's files until one saves a figure of noisy and filtered data, and return the `Comparison` drawn.
 
     A figure without noise counts only if no other figure is meant as the comparison: in any plot, one channel of a robot that comes
     to rest is smoother than another.

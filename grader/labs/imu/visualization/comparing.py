@@ -50,7 +50,7 @@ class Compared:
 
 
 def comparisons(figure: Figure) -> list[Compared]:
-    """Return each pair of a curve and a smoother version of it that can be seen in a figure, on axes that may have one unit."""
+    """Return each pair of a curve and a smoother version of it that can be seen in a figure, unless their labels name two units."""
     drawn = _seen_curves(figure)
     pairs = (
         (one, other) for one in drawn for other in drawn if one is not other and _may_be_in_one_unit(one[0], other[0])
@@ -74,14 +74,14 @@ def _last_points(curve: Curve) -> tuple[Array, Array]:
 
 
 def named_comparisons(figure: Figure) -> list[Compared]:
-    """Return the pairs of curves that are named raw and filtered, for a filter that is known to be broken and may not smooth."""
+    """Return each pair of visible curves that are named raw and filtered, for a filter that is broken and so may not smooth."""
     drawn = _seen_curves(figure)
     raw, smooth = ([each for each in drawn if says(_name_on(*each))] for says in (says_raw, says_smooth))
     return [_compared(one, other) for one in raw for other in smooth]
 
 
 def in_words(figure: Figure) -> tuple[int, str]:
-    """Return how many curves a figure has that should compare raw and filtered data, and in words what they show instead."""
+    """Return the number of curves in a figure that was meant as the comparison and is none, and in words what it shows instead."""
     series = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
     said = f"{len(series)} curves, none of which is a smoother version of another over {FEWEST_POINTS} samples or more"
     if len(series) < 2:

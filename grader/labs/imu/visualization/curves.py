@@ -44,7 +44,7 @@ class Shown:
     ----------
     sensor, axis : the channel: sensor 0 (acceleration) or 1 (angular velocity), axis 0 to 2
     unit, x : the unit in which the values are drawn, and the kind of x values, such as ``s``, ``ms`` or ``index``
-    drawn : the hundredths of the recorded time over which the curve is drawn
+    drawn : the part of the recorded time over which the curve is drawn, in hundredths from 0 to 100
     """
 
     sensor: int
@@ -60,13 +60,13 @@ class Shown:
 
     @property
     def share_inside(self) -> float:
-        """Share of the curve, in hundredths of its length along x, that lies within the axis limits."""
+        """Share (0 to 1) of the curve that lies within the axis limits, counted in a hundred parts of its x range."""
         return float(self.curve.visible_parts.inside.mean())
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes: curves that show a channel, curves of other data (`strange`), and curves of channels that nobody can see."""
+    """One set of axes: curves `shown` of a channel, `strange` ones of other data, `hidden` ones of channels that nobody can see."""
 
     axes: Axes
     shown: tuple[Shown, ...]
@@ -83,7 +83,7 @@ class Panel:
 
     @property
     def mainly(self) -> set[int]:
-        """The sensor (0 or 1) that most curves of the panel show, so that labels should name it; both if equally many, or none."""
+        """The sensor (0 or 1) that most curves of the panel show, which labels should name; both in a tie, empty without curves."""
         counts = Counter(s.sensor for s in self.shown)
         return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
@@ -176,7 +176,7 @@ class Plot:
 
 
 def joined(figures: Sequence[Figure]) -> Figure:
-    """Return several figures as the panels of one, for code that draws each sensor in its own; panels keep texts and legends."""
+    """Return several figures as one, for code that draws one for each sensor; axes take over labels and legend of their figure."""
     axes = tuple(_moved_axes(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
     texts = tuple(text for figure in figures for text in figure.texts)
     return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts)
@@ -196,7 +196,7 @@ def _moved_axes(axes: Axes, figure: Figure, number: int) -> Axes:
 
 
 def panels(figure: Figure, series: Mapping[str, Array]) -> list[Panel]:
-    """Return the visible axes of a figure that hold a curve of data, with each curve matched with the recorded series."""
+    """Return the visible axes of a figure that hold a curve of data, each curve matched with `series`: the recorded rows by key."""
     found = (_panel(axes, series) for axes in figure.visible_axes)
     return [panel for panel in found if panel.shown or panel.strange or panel.hidden]
 
@@ -228,12 +228,12 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether one of the six channels is seen in none of these figures, so that the plot is tried with other data forms."""
+    """Return whether a channel of `series` (rows by key) is seen in no figure; the plot may then be tried with other data."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
 def is_reference(curve: Curve) -> bool:
-    """Return whether a curve is no data but a line at a fixed value or moment, such as `axhline` and `axvline` draw."""
+    """Return whether a curve is no data: a line at a fixed value or moment, as `axhline` draws, or one of at most two points."""
     return len(curve.y) <= 2 or float(np.ptp(curve.y)) == 0.0 or float(np.ptp(curve.x)) == 0.0
 
 
@@ -278,7 +278,7 @@ UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
 
 
 def factor_of(shown: Shown) -> str:
-    """Return in words how many times the data the numbers of a curve are, such as "57.3 times" for degrees."""
+    """Return in words the factor from the data to the numbers that a curve shows, such as "57.3 times" for degrees."""
     return f"{dict(_UNITS[shown.sensor])[shown.unit]:.3g} times"
 
 
@@ -292,7 +292,7 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
 
 
 def names_of(panel: Panel, figure: Figure) -> list[str | None]:
-    """Return the name of each shown curve of a panel: its legend entry, or a text beside it; None for a curve without either."""
+    """Return the name of each shown curve of a panel: its entry in a legend of panel or figure, or a text beside it; else None."""
     own = {s.curve.colour for s in panel.shown}
     neutral = [text for text in panel.axes.texts if text.colour not in own]
     names = names_of_curves([s.curve for s in panel.shown], panel, figure)
@@ -301,7 +301,7 @@ def names_of(panel: Panel, figure: Figure) -> list[str | None]:
 
 
 def names_of_curves(curves: Iterable[Curve], panel: Panel, figure: Figure) -> list[str | None]:
-    """Return the legend entry, or the text in its colour, for each of these curves of a panel; None for a curve without either."""
+    """Return for each curve of a panel its entry in a legend of panel or figure, else a text in its colour; None without either."""
     axes = panel.axes
     entries = [*axes.legend, *figure.legend]
     for other in figure.axes:
@@ -311,7 +311,7 @@ def names_of_curves(curves: Iterable[Curve], panel: Panel, figure: Figure) -> li
 
 
 def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> str | None:
-    """Return the legend entry whose sample looks most like the curve, else a text in its colour; None without either."""
+    """Return the text of the legend entry whose sample looks most like the curve, else a text in its colour; None without."""
     alike = [e for e in entries if e.colour == curve.colour]
     most = max((_likeness(e, curve) for e in alike), default=None)
     for entry in (e for e in alike if _likeness(e, curve) == most):

@@ -29,7 +29,7 @@ _IN_PART = 0.8
 
 
 def to_the_end(measured: Callable[[Facts], Deviation[Numbers] | None]) -> Callable[[Facts], Deviation[Numbers] | None]:
-    """Wrap a measurement so that what a plot lacks after an exception is deducted as that exception, not as missing labels."""
+    """Wrap a measurement: where it finds a fault of a plot that an exception broke off, it raises `Raised`: that is deducted."""
 
     @functools.wraps(measured)
     def judged(facts: Facts) -> Deviation[Numbers] | None:
@@ -61,7 +61,7 @@ def is_no_png(facts: Facts) -> bool:
 
 
 def shares_a_panel(facts: Facts) -> bool:
-    """Return whether a sensor has no panel that mainly shows it, as where both sensors are drawn on the same axes."""
+    """Return whether a drawn sensor has no panel that shows it more than the other, as where both are drawn on the same axes."""
     return any(panel.mainly != {sensor} for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor))
 
 
@@ -81,7 +81,7 @@ def _shows_others(facts: Facts) -> bool:
 
 
 def share_missing(facts: Facts) -> float:
-    """Return the share of the points that is lost for the times that curves leave out: one sixth a channel, at least 0.2 of it."""
+    """Return the share of points lost for times without curves: of each such channel its missing part, at least 0.2, of a sixth."""
     parts = facts.plot.in_part()
     return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
 
@@ -100,7 +100,7 @@ def missing_curves(facts: Facts) -> Deviation[Came] | None:
 
 @to_the_end
 def unseen_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return a deviation if a drawn channel is off limits, covered, in the background's colour or on a log axis; else None."""
+    """Return a `Deviation` if a drawn channel is mostly outside the limits or not seen, or a value axis is logarithmic, or None."""
     if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
         return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
     if not (facts.plot.hidden or facts.cut_off):
@@ -110,7 +110,7 @@ def unseen_curves(facts: Facts) -> Deviation[Came] | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
-    """Return a function that measures how many labels have a problem, such as "no-units". Three such labels lose all points."""
+    """Return a function that gives the `Deviation` of labels with a fault, such as "no-units" (three cost all), or None."""
 
     def measured(facts: Facts) -> Deviation[Came] | None:
         texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]

@@ -26,7 +26,7 @@ _KINDS = {
 
 @cache
 def languages() -> Mapping[str, Mapping[str, Any]]:
-    """Return the words that labels may use for sensors, axes and units, by language code; a block with other keys is refused."""
+    """Return the words that labels may use for sensors, axes and units, by language code; a language with other keys raises."""
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
     blocks: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=loader)

@@ -59,9 +59,9 @@ class File:
     ----------
     size_px : size of the largest saved picture of the curves; (0, 0) without one
     formats : file formats of all saved pictures of the curves; empty if none is saved
-    replaced, blank : whether no file shows the curves because it was overwritten or damaged, or because an empty figure was saved
-    handed_in : whether no file shows the curves and a picture of that name was handed in
-    lost : the channels that only an overwritten file showed, beside others that are saved
+    replaced, blank : whether no file shows the curves because it was overwritten or deleted, or because an empty figure was saved
+    handed_in : whether no file shows the curves and a picture under the sheet's name for it was handed in
+    lost : the channels that only an overwritten file showed; empty if no file shows any curves
     """
 
     size_px: tuple[int, int] = (0, 0)
@@ -82,7 +82,7 @@ class Facts:
     cut_off : the channels of which more than half lies outside the axis limits, with the share that is inside
     recorded : the unit in which the submission records each sensor, if a label names another unit than is drawn; else ""
     error : the exception that broke the plot off; None if it ran to its end
-    departs : names of the sheet's parameters that `plot_imu_data` does not accept
+    departs : how calls must differ from the sheet: names of parameters, "method …", "global …"; `CALL_REASONS` deduct for it
     stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
@@ -100,7 +100,7 @@ _NO_PLOT = Plot(Figure("shown", None, "", (0, 0)), [])
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Ask for the plot of a recorded run, and for what the submission's files draw when they are run. Return the measured facts."""
+    """Ask for the plot of a run in `truth`, and for what the submission's files draw when they are run; return the `Facts`."""
     try:
         drawing = drawing_of_data(student, truth)
         if drawing.error is not None and drawing.error.type in _NOT_THERE:
@@ -139,7 +139,7 @@ def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
 
 
 def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
-    """Return what `plot_imu_data` draws of a true run, which it gets under the keys that the submission's own recorder uses."""
+    """Return what `plot_imu_data` draws of a scenario of `truth`, by name, given under the keys of the submission's recorder."""
     series = series_of(truth, run)
     own = _own_recording(student, truth)
     return student.plot(
@@ -203,7 +203,7 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
-    """Return the figures that may be the plot: each one, all saved ones joined, and all joined that were ever saved.
+    """Return the figures of `drawing` that may be the plot: each one, all saved ones joined, and all joined that were ever saved.
 
     Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the series that the plot was
     given: those of a faulty recorder where the plot fits no other.

@@ -15,7 +15,7 @@ Problem = tuple[str, str]
 
 
 def quoted(text: str) -> str:
-    """Quote a student's text for a message, cut to 60 characters and without control characters."""
+    """Return a student's text in quotation marks for a message, cut to 60 characters and without control characters."""
     return f"“{printable(text, 60)}”"
 
 
@@ -24,7 +24,7 @@ def quoted(text: str) -> str:
 
 @dataclass(frozen=True)
 class Misnamed:
-    """Texts on a panel that name the other sensor only than it `shows`; a `share` of the points is lost, 1 if all its texts do."""
+    """Texts on a panel that name only the sensor other than it `shows`; the `share` of points lost is 1 if all do, else 0.5."""
 
     said: list[str]
     shows: str
@@ -32,7 +32,7 @@ class Misnamed:
 
 
 def misnamed(plot: Plot) -> Misnamed | None:
-    """Return the wrong texts of the first panel with a title or label that names the other sensor only; None without such one."""
+    """Return the texts that name only the other sensor on the first panel with any, if another panel shows that; else None."""
     for sensor, panel in [(which, panel) for which in (0, 1) for panel in plot.of_sensor(which)]:
         if said := _misnaming(plot, panel, sensor):
             written = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]

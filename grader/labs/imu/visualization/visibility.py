@@ -51,7 +51,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return a figure as the worker reports it with `visible_parts` set: the parts of each curve that its pixels show."""
+    """Return a figure with `visible_parts` of its curves set by its pixels; once `patience` ends, curves count as not seen."""
     places = [[_place(curve, panel, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken(itertools.chain(*places), figure.pixels.shape[:2])
     axes = []
@@ -249,7 +249,7 @@ def _strength(window: _Window, ink: Array | None, curve: Curve, others: Sequence
 
 
 def share_of_way(off: Pixels, way: Array) -> Pixels:
-    """Return how far pixels (3, k) have gone from the background to a curve's colour, 0 to 1; 0 for pixels of another colour."""
+    """Return how far pixels at (3, k) `off` from the background go the `way` (3,) to a curve's colour: 0 to 1; 0 for others."""
     share = (way / (way @ way)).astype(np.float32) @ off
     beside = np.abs(off - np.outer(way.astype(np.float32), share)).max(axis=0)
     share = np.clip(share, 0, 1)
