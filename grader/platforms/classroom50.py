@@ -58,7 +58,7 @@ def classroom50(result: Result, identity: Mapping[str, str], committed: str) -> 
     result
         A complete result, because a check that was not judged has no integer score.
     identity
-        The fields that identify the submission.
+        The fields that identify the submission, as `identity_of` returns them.
     committed
         Time of the commit, ISO 8601 in UTC. Lateness follows from it, so a regrade must not change it.
 
@@ -117,7 +117,7 @@ def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
 
 
 def committed(path: Path) -> str:
-    """Return the time of the graded commit in UTC; the present time if git knows no commit there."""
+    """Return the time of the commit checked out at `path`, ISO 8601 in UTC; the present time if git knows no commit there."""
     folder = path if path.is_dir() else path.parent
     command = ["git", "-C", str(folder), "show", "--no-patch", "--format=%ct", "HEAD"]
     try:

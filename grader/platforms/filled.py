@@ -24,12 +24,12 @@ class Filled:
 
     Attributes
     ----------
-    grades
-        Number of grades filled in.
+    data, grades
+        The file's bytes, and the number of grades filled in.
     placed
         Whom the rows belong to: a person and the submission, or, if `person` is None, all people of a submission.
     unmatched
-        Rows that match nobody who handed in, with the name in the file. They are left unchanged.
+        Rows that match nobody who handed in, or several, with the name in the file. They are left unchanged.
     missing
         Names in rows of people without a submission that were given the grade for it (`Template.missing`).
     kept
@@ -59,8 +59,8 @@ class TemplateLayout:
 
     Attributes
     ----------
-    grade
-        Index of the column of grades.
+    sheet, grade
+        The file, and the index of its column of grades.
     rows
         Rows of people, by row number.
     who, name
@@ -68,7 +68,7 @@ class TemplateLayout:
     out_of
         Function that returns the maximum of a grade in the file; "" if the file has none.
     locked
-        Function that returns whether the platform has locked a grade.
+        Function that returns whether the platform has locked a row's grade, which is then kept.
     is_student
         Function that returns whether a row belongs to a student, and not to a test account of the platform.
     """
@@ -95,7 +95,8 @@ def fill_in(
 ) -> Filled:
     """Return a platform's file, described by `layout`, with the final grades in the rows that have a match in `matches`.
 
-    Raise RequestError if the maximum in the file differs from the rubric's, and points are not to be scaled.
+    `template` says what people without a submission get (`missing`). Raise RequestError if the maximum in the file differs from the
+    rubric's, and `template` says that points are not scaled.
     """
     filled, known = Filled(), directory(final_grades)
     comma = any(
@@ -180,7 +181,7 @@ def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
 
 
 def match_rows(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
-    """Return whom each row of a platform's file means, by row number; None if unclear, or if several rows mean one person."""
+    """Return whom of `known` each row of a platform's file means, by row number; None if unclear, or if several mean one person."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}
     for number, match in found.items():

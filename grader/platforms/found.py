@@ -24,8 +24,8 @@ class Found:
         Readable text that becomes the submission's id, such as name and number of the student; equal for all attempts.
     name
         Name of the submission in results.
-    sources
-        Files or folders in `path`, each with its name in the submission; empty where all of `path` is the submission.
+    path, sources
+        The download, and files or folders in it, each with its name in the submission; empty where all of `path` is the submission.
     order
         Sort key of attempts; a later attempt has a greater one.
     """
@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Shape:
-    """Contents of a platform's download: its kind (`title`), the submissions, and files whose owner is unknown, with reasons."""
+    """Contents of a platform's download: its kind (`title`), the submissions, and what is not graded (`left`), with reasons."""
 
     title: str
     found: tuple[Found, ...]

@@ -26,8 +26,9 @@ from grader.platforms.platform import Platform, ResultContext
 class CiJob:
     """Request of `imugrade ci`: which submission to grade, by which rubric and scenarios (`traces`), and where the output goes.
 
-    `path` or `out` None is the platform's default; `out` "-" is stdout. `trusted` allows code without isolation. `private` says
-    that students can read neither the files nor the output of the job.
+    `path` or `out` None is the platform's default; `out` "-" is stdout. `trusted` allows hidden scenarios without isolation.
+    `min_score` matters to a platform that refuses one. `isolation_level` None is the best that works. `private` says that students
+    can read neither the files nor the output of the job.
     """
 
     platform: Platform
@@ -68,7 +69,7 @@ def recognise(environ: Mapping[str, str], root: Path = Path("/")) -> Platform:
 
 
 def submission_of(platform: Platform, root: Path = Path("/")) -> Path:
-    """Return the default path of the submission: the platform's place if it exists, else the working folder."""
+    """Return the default path of the submission: the platform's place below `root` if it exists, else the working folder."""
     place = root / platform.submission
     return place if platform.submission and place.is_dir() else Path()
 

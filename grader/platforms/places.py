@@ -36,7 +36,7 @@ class Places:
     definitions: Mapping[str, FileLine] = field(default_factory=dict)
 
     def line_for(self, check: CheckResult) -> FileLine | None:
-        """Return the line of code at which the CI shows this check's message; None if no line is known."""
+        """Return the line where the CI shows a check's message: the one that it names, else the checked definition, else None."""
         return self._named_line(check) or self.definitions.get(self.lab.name_of(check.id))
 
     def _named_line(self, check: CheckResult) -> FileLine | None:

@@ -57,7 +57,7 @@ class ResultContext:
 
 @dataclass(frozen=True)
 class SecondOutput:
-    """Text that a job appends to the file that an environment variable names; nothing is written if the variable is not set."""
+    """Text that a job appends to the file that environment `variable` names, if it is set; `text` makes it from the result."""
 
     variable: str
     text: Callable[[Result, ResultContext], str]

@@ -45,14 +45,14 @@ def title(part: ResultPart) -> str:
 
 
 def lines(check: CheckResult, part: ResultPart, lab: LabName) -> list[words.LabelledLine]:
-    """Return the feedback of a check as labelled lines, as in the report: Expected, Got, Try, Read, Rerun; empty ones left out."""
+    """Return a check's feedback as labelled lines: Expected, Got, Try, Read (a step of `lab`), Rerun (of `part`); no empty ones."""
     row = words.row(check, part.id, lab)
     more = (words.LabelledLine("Read", row.read), words.LabelledLine("Rerun", row.again))
     return [*row.lines, *(line for line in more if line.text)]
 
 
 def plain_text(check: CheckResult, part: ResultPart, lab: LabName) -> str:
-    """Return the feedback of a check as plain text, with the labels in a column, for a platform without markup."""
+    """Return the `lines` of a check as plain text, with the labels in a column, for a platform without markup."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
 

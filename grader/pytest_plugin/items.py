@@ -58,7 +58,10 @@ class PluginRun:
         return f"imugrade: {self._name}, public scenarios"
 
     def pytest_collection(self, session: pytest.Session) -> bool | None:
-        """Collect the checks that the arguments name, in place of test files; raise pytest's UsageError if there are none."""
+        """Collect the checks that the arguments name, in place of test files; raise pytest's UsageError if there are none.
+
+        Return True, which ends pytest's own collection; None under pytest-xdist, whose workers collect.
+        """
         if session.config.pluginmanager.hasplugin("dsession"):
             return None  # with pytest-xdist the workers collect
         session.perform_collect([])
@@ -68,7 +71,7 @@ class PluginRun:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_make_collect_report(self, collector: pytest.Collector) -> pytest.CollectReport | None:
-        """Collect a file for each of the student's files that the lab asks for, in place of the folder's tests."""
+        """Collect the student's files that the lab asks for, in place of the folder's tests; None leaves a collector to pytest."""
         if not isinstance(collector, pytest.Session):
             return None
         files: dict[Path, list[str]] = {}
@@ -97,7 +100,7 @@ class PluginRun:
         return self.path / at.file if self.path.is_dir() else self.path
 
     def checks(self, criterion: str, file: Path) -> Iterator[str]:
-        """Yield the names of a criterion's checks that the arguments select; pytest lists them under the student's `file`."""
+        """Yield the names of a criterion's checks that the arguments select by name or by `file`, under which pytest lists them."""
         for weight in self._rubric.checks:
             part, _, name = weight.id.partition(".")
             if part == criterion and self._asked.wants(file, part, name):

@@ -14,7 +14,7 @@ _CODE = (".py", ".ipynb")
 
 @dataclass(frozen=True)
 class Name:
-    """What one argument of `pytest --imugrade` selects: a file, a criterion or a check, as names from the outside in."""
+    """What one argument of `pytest --imugrade` selects: in `file` (None: any) all, or by `names` a criterion or one check."""
 
     file: Path | None
     names: tuple[str, ...]
@@ -35,7 +35,7 @@ class PluginOptions:
 
 
 def options_of(arguments: Sequence[str], criteria: Collection[str]) -> PluginOptions:
-    """Separate the arguments that name criteria, checks or files from the one that is the submission's path.
+    """Separate arguments that name checks, files or `criteria`, ids that the lab has, from the one that is the submission's path.
 
     ``sensor_access`` and ``sensor_access::follows_address`` are names, and so is what pytest and editors call a test:
     ``imu_reader.py::sensor_access::follows_address``. Any other argument is the path; without one it is the working folder.

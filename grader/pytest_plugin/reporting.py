@@ -35,6 +35,8 @@ class CheckFailure:
 
     Parameters
     ----------
+    check, lab
+        The check, and its lab, whose name stands in the text.
     path, line
         The student's file and the line in it at which pytest shows the failure.
     """

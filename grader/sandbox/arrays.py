@@ -28,7 +28,7 @@ def _padded(size: int) -> int:
 
 
 def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], list[bytes]]:
-    """Return descriptions of arrays (name, dtype, shape) for the JSON of a message, and the bytes that follow it.
+    """Return a description of each array (name, dtype, shape) for a message's JSON, and each one's bytes, which follow the JSON.
 
     Raise ValueError if an array has a dtype or shape that cannot be sent, or more than `most` bytes.
     """

@@ -15,7 +15,7 @@ _SCRATCH_BYTES = 64 << 20
 
 
 def command(plan: Plan, control_fd: int) -> list[str]:
-    """Return the command line that starts a zygote (the warm parent) in bubblewrap; it sees the same files as under `rootfs`."""
+    """Return the command that starts a zygote (the warm parent) in bubblewrap: socket `control_fd`, the same files as `rootfs`."""
     arguments = ["--unshare-all", "--chdir", "/"]
     if plan.end_with_parent:
         arguments.append("--die-with-parent")

@@ -37,7 +37,8 @@ class Confinement:
     proc
         Descriptor of the host's /proc, or -1 without one. The worker closes it before student code runs.
     zygote
-        The zygote's pid, as a worker without a pid namespace sees it; 0 for other workers.
+        The zygote's pid, as a worker without a pid namespace sees it; 0 for other workers. A worker whose parent
+        is another process, because its zygote has died, ends.
     """
 
     isolation_level: IsolationLevel

@@ -36,7 +36,8 @@ class Deadline:
 
     Code that computes on a busy machine may take many times its CPU time. It is not cut off for that, or a grade would depend on
     what else the machine does: the wall clock leaves out what the process waited for a processor. At ten times `wall_s`, or at
-    `most_s` if that is earlier, the answer is cut off whatever the code does.
+    `most_s` if that is earlier, the answer is cut off whatever the code does. Both clocks are functions that return the worker's
+    seconds so far.
     """
 
     def __init__(

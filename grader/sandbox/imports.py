@@ -18,7 +18,7 @@ _NAMES = ("grader.worker", "grader.questions")
 
 
 def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough: bool = False) -> worker.Answer:
-    """Import the worker code and a lab's own module, if there is one, let both warm up, and return the function `answer`.
+    """Import the worker code and a lab's own module, if there is one, let both warm up; return `answer`, which answers requests.
 
     Parameters
     ----------

@@ -40,7 +40,8 @@ def abi() -> int:
 def ruleset(version: int, readable: Iterable[str], listed: Iterable[str], writable: Iterable[str]) -> int:
     """Make a rule set for `enforce`, and return its file descriptor.
 
-    It allows reading below `readable`, listing names below `listed`, and below `writable` all but special files and execution.
+    It allows reading below `readable`, listing names below `listed`, and below `writable` all but special files and execution;
+    devices such as /dev/null may be written. `version` is that of `abi`: an older kernel guards fewer rights.
     """
     known = (1 << _RIGHTS_BY_ABI[min(version, len(_RIGHTS_BY_ABI) - 1)]) - 1
     network = _NETWORK if version >= 4 else 0

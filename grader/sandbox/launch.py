@@ -253,7 +253,10 @@ class Zygote:
             raise ZygoteGoneError(self._log_tail()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
-        """Wait for the end of the worker that was spawned as `number`; return its exit code and the CPU seconds that it used."""
+        """Wait for the end of the worker that was spawned as `number`; return its exit code and the CPU seconds that it used.
+
+        Raise ZygoteGoneError if the zygote reports no end in time.
+        """
         with self._lock:
             self._await_report(self._ended, number, _END_WITHIN_S)
             return self._ended.pop(number)

@@ -15,7 +15,10 @@ from typing import Any
 
 
 def start(arguments: Sequence[str]) -> Callable[[], None]:
-    """Set up an unisolated worker (`arguments`: socket descriptor; folders, as JSON); return the function that answers requests."""
+    """Set up an unisolated worker; return the function that answers requests until the socket is closed.
+
+    `arguments` are the socket's descriptor and JSON: code `folders`, `sys.path` (`search`), and whether to `end_with_parent`.
+    """
     line, plan = _line(int(arguments[0])), json.loads(arguments[1])
     sys.argv[:] = [""]
     sys.path[:] = plan["search"]  # packages may lie where only the grader's own environment says

@@ -34,7 +34,7 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return which statement the worker says it ran last (JSON), to find one that killed it; "" if closed, or on Windows."""
+        """Return which statement the worker says it ran last, as JSON [[file, number]]; "" if closed, or on Windows."""
         if self._file.closed or not hasattr(os, "pread"):
             return ""
         return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")

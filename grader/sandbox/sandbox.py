@@ -93,7 +93,7 @@ class Sandbox:
     def worker(self) -> Worker:
         """Return a new worker without any state of the earlier ones. The middle isolation levels allow four at a time.
 
-        Raise GraderError if none can be had, even from a new zygote (the warm parent).
+        Raise GraderError for a fifth there, or if none can be had, even from a new zygote (the warm parent).
         """
         if self._closed:
             raise GraderError("the sandbox is closed")
@@ -245,7 +245,7 @@ class Worker:
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:
-        """Return which statement the worker says it ran last (JSON), to find one that killed it; student code can forge it."""
+        """Return which statement the worker says it ran last (see `Printed.place`), as it may have killed it; code can forge it."""
         return self._printed.place()
 
     def close(self) -> None:

@@ -38,7 +38,7 @@ class _GraderGoneError(Exception):
 def main(control_fd: int) -> Callable[[], None] | None:
     """Run the zygote: fork workers until the grader closes the socket. In a forked worker, return the function that it runs.
 
-    Return None in the zygote if it could not be isolated or an import failed; the grader was told why.
+    `control_fd` is the grader's socket. Return None in the zygote if isolation or an import failed; the grader was told why.
     """
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.unpacked(control.recv(_MAX_MESSAGE))

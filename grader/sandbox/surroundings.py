@@ -72,12 +72,12 @@ def _standard() -> tuple[str, ...]:
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """Return `sys.path` for a sandbox: those of the grader's entries that the sandbox shows, and the package folders."""
+    """Return `sys.path` for a sandbox: those of the grader's entries at or below `shown` (see `visible`), and package folders."""
     return (*_search_whole(shown), *packages.folders())
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """Return `sys.path` for a sandbox that hides package folders: as `search`, with the folder `links` in their place."""
+    """Return `sys.path` for a sandbox that hides package folders: as `search`, but with the folder `links` (by `link_packages`)."""
     return (*_search_whole(shown), links)
 
 
@@ -160,7 +160,10 @@ def font_lists() -> tuple[str, ...]:
 
 
 def environment(scratch: str, cache: str) -> dict[str, str]:
-    """Return all environment variables of a sandboxed process: none of the grader's own, but LD_LIBRARY_PATH if Python needs it."""
+    """Return all environment variables of a sandboxed process: none of the grader's own, but LD_LIBRARY_PATH if there is one.
+
+    `scratch` is its home and temporary folder, `cache` matplotlib's.
+    """
     literal = {
         "PATH": "/usr/bin:/bin",
         "HOME": scratch,

@@ -66,7 +66,7 @@ def original_classes() -> Iterator[None]:
 
 
 def reject_overrides(*artists: Any) -> None:
-    """Raise OverriddenArtistError if student code overrides a member that the grader reads, as it may report what is not drawn."""
+    """Raise OverriddenArtistError if student code overrides a member of `artists` that the grader reads: it may lie."""
     for artist in artists:
         strange = [kind for kind in type(artist).__mro__ if kind not in _CLASSES and kind.__module__ != "builtins"]
         own = [name for kind in strange if not _generated(kind) for name in vars(kind) if _is_asked(name)]
@@ -89,7 +89,7 @@ def _generated(kind: type) -> bool:
 
 
 def place(axes: Any) -> Any:
-    """Return a panel's position as fractions of the whole figure, as a reader sees it, also if the panel is in a subfigure."""
+    """Return a panel's position (a `Bbox`) as fractions of the whole figure, as a reader sees it, also for one in a subfigure."""
     return axes.bbox.transformed(axes.get_figure().canvas.figure.transFigure.inverted())
 
 

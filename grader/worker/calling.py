@@ -23,7 +23,7 @@ class Slot:
     Attributes
     ----------
     name : the parameter's name on the lab sheet
-    meaning : pattern of other parameter names that mean the same
+    meaning : regular expression, searched in a parameter's name, for other names that mean the same
     passed : ``position``, as on the sheet; ``option``: by keyword, left out if no parameter takes it; ``spare``: not on the sheet,
         passed only if a parameter asks for it
     replaces : a spare is also passed to a parameter whose default is of one of these types

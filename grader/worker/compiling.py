@@ -21,7 +21,10 @@ _DEFINES = re.compile(r"^(?:async[ \t]+)?(?:def|class)[ \t]+(\w+)", re.MULTILINE
 
 
 def units_in(source: bytes, path: str, *, flags: int = 0) -> list[statements.Unit] | None:
-    """Return the compiled statements of a file or a cell; None if it does not parse, with the error in `STATE.unreadable[path]`."""
+    """Return the compiled statements of a file or a cell; None if it does not parse, with the error in `STATE.unreadable[path]`.
+
+    `flags` are those of `compile`, such as the one that allows a cell a top-level `await`.
+    """
     try:
         return _units(_decoded(source), path, flags)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as refused:
@@ -40,7 +43,7 @@ def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
 
 
 def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:
-    """Return the top-level statements that parse of a file with syntax errors, so that its plots are drawn; [] if none are left."""
+    """Return the top-level statements that parse of a file with syntax errors, to draw its plots; [] if eight or more do not."""
     own = faults.own_name(path)
     try:
         lines = _decoded(source).splitlines()

@@ -301,7 +301,7 @@ def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any 
 def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
     """Save a figure in full by matplotlib's own method `really`, for a submission that reads its pictures back.
 
-    A very large picture gets fewer dots per inch than `asked`, so that it costs no minutes.
+    The parameters are those of `save`. A very large picture gets fewer dots per inch than `asked`, so that it costs no minutes.
     """
     figure = canvas.figure
     dots = min(_dpi(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
@@ -309,7 +309,10 @@ def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: A
 
 
 def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """Save raw pixels, such as a frame of a film, as the right number of zero bytes: nobody looks at them, and drawing is slow."""
+    """Save raw pixels, such as a frame of a film, as the right number of zero bytes: nobody looks at them, and drawing is slow.
+
+    The parameters are those of `save`; `really` and `options` are not used.
+    """
     del really, options
     content = blank(canvas.figure, asked)
     target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)

@@ -10,7 +10,7 @@ from . import statements
 
 
 def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield (required name, its misspelling) for each name that a file lacks and nearly spells, in exactly one definition."""
+    """Yield (required name, its misspelling) for each `wanted` name that no node binds and exactly one definition nearly spells."""
     missed = set(wanted).difference(*map(statements.bound, nodes))
     for name in sorted(missed):
         kind = ast.ClassDef if name[0].isupper() else ast.FunctionDef

@@ -24,8 +24,8 @@ def joined(
     Parameters
     ----------
     artists : the artists of one panel, in drawing order
-    size : returns the number of points of an artist
-    look : returns what a reader sees of an artist (colour, style, marker); enough pieces of one look are one curve
+    size : returns the number of points of an artist; only one with at most `MAX_PIECE` can be a piece
+    look : returns what a reader sees of an artist (colour, style, marker); `MIN_PIECES` pieces of one look, or more, are one curve
     """
     artists = list(artists)
     pieces: dict[Hashable, list[Artist]] = {}
@@ -53,7 +53,7 @@ def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def is_chain(segments: list[Any]) -> bool:
-    """Return whether segments are one curve whose shade changes: eight or more, each beginning where the one before it ends."""
+    """Return whether segments (points (k, 2) each) are one curve of changing shade: eight or more, each from the last one's end."""
     if len(segments) < MIN_PIECES or any(len(segment) < 2 for segment in segments):
         return False
     return all(np.array_equal(before[-1], after[0]) for before, after in itertools.pairwise(segments))

@@ -42,7 +42,8 @@ _LEVELS = 1 + _ABOVE.count("/")
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Answer a request: write the submission's files into the scratch folder and prepare the process. Student code runs later.
 
-    Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
+    ``fields["files"]`` lists path, key in `arrays`, and how many folders further up a copy goes. Return as ``written`` the paths of
+    the files that notebooks write with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
     STATE.stepper = statements.StatementRunner(skipped, tuple(fields["place"]), list(fields["homes"]))
@@ -71,7 +72,10 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: import a file, or run a notebook; report required names, skipped statements, figures and syntax errors."""
+    """Answer a request: import a file or notebook; report its required names, skipped statements, figures and syntax errors.
+
+    ``path`` names it; its statements have ``within_s`` seconds in all.
+    """
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -84,7 +88,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: run a file as `python FILE` does; return its figures and its first error (None without one)."""
+    """Answer a request: run ``path`` as `python FILE` does, for ``within_s`` s at most; return figures and first error or None."""
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -105,7 +109,7 @@ def _main_module(path: str) -> types.ModuleType:
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: return the required names that each file or notebook defines at module level. No code runs."""
+    """Answer a request: return as ``names`` {file: the required names that it defines at module level}. No code runs."""
     del fields, arrays
     found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in STATE.code())
     return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}

@@ -57,12 +57,12 @@ class MissingImports:
         self.supplied: list[str] = []
 
     def before(self, names: dict[str, Any]) -> None:
-        """Supply libraries before a file's first statement runs, unless a star import of the file may bring them."""
+        """Put missed libraries into the namespace `names` before a file's first statement, unless a star import may bring them."""
         if self._last_star is None:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Supply what is due after this statement, libraries or partners' names, and remember what it defines for `at_end`."""
+        """Put into `names` what is due after statement `node`, libraries or partners' names; note for `at_end` what it defines."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:

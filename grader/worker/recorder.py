@@ -30,7 +30,7 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return the figures recorded since the last `take`, and their arrays, and close all; pictures lie below `folder`.
+        """Return facts and arrays of the figures since the last `take`, matched to picture files below `folder`; close all figures.
 
         With `with_open`, figures that are still open and were never saved are recorded first.
         """
@@ -59,7 +59,7 @@ class Recorder:
         kind: str = "",
         seen: drawing.Preview | None = None,
     ) -> None:
-        """Record a figure's facts at an `event` (saved, shown, closed); not one that is recorded already, and no more than twelve.
+        """Record a figure's facts at an `event` such as "saved"; not if it is recorded already, and no more than twelve per `take`.
 
         A figure that was empty, or is saved again, is recorded again. `target`, `dpi` and `kind` (the format) are those of
         `savefig`; `seen` is the small picture, if it was drawn already.

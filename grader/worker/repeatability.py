@@ -53,7 +53,7 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Replace clocks, process id and random bytes by repeatable ones; code in `folder` is the student's, other code a library's."""
+    """Replace clocks, process id and random bytes by repeatable ones; libraries, outside `folder`, keep the real process id."""
     _LIBRARY.own_folder = folder
     virtual_time.install(CLOCK)
     _replace_clocks()

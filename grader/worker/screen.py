@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Run the event loop for `seconds`, or until no timer is left (None): fire timers in the order in which they are due."""
+        """Run the event loop for `seconds` (None: no limit), until no timer is left, enough was seen or 2,000 timers fired."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):
@@ -105,7 +105,7 @@ class Screen:
         self._animations.append(weakref.ref(animation))
 
     def play(self, animation: Any) -> None:
-        """Report each frame of an animation that the program saves, 2,000 at most; no film is made."""
+        """Report each frame of an animation that the program saves, the first 2,000 or so; no film is made."""
         animation._init_draw()
         for number, frame in enumerate(animation.new_saved_frame_seq()):
             animation._draw_next_frame(frame, blit=False)

@@ -13,7 +13,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Create stand-ins, definitions by which the grader replaces a student's broken ones; `sources`: {name: source text}."""
+    """Put stand-ins, the grader's definitions in place of a student's broken ones, into `STATE`; `sources`: {name: source text}."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():
@@ -32,12 +32,12 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return the stand-ins (definitions by the grader) of a module's names, for a submission that lacks its file or broke it."""
+    """Return {name: stand-in}, the grader's definitions of a module's names, for a submission that lacks its file or broke it."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
 def standin_for(own: Any, name: str) -> Any:
-    """Return the grader's working definition in place of the student's `own`; a class keeps additional methods of the student's."""
+    """Return the grader's definition of `name`, to replace the student's `own`; a class keeps the student's additional methods."""
     standin = STATE.standins[name]
     if not (issubclass(type(own), type) and isinstance(standin, type)):
         return standin

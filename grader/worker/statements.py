@@ -55,7 +55,10 @@ class MissingName:
 
 @dataclass(frozen=True)
 class Unit:
-    """Piece of code that is run and skipped as a whole: a statement, or a notebook cell with a top-level `await`."""
+    """Piece of code that is run and skipped as a whole: a statement, or a notebook cell with a top-level `await`.
+
+    `number` identifies it in the file; `node` is its syntax tree (of a cell the first statement), `code` what is run.
+    """
 
     number: int
     node: ast.stmt
@@ -114,7 +117,7 @@ def _in_student_statement(frame: types.FrameType | None) -> bool:
 
 @contextlib.contextmanager
 def time_limit(within_s: float) -> Iterator[None]:
-    """Limit the time of all statements that run in this block to `within_s` seconds; one may use half of what is left."""
+    """Limit the statements that run in this block to `within_s` seconds; one that uses half of what is left is interrupted."""
     _CLOCK.start(within_s)
     try:
         yield
@@ -142,7 +145,7 @@ class StatementRunner:
         self.noted: list[dict[str, Any]] = []
 
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
-        """Run the statements of a file in the namespace `names`, but for those to skip; call `after` with each, run or skipped."""
+        """Run file `path`'s statements in the namespace `names`, but for those in `skipped`; call `after` with each, run or not."""
         names["__builtins__"] = vars(builtins)  # those that all modules share: the worker's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
             if why := self._skipped.get((path, unit.number)):
@@ -282,7 +285,10 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 
 
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
-    """Return a file's top-level statements, each compiled alone, a cell with `await` whole; SyntaxError if one cannot be."""
+    """Return a file's top-level statements, each compiled alone, a cell with `await` whole; SyntaxError if one cannot be.
+
+    `name` is the file name that tracebacks tell, `flags` those of `compile`; one of them says that the text is a cell.
+    """
     flags |= _future_flags(tree)
     if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _awaits(tree) and tree.body:
         whole: types.CodeType = compile(tree, name, "exec", flags, dont_inherit=True)

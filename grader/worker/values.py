@@ -68,7 +68,7 @@ def _number(value: Any) -> float:
 class Packer:
     """Describes returned values as nodes (dicts with a ``kind``, for JSON), and collects their arrays by name beside them.
 
-    Two packers whose arrays are sent in one message need different prefixes.
+    The arrays are called `prefix` and a number, so two packers whose arrays are sent in one message need different prefixes.
     """
 
     def __init__(self, prefix: str = "a") -> None:
@@ -81,7 +81,10 @@ class Packer:
         return key
 
     def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
-        """Describe a value as a node. Student code may run here (``__len__``, ``__array__``), so callers catch its errors."""
+        """Describe a value as a node. Student code may run here (``__len__``, ``__array__``), so callers catch its errors.
+
+        `depth` counts the containers around the value; at four, a container is described as an array or by its type alone.
+        """
         if value is None:
             return {"kind": "none"}
         if isinstance(value, str):
