@@ -38,10 +38,12 @@ def check_on_save(
     waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Iterator[Result]:
-    """Grade a submission now and after every change, until interrupted; worker processes stay loaded in between, to save time.
+    """Yield a submission's result now and after every change, until interrupted; worker processes stay loaded, to save time.
 
     Parameters
     ----------
+    only : the criterion or extension to check; None checks all
+    isolation_level : level of the sandbox; None takes the best that works here
     written : files that the caller writes for each result; their changes are ignored
     begins, waits : called before each grading, and repeatedly between two gradings
     waiting : called with what a grading waits for, if that takes long

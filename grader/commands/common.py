@@ -58,7 +58,7 @@ def as_points(text: object) -> float:
 
 
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
-    """Return an option's value if it is None or one of the allowed words, else raise a RequestError that lists them."""
+    """Return the value of `option` if it is None or among the words `known`, else raise a RequestError that lists these."""
     from grader.base.text import printable  # noqa: PLC0415
 
     if value is not None and value not in known:

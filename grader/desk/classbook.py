@@ -51,7 +51,7 @@ class Classbook:
     out
         The folder that `imugrade grade` wrote.
     rubric
-        What-if starts from it; None is the one that the class was graded by.
+        File of the rubric that the what-if page starts from; None is the one that the class was graded by.
     secret, trusted
         See `class_grading.settings_on_record`; edited copies are graded with them.
     """
@@ -135,7 +135,7 @@ class Classbook:
         return self._similar
 
     def shared(self, first: str, second: str) -> frozenset[int]:
-        """Return hashes of the code that two submissions share, without the lab's code and code of half the class; may be empty."""
+        """Return hashes of code that two submissions, by id, share, without the lab's and that of half the class; may be empty."""
         own = own_hashes(self.store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 
@@ -148,7 +148,7 @@ class Classbook:
     def decide(
         self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
     ) -> list[RecordedOverride]:
-        """Validate and store overrides as `adjusting.decide` does, and write the pages of these submissions in the background."""
+        """Store and return overrides as `adjusting.decide` does, and write the pages of these submissions in the background."""
         known = {**self.final_grades(), **admit(self.store, {each.id for each in overrides})}
         made = decide(self.store, known, overrides, author, seen=seen, what=what)
         if any(
@@ -159,7 +159,10 @@ class Classbook:
         return made
 
     def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
-        """Store reviews, or their withdrawal. An empty or unreadable submission counts 0 once reviewed, and is blank before."""
+        """Store that queue items, each as id, kind and digest, are reviewed, or are open again if not `done`.
+
+        An empty or unreadable submission counts 0 once reviewed, and is blank before.
+        """
         self.store.keep_reviews([Review(*key, done, author, now()) for key in keys])
         self._seen = -1
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))

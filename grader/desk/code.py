@@ -33,7 +33,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Listing:
-    """One submitted file on a page: its lines, its `anchor` for links, and how many `more` lines are not shown."""
+    """One submitted file on a page: its lines, `anchor` for links, `size` in bytes, and how many `more` lines are not shown."""
 
     path: str
     anchor: str

@@ -33,7 +33,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Excerpt:
-    """The part of one file that another submission shares, for a page: `count` lines of `of` in all."""
+    """The part of one file that another submission shares, for a page: `count` of the file's `of` lines are shared."""
 
     path: str
     pieces: tuple[Piece, ...]
@@ -63,7 +63,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:
-    """Return excerpts of the files that hold any of the `shared` hashes of code, the file with most shared lines first."""
+    """Return excerpts of the files with lines whose hash of code is in `shared`, files with most such lines first; 20 at most."""
     found = []
     for path, content in files.items():
         if path.lower().endswith((".py", ".ipynb")):

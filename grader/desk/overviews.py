@@ -94,7 +94,7 @@ def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 200, /, **values: object) -> Response:
-    """Return a page of the desk: `template` filled with these values and those that every page needs, such as drafts."""
+    """Return a page with HTTP status `code`: `template` filled with `values` and those that every page needs, such as drafts."""
     final_grades = book.final_grades()
     lab = next((each.result.lab for each in final_grades.values()), None)
     frame = {

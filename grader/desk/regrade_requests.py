@@ -112,7 +112,7 @@ def add(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def added(new: int, read: int) -> str:
-    """Return a line such as ``1 regrade request added``, with the number that were already stored if any were."""
+    """Return a line such as ``1 regrade request added``; it says how many of all `read` were stored already, if any."""
     known = f", {read - new} already on record" if read > new else ""
     return f"{new} regrade request{'' if new == 1 else 's'} added{known}"
 
@@ -192,7 +192,7 @@ def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
 def placed(
     received: Sequence[ReceivedRequest], final_grades: Mapping[str, FinalGrade]
 ) -> tuple[list[RegradeRequest], list[tuple[ReceivedRequest, str]]]:
-    """Match each request to a submission and a check; return those to store, and the others with the reason for a person."""
+    """Match each request to a submission and a check; return those to store, and those without a match, each with the reason."""
     lookup = PersonLookup({id_: final_grade.people for id_, final_grade in final_grades.items()})
     requests, others = [], []
     for each in received:

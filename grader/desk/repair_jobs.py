@@ -105,7 +105,7 @@ class RepairJobs:
         self._results: OrderedDict[str, Result] = OrderedDict()
 
     def start(self, job: Job) -> Job:
-        """Queue a job for the thread that grades, and return it with its number; the oldest jobs are forgotten."""
+        """Queue a job for the thread that grades, and return it with its number; `get` finds only the last `_KEPT_JOBS`."""
         job.number = max(self._jobs, default=0) + 1
         self._jobs[job.number] = job
         while len(self._jobs) > _KEPT_JOBS:

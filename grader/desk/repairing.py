@@ -58,7 +58,7 @@ class Editor:
     base
         Digest of the file that is edited.
     earlier
-        Points that the repairs in force deduct.
+        Points that the repairs in force deduct, shown beside the new deduction.
     job
         The background job that was asked for last; None if there was none.
     rows, still, diff
@@ -188,7 +188,7 @@ def _errors(result: Result, book: Classbook, file: str) -> list[tuple[int | None
 
 
 def change(book: Classbook, web_request: WebRequest, final_grade: FinalGrade) -> Job | Mapping[str, str]:
-    """Start the background job of a form (preview, suggest, save, undo) and return it, or the errors by field.
+    """Start the background job that a form asks for (preview, suggest, save, undo) and return it; else return errors by field.
 
     OvertakenError if somebody repaired the file after the page was loaded.
     """

@@ -63,7 +63,7 @@ def address(group: Group) -> str:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a person should look at a submission or at several; `file` is the file to repair if code does not run, else "".
+    """Why a person should look at a submission, or at several, whose ids are `who`; `file` is one that does not run, else "".
 
     `about` is a digest of the sentence and of `who`, under which a review is stored, so that it holds for this fact only.
     """
@@ -122,7 +122,11 @@ def items(
     lab: Lab,
     policy: LatePolicy | None,
 ) -> list[Item]:
-    """Return the open and reviewed items: in the order of `KINDS`, then of the class. Times are in the late policy's zone."""
+    """Return the open items and those in `reviews`, in the order of `KINDS`, then of the class.
+
+    They come from the results in `final_grades`, `groups` of similar submissions, a run's `notices` (messages by kind), open
+    `requests`, `contradictions`, and `lapsed` repairs, which no longer count. Times are in the zone of the late `policy`.
+    """
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]
     found += [((id_,), reason) for id_, each in final_grades.items() for reason in _reasons_for_one(each, lab, policy)]

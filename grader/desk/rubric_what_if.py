@@ -45,7 +45,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 class RubricPreview:
     """Effect of a changed rubric on a class, for the page: changed grades, largest change first, and means and bars of both.
 
-    `more` changes are not listed. `above` names grades that would be above their maximum.
+    `more` changes are not listed, `of` counts the submissions. `above` are lines on grades that would be above their maximum.
     """
 
     changes: tuple[GradeChange, ...]

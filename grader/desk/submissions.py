@@ -60,8 +60,8 @@ class _PageExtras:
 class Overrides:
     """What the page shows of one target (a check, a criterion, the total or the bonus): override, comment, regrade requests.
 
-    `covered` is the criterion or total whose override replaces this one, "" if none. `effect` says before it is saved how an
-    override changes the final grade.
+    `most` and `automatic` are its maximum and automatic points. `covered` is the criterion or total whose override replaces this
+    one, "" if none. `effect` says before it is saved how an override changes the final grade.
     """
 
     target: str
@@ -223,7 +223,7 @@ def refused(final_grades: Sequence[FinalGrade], target: str, points: str, commen
 
 
 def picture(book: Classbook, web_request: WebRequest) -> Response:
-    """Serve a submitted picture. Only files with a PNG header are served, so a browser cannot run them."""
+    """Serve a submitted picture. Only what is a PNG by its header, and not too large, is served, so a browser cannot run it."""
     kept = book.kept(one(book, web_request))
     place = int(web_request.path["place"])
     contents = list(kept.files.values())
@@ -337,7 +337,7 @@ def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Links to the previous and next submission, and to the next that needs review; "" where there is none."""
+    """Ids of the previous, the next, and the next submission to review, "" for none; this one is number `place` of `of`."""
 
     place: int
     of: int

@@ -50,6 +50,8 @@ class Summary:
         Each criterion of a submission where points and marks differ, with the submission's name and the grader's deductions.
     proposal
         Deductions that fit the marks better; None with too few marks, or if they cannot be computed.
+    notes
+        Warnings: marks under another rubric, submissions left out, why there is no proposal.
     """
 
     criteria: tuple[Agreement, ...]
@@ -62,7 +64,7 @@ class Summary:
 
 
 def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
-    """Draw a sample for people to mark by hand, write a page and a blank table for it into `folder`, and return what to do next.
+    """Draw `size` submissions to mark by hand, write a page and a blank table of them into `folder`; return lines on what to do.
 
     Raises
     ------
@@ -88,7 +90,7 @@ def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
 
 
 def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path]) -> list[str]:
-    """Compare the marks in `files` with the grades, write the page into `folder`, and return lines for the terminal.
+    """Compare the marks in `files`, one of each person, with the grades; write a page into `folder`, return lines for the terminal.
 
     Raises
     ------
@@ -118,7 +120,7 @@ def short_digest(rubric: Rubric) -> str:
 
 
 def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Sequence[Marks]) -> Summary:
-    """Compare marks that people gave by hand with the final grades of a class, which was graded by `rubric`.
+    """Compare marks, one table of each person, with the final grades of a class by id, which was graded by `rubric`.
 
     Raises
     ------

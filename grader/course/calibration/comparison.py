@@ -78,6 +78,8 @@ class Agreement:
 
     Attributes
     ----------
+    title, cells
+        The criterion or fault that the row is about, and the number of its cells.
     apart
         Mean distance between the marks of two people, in points; None if one person marked.
     distance, uncertainty
@@ -110,7 +112,7 @@ class Agreement:
 
 
 def compare(results: Mapping[str, Result], marks: Sequence[Marks]) -> list[ComparedCell]:
-    """Pair each criterion that people marked with the grader's result, in the order of `results`.
+    """Pair each criterion in `marks`, a table for each person, with the grader's result, in the order of `results` by id.
 
     Repaired submissions are left out, because people marked the files before the repair, and so are those without a grade.
     """
@@ -128,12 +130,12 @@ def is_comparable(result: Result) -> bool:
 
 
 def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
-    """Return the maximum points by submission id and criterion id, so that a mark above the maximum is refused."""
+    """Return the maximum points by submission id and criterion id, for `read_marks` to refuse a mark above the maximum."""
     return {(id_, part.id): part.max_points for id_, result in results.items() for part in result.criteria}
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Summarize in one row of the comparison table how far points and marks are apart in `cells`, at least one criterion."""
+    """Return the row `title` of the comparison table: how far points and marks are apart in `cells`, at least one criterion."""
     apart = [each.apart for each in cells if each.apart is not None]
     distances: dict[str, list[float]] = {}
     for each in cells:

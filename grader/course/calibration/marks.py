@@ -37,8 +37,8 @@ class Mark:
 class Marks:
     """The marks that one person gave by hand to a sample of the class, as read from a CSV.
 
-    `cells` maps submission id and criterion id to the mark. `ids` are all submissions of the table, marked or not. `rubrics` holds
-    the digests of the rubrics shown to the person; empty for a table without them.
+    `marker` names the person. `cells` maps submission id and criterion id to the mark. `ids` are all submissions of the table,
+    marked or not. `rubrics` holds the digests of the rubrics shown to the person; empty for a table without them.
     """
 
     marker: str
@@ -117,7 +117,7 @@ def _number(row: Mapping[str, str], column: str, most: float) -> float:
 
 
 def as_table(cells: Sequence[Cell], marks: Mapping[Cell, Mark], rubric: str) -> str:
-    """Return the CSV of a person's marks, with blank points where a mark is missing; each row holds the digest `rubric`."""
+    """Return a person's marks as CSV: a row for each of `cells`, blank where `marks` has none; each holds the digest `rubric`."""
     rows: list[Sequence[str]] = [COLUMNS]
     for cell in cells:
         mark = marks.get(cell)

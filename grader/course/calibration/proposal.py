@@ -86,7 +86,9 @@ class Proposal:
 
 
 def propose(rubric: Rubric, cells: Sequence[ComparedCell], final_grades: Mapping[str, FinalGrade]) -> Proposal | None:
-    """Compute deductions that fit the marks better; None if fewer than `FEWEST` submissions are marked, too few to rely on.
+    """Propose deductions that fit the marks in `cells` better than those of `rubric`; None for fewer than `FEWEST` submissions.
+
+    `final_grades` are those of the whole class, to tell whose grade would change.
 
     Raises
     ------

@@ -44,7 +44,7 @@ class BlindSubmission:
 
 
 def draw(results: Mapping[str, Result], size: int) -> list[str]:
-    """Return the ids of a sample to mark by hand: the same for the same results, in an order that reveals no grade.
+    """Return at most `size` ids of submissions to mark by hand, the same for the same results, in an order that reveals no grade.
 
     A quarter has full points. Each further submission adds the most that the sample lacks: faults, and criteria that lose points.
 

@@ -44,7 +44,7 @@ _SETTINGS = {
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, address: str, bounds: Bounds
 ) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
-    """Grade every submission on a cluster; yield each with its outcome as soon as it is known, in no particular order.
+    """Grade every submission on a cluster; yield each with its result, `Unmarked` or `Ended`, once known, in any order.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ _OURS = ("imugrade", "python")
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
-    """Return the versions of imugrade, Python and the lab's packages; they must be equal on all machines for equal grades."""
+    """Return the versions of imugrade, Python and `packages`, by name; they must be equal on all machines for equal grades."""
     python = ".".join(platform.python_version_tuple()[:2])
     return {"imugrade": __version__, "python": python, **{name: version(name) for name in packages}}
 
@@ -38,7 +38,7 @@ def plain(result: Result) -> dict[str, Any]:
 
 
 def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
-    """Grade one submission with the marker that the plugin of this run holds. Dask calls this as a task on a worker."""
+    """Grade a submission, given by its fields, with the plugin of `run`; see `GradingPlugin.mark`. Dask calls this on a worker."""
     plugin = get_worker().plugins[run]
     assert isinstance(plugin, GradingPlugin)
     return plugin.mark(Submission(**submission))
@@ -55,7 +55,7 @@ class GradingPlugin(WorkerPlugin):
     run
         The name of the run.
     made_by
-        The versions on the machine that distributes the submissions.
+        The versions on the machine that distributes the submissions; a worker with others refuses to grade.
     open_marker
         The pickled pair of marker factory and bounds. It is unpickled only if the versions agree.
     """

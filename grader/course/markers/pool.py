@@ -81,14 +81,14 @@ class Backlog:
         self._again: deque[Task] = deque()
 
     def next(self) -> Task | None:
-        """Return the next submission to grade; None if none is waiting, though a failed one may still come back."""
+        """Return the next submission to grade; None if none is waiting, though one that is being graded may fail and come back."""
         if self._again:
             return self._again.popleft()
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
     def failed(self, task: Task, reason: str) -> Unmarked | Ended | None:
-        """Queue a failed task for another attempt and return None; after the last attempt, return its outcome."""
+        """Queue a failed task for another attempt and return None; after the last of `attempts`, return `Ended` or `Unmarked`."""
         task.reasons.append(reason)
         if len(task.reasons) < self._attempts:
             self._again.append(task)
@@ -99,7 +99,7 @@ class Backlog:
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int, bounds: Bounds = _BOUNDS
 ) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
-    """Grade every submission on this machine; yield each with its outcome as soon as it is known, in no particular order.
+    """Grade every submission on this machine; yield each with its result, `Unmarked` or `Ended`, once known, in any order.
 
     Parameters
     ----------

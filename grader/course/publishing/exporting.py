@@ -33,9 +33,10 @@ _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 class Export:
     """Request of an export, as the command line or the review desk makes it: class, platform, files and options.
 
-    `target` is the file to write, None for a default in `out`. `template` is the file that the platform exported, `feedback` the
-    zip to write the reports to. `scaled` converts points to the maximum of the platform's assignment. `unreadable` is the grade of
-    empty and unreadable submissions, and `missing` that of people without a submission, each one of `BLANK_OR_ZERO`.
+    `target` is the file to write, None for a default in `out`. `template` is the file that the platform exported, `column` its
+    column to fill, `feedback` the zip to write the reports to; None for none. `scaled` converts points to the maximum of the
+    platform's assignment. `unreadable` is the grade of empty and unreadable submissions, `missing` that of people without a
+    submission, each one of `BLANK_OR_ZERO`.
     """
 
     out: Path
@@ -95,7 +96,10 @@ class Draft:
 
 @dataclass(frozen=True)
 class ExportPlan:
-    """A prepared export with all that it would do, which a person reads before anything is written."""
+    """A prepared export with all that it would do, which a person reads before anything is written.
+
+    `other_settings` names submissions graded by other settings than the class, for a warning.
+    """
 
     order: Export
     draft: Draft

@@ -76,7 +76,7 @@ class ClassSettings:
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
-        """Return the settings of a run; `traces` are recordings of the scenarios, `attempts` says which of several counts."""
+        """Return a run's settings; `people`: the roster, `traces`: recordings of scenarios, `attempts`: "latest" or "best"."""
         return cls(
             **_of_rubric(rubric),
             roster=people.text,
@@ -138,7 +138,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
 
 
 def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
-    """Return the people of the roster without a submission or points, to list them as missing; empty without a roster."""
+    """Return the people of the roster who are in none of `hand_ins` (by submission id), to list as missing; none without roster."""
     known = {person for hand_in in hand_ins.values() for person in hand_in.people}
     unplaced = roster.place(
         roster_of(settings).people, hand_ins
@@ -172,7 +172,8 @@ class Change:
     causes
         What differs, in words.
     moved, of, means
-        How many of the scores that need no grading change, of how many, and their means before and after (None without scores).
+        Of the stored submissions that need not run again: how many scores change, of how many, and their means before
+        and after (None without scores).
     regraded
         How many submissions on record are graded again, with a result that is not known yet.
     chosen_anew
@@ -287,7 +288,7 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
 
 
 def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> list[str]:
-    """Return the ids of results by another rubric or scenarios than the class's, which an interrupted change leaves, to warn."""
+    """Return the ids of submissions graded by another rubric or scenarios than the class, as an interrupted change leaves them."""
     mine = {"rubric_sha256": settings.rubric_sha256, "traces_sha256": settings.traces_sha256}
     return [
         id_

@@ -28,7 +28,7 @@ def why_empty(result: Result) -> str:
 
 
 def is_reviewed(id_: str, result: Result, reviews: Collection[tuple[str, str, str]]) -> bool:
-    """Return whether a person reviewed an empty or unreadable submission, so that it counts 0 and is no longer blank."""
+    """Return whether `reviews`, as keys of `Decisions.reviews`, hold this empty or unreadable submission, which then counts 0."""
     return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in reviews
 
 
@@ -53,9 +53,9 @@ class Review:
 
 @dataclass(frozen=True)
 class RegradeRequest:
-    """A student's request to regrade; `about` is a check or a criterion, "" if none is named, `answered` "" while it is open.
+    """A student's request to regrade; `about` is a check or a criterion, "" if none is named. The text is untrusted.
 
-    The text is untrusted.
+    `at` is when it was stored; `answer`, `author` and `answered` (when) are the reply, each "" while the request is open.
     """
 
     id: str

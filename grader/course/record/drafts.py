@@ -18,7 +18,7 @@ class Drafts(Database):
     """Table of the class database for drafts: what each person has typed into forms of the review desk and not sent."""
 
     def keep_draft(self, author: str, form: str, fields: str) -> None:
-        """Store what a person has typed into a form and not sent, in place of the earlier draft of this form."""
+        """Store `fields`, JSON of what `author` typed into the form with this name and did not send, in place of the last draft."""
         self._write(_TABLE)
         self._write("INSERT OR REPLACE INTO drafts VALUES (?, ?, ?)", author, form, fields)
 
@@ -27,7 +27,7 @@ class Drafts(Database):
             self._write("DELETE FROM drafts WHERE author = ? AND form = ?", author, form)
 
     def drafts(self, author: str) -> dict[str, str]:
-        """Return a person's unsent fields (as JSON) by form, to fill the forms again; empty if there are none."""
+        """Return the unsent fields (as JSON) of `author` by the form's name, to fill the forms again; empty if there are none."""
         if not self._has_drafts():
             return {}
         with self._errors_in_one_line():

@@ -19,7 +19,7 @@ _NO_NEWLINE = b"\\ No newline at end of file\n"
 
 
 def diff_of(path: str, before: bytes, after: bytes) -> str:
-    """Return the unified diff that turns `before` into `after`; "" if equal. Bytes that are no UTF-8 become lone surrogates."""
+    """Return the unified diff from `before` to `after` of the file `path`; "" if equal. Bad UTF-8 becomes lone surrogates."""
     name = printable(path, 200)
     old, new = ([line.decode("utf-8", "surrogateescape") for line in _lines(each)] for each in (before, after))
     found = difflib.unified_diff(old, new, f"a/{name}", f"b/{name}")

@@ -77,7 +77,7 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
 
 
 def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
-    """Return the value that stands in the key of a repaired copy's result, where other results have the digest of their files.
+    """Return what stands in the `Key` of a repaired copy's result, where other results have the digest of their submission.
 
     It is no digest of files: a student who hands in exactly these files has repaired them without help.
     """

@@ -100,11 +100,11 @@ class Store(Decisions, RepairLog, Drafts):
         return None if record is None else self._read(_result, record)
 
     def is_first_search(self, key: Key) -> bool:
-        """Note that a repair of these files was searched for; return whether for the first time, as a search takes long."""
+        """Note that a repair was searched for with this key; return whether for the first time, so that a long search runs once."""
         return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """Regrade a submission by another rubric from its stored result, and make that current; None if code must run again."""
+        """Regrade the submission of `key` by `rubric` from a stored result and make that current; None if code must run again."""
         with self._errors_in_one_line(), self._transaction():
             if (found := self._find_regradable(key, rubric)) is None:
                 return None
@@ -172,7 +172,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
-        """Return whether the submission need not run: a complete result is stored, or can be made by `rubric` from one."""
+        """Return whether the submission of `key` need not run: a complete result is stored, or can be made by `rubric` from one."""
         if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
             return True
         with self._errors_in_one_line():
@@ -181,7 +181,7 @@ class Store(Decisions, RepairLog, Drafts):
     def remark_class(
         self, mark: Callable[[dict[str, FinalGrade]], dict[str, FinalGrade]], rubric: Rubric
     ) -> dict[str, FinalGrade]:
-        """Store the final grades that `mark` computes by another rubric, for the whole class or not at all, and return them.
+        """Store and return the grades by `rubric`, which `mark` makes from the present ones by id: for the whole class or none.
 
         One transaction covers reading and writing, so no other process can change a result in between.
         """
@@ -267,7 +267,7 @@ class Store(Decisions, RepairLog, Drafts):
             return {id_: read(_hand_in, record) for id_, record in rows}
 
     def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
-        """Store submitted files for later review, unless they are stored; `pack` makes the bytes and is called only if needed."""
+        """Store submitted files for review under their digest; if not stored already, `pack` is called to return the bytes."""
         if self._value("SELECT 1 FROM files WHERE submission_sha256 = ?", submission_sha256) is None:
             self._write("INSERT OR IGNORE INTO files VALUES (?, ?)", submission_sha256, pack())
 

@@ -40,8 +40,10 @@ class OverrideRequest:
 
     Attributes
     ----------
+    id
+        The submission's id; from `read_overrides`, the name, address or number in the table, which the caller looks up.
     criterion
-        A criterion, a check, `total` or `bonus`.
+        What the points or the comment are for: a criterion, a check, `total` or `bonus`.
     points
         The points as typed; "" withdraws the override.
     place
@@ -112,7 +114,9 @@ def decide(
     seen: int | None = None,
     what: str = "",
 ) -> list[RecordedOverride]:
-    """Validate and store override requests, all or none, and write no page. `Store.adjust` explains `seen` and `what`.
+    """Validate and store override requests, all or none, and return them as recorded. No page is written.
+
+    `final_grades` are those of the class by id; `Store.adjust` explains `seen` and `what`.
 
     Raises
     ------

@@ -20,7 +20,10 @@ FAULT, CHECK, ALIKE = "fault", "check", "alike"
 
 @dataclass(frozen=True)
 class Group:
-    """Submissions with the same fault (diagnosed mistake), failed check or code; `checks` are the titles of failed checks by id."""
+    """Submissions (`ids`) with the same fault (diagnosed mistake), failed check or code.
+
+    `kind` says which, `key` is the id of the fault or check, or a digest of the ids, `checks` the titles of failed checks by id.
+    """
 
     kind: str
     key: str
@@ -37,7 +40,10 @@ class Group:
 
 @dataclass(frozen=True)
 class Decision:
-    """One decision of a person on several submissions; `made` counts them, `in_force` those without a later override."""
+    """One decision of a person on several submissions; `made` counts them, `in_force` those without a later override.
+
+    `what` is what they have in common, `said` what was decided: the criterion and its points, or that it is a comment.
+    """
 
     number: int
     what: str
@@ -74,7 +80,7 @@ def similar_group(ids: Sequence[str]) -> Group:
 
 
 def members_of(store: Store, name: str) -> tuple[str, tuple[str, ...]]:
-    """Return the subject of a decision on all submissions with the fault or failed check `name`, and their ids.
+    """Return the ids of all submissions with the fault or failed check whose id is `name`, after the text that names the group.
 
     RequestError if fewer than two submissions have it.
     """

@@ -19,7 +19,7 @@ _A_LINE = 10  # names
 
 
 def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, FinalGrade]:
-    """Return the final grades that a class has by another rubric. Nothing is written, and overrides are kept.
+    """Return by id the final grades that these submissions have by another rubric. Nothing is written, and overrides are kept.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str
 
 
 def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
-    """Regrade a class by another rubric: store the results, and write gradebook and index. The caller writes the reports.
+    """Regrade a class by another rubric: store and return the final grades, and write gradebook and index, but no reports.
 
     RequestError, in the cases of `regraded`, leaves the class database unchanged.
     """

@@ -119,7 +119,7 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
 
 @dataclass(frozen=True)
 class RepairPreview:
-    """The grades of a submission without and with a repair that is not stored, for a person to decide by.
+    """The results of a submission `before` and `after` a repair that is not stored, for a person to decide by.
 
     `problem` says why this repair could not be stored; "" if it could.
     """
@@ -181,7 +181,7 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
 def validated_repair(
     request: RepairRequest, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
 ) -> LoggedRepair:
-    """Return a request as a repair to store; RequestError if it is not valid. `now` holds the files as repaired so far."""
+    """Return a request as a repair by `author` to store; RequestError if it is not valid. `now`: the files as repaired so far."""
     most = final_grade.result.max_score
     if request.file not in now:
         raise RequestError(

@@ -63,14 +63,14 @@ class _Left:
 
 
 def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: MarkCopy) -> Suggestion | None:
-    """Return a repair of the costliest place at which code stops and all repairs that work earn the same; None without one.
+    """Return a repair of one place at which code stops, the costliest whose working repairs all earn the same; None without one.
 
     Parameters
     ----------
     graded
         The result of the submission as it was handed in.
     mark
-        Grades a submission in the sandbox.
+        Grades each edited copy in the sandbox.
     """
     left = _Left()
     for place in _places(graded, handed_in, lab):

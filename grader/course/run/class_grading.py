@@ -14,6 +14,8 @@ from grader.engine.lab import Lab
 def settings_on_record(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> GradingSettings:
     """Return how the class in the output folder `out` was graded, for repairs; the lab's own settings if none are stored.
 
+    `secret` makes its hidden scenarios, None for public ones. `trusted` allows code to run where nothing isolates it.
+
     Raises
     ------
     RequestError

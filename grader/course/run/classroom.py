@@ -48,7 +48,7 @@ together."""
 
 
 class ProgressListener(Protocol):
-    """Protocol of an object that shows a user the progress of a run: a bar, lines, or nothing."""
+    """Protocol of what shows a run's progress: `started` gets the number of submissions, `done` each result, new or resumed."""
 
     def started(self, total: int) -> None: ...
 
@@ -99,7 +99,7 @@ def lab_on_record(out: Path) -> Lab:
 
 
 def change(request: GradeRequest, found: Class) -> Change | None:
-    """Compute what the settings of a run do to the stored scores, for a person to allow or refuse; None if nothing differs.
+    """Compute what a run's settings do to the stored scores of `found`, for a person to allow or refuse; None if nothing differs.
 
     Raises
     ------
@@ -372,7 +372,10 @@ def opener(request: GradeRequest) -> OpenMarker:
 def guarded_marker(
     rubric: Rubric, traces: Traces, isolation_level: str | None, trusted: bool, at_least: str = ""
 ) -> Iterator[Marking]:
-    """Open a marker, which grades student code; RequestError if it isolates less than `at_least`, or not and is not `trusted`."""
+    """Open a marker, which grades student code, at `isolation_level`; None takes the best that works here.
+
+    RequestError if that is weaker than `at_least`, or isolates nothing and students' code is not `trusted`.
+    """
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.isolates and not trusted:
             raise RequestError(

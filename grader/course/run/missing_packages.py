@@ -77,7 +77,7 @@ def failed(result: Result) -> Mapping[str, float]:
 
 
 def many(missing: Missing) -> Missing:
-    """Keep only those missing packages that many submissions import, so that a package of one student is left out."""
+    """Keep the missing packages that at least three submissions and a tenth of the class import, not those of one student."""
     users = Counter(name for names in missing.values() for name in names)
     least = max(_MANY, _SHARE * len(missing))
     return {id_: {name: n for name, n in names.items() if users[name] >= least} for id_, names in missing.items()}

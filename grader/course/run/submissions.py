@@ -115,7 +115,7 @@ def _unread_times(request: GradeRequest) -> Iterator[str]:
 
 
 def listing(found: Class) -> Iterator[str]:
-    """Yield a line for each submission found, as `grade --list` prints it: id, people, time, lateness; without unknown ones."""
+    """Yield a line for each submission found, as `grade --list` prints it: id, and, as far as known, people, time and lateness."""
     for entry in found.entries:
         hand_in = entry.hand_in
         people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)

@@ -16,14 +16,14 @@ from grader.intake import Submission
 
 
 def unjudged(submission: Submission, request: GradeRequest, reason: str) -> Result:
-    """Return the result of a submission that the grader failed on: all points are open, none is lost, the status is incomplete."""
+    """Return the result, with `reason` as a note, of a submission that the grader failed on: incomplete, with all points open."""
     note = f"The grader failed on this submission ({printable(reason, 300)}); grade it again"
     row = CheckResult("", "", "not_judged", None, 0.0, fault=printable(reason, 300))
     return _without_marker(submission, request, "incomplete", row, note)
 
 
 def stopped(submission: Submission, request: GradeRequest, reason: str) -> Result:
-    """Return the result of a submission whose grading exceeded the limits twice: every check timed out and earns nothing."""
+    """Return the result, with `reason` as a note, of a submission that exceeded limits twice: each check timed out and earns 0."""
     note = (
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"

@@ -18,7 +18,10 @@ _A_FEW = 5  # names
 
 
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Yield warnings: equal, empty, unreadable, timed-out or repaired submissions, missing packages, and gaps of the roster."""
+    """Yield warnings: equal, empty, unreadable, timed-out or repaired submissions, missing packages, gaps of the roster.
+
+    `absent` are people without a submission, `unknown` submissions that match nobody or several people of the roster.
+    """
     for ids in equal(final_grades.values()):
         yield from named_lines("the same files were handed in by", ids)
     nothing = [
@@ -52,7 +55,7 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
 
 
 def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iterator[str]:
-    """Yield a warning about stored submissions that are not in a download with half of the class or more.
+    """Yield a warning about stored submissions that are not in a download (ids in `found`) with half of the class or more.
 
     A smaller download holds resubmissions only, so nobody is missing from it.
     """
@@ -72,7 +75,7 @@ def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) 
 
 
 def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield warnings about overrides that stay in force although their automatic points have changed: `OUTDATED`, then a count."""
+    """Yield warnings about overrides whose automatic points have changed since: the first `OUTDATED`, then a count of the rest."""
     lines = [
         _outdated_warning(final_grade, adjustment)
         for final_grade in final_grades.values()
