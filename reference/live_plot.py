@@ -84,7 +84,7 @@ def write_animation(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds
 
 
 def frames(model: mujoco.MjModel, data: mujoco.MjData, traces: list[Trace], duration_seconds: float) -> Iterator[None]:
-    """Step through the simulation and yield wherever a picture is due: the lines then show everything so far."""
+    """Step through the simulation and yield wherever a picture is due: the lines of `traces` then show everything so far."""
     n_steps = round(duration_seconds / model.opt.timestep)
     every = max(1, round(1.0 / (FRAMES_PER_SECOND * model.opt.timestep)))
     times: list[float] = []

@@ -56,7 +56,7 @@ class Robot:
 
 
 def read(path: Path, accelerometer: str, gyroscope: str) -> Robot:
-    """Read a model and prove that it can be graded: it can be pushed, has both sensors, and its simulation is stable.
+    """Return the robot of a model if it can be graded: it can be pushed, has the two sensors, and its simulation is stable.
 
     Raises
     ------

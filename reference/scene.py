@@ -169,7 +169,7 @@ def readings(
     states: Sequence[tuple[FloatArray, FloatArray]],
     pairs: Sequence[tuple[str, str]],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return arrays and scalars by name: what sensors and bodies hold in the k `states`, and the sensor ids of the IMU `pairs`."""
+    """Return two dicts, arrays and scalars: what sensors and bodies hold in the k `states`, and the sensor ids of IMU `pairs`."""
     ids = np.array([[sensor_id(model, sensor) for sensor in pair] for pair in pairs], dtype=np.int64)
     sites = model.sensor_objid[ids[:, 0]]
     bodies = model.site_bodyid[sites]

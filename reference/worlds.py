@@ -86,7 +86,7 @@ def lab() -> str:
 
 
 def imu_addresses(model: mujoco.MjModel) -> frozenset[int]:
-    """Return where the IMUs of the lab model or a variant lie in `sensordata`, so that other models can avoid these addresses."""
+    """Return where each IMU sensor of the lab model or a variant begins in `sensordata`, so that other models can avoid this."""
     names = (f"{place}_{kind}" for place in LAB_PLACES for kind in ("accelerometer", "gyroscope"))
     return frozenset(int(model.sensor(name).adr[0]) for name in names)
 

@@ -93,7 +93,7 @@ def _above(final_grade: FinalGrade) -> str:
 
 
 def late(final_grade: FinalGrade) -> tuple[str, str] | None:
-    """Return the late deduction, and the due and hand-in times that it follows from; None if the submission is not late."""
+    """Return two texts, the late deduction, and the due and hand-in times that it follows from; None if it is not late."""
     late = final_grade.late
     if late is None:
         return None

@@ -30,7 +30,7 @@ class Setting:
         return self.width is not None and self.width >= 60 and self.console.encoding.startswith("utf")
 
     def head(self, sign: Text, title: str, points: str, style: str = "") -> list[Text]:
-        """Return the first lines of a check: the sign of its outcome, its title, and its points at the right end."""
+        """Return the first lines of a check: the sign of its outcome, its title (in `style`), and its points at the right end."""
         first = sign.copy()
         first.append(" " * (max(1, _SIGN_WIDTH - len(first)) if self.width is not None else _GAP))
         return self.hang(first, Text(title, style), points)

@@ -178,7 +178,7 @@ def index_page(
 def rendered(
     template: str, script: str | None, lab: LabName, *, more_style: str | None = None, **values: object
 ) -> str:
-    """Return a page made from a template, with its style and script inside; its security policy lets browsers load nothing else."""
+    """Return a template filled with `values`, its style and script inside; its security policy lets browsers load nothing else."""
     style, style_hash = _inlined("style.css", *([more_style] if more_style else []))
     text, script_hash = _inlined(script) if script else (Markup(), "")
     policy = f"default-src 'none'; style-src '{style_hash}'; img-src data:"

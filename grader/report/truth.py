@@ -31,6 +31,8 @@ def _described(scenario: Scenario) -> list[str]:
 def save(traces: Traces, out: Path) -> Path:
     """Write traces (true recordings) as `<name>.npz` and `<name>.json`, readable only by their owner: hidden ones are secret.
 
+    The path of the `.npz` file is returned.
+
     Raises
     ------
     RequestError

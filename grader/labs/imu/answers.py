@@ -36,7 +36,7 @@ class Reading:
 
 
 def as_reading(node: Node | None, arrays: Arrays) -> Reading:
-    """Find acceleration and angular velocity in whatever `get_imu_readings` returned: a pair, an array of six, named items."""
+    """Return acceleration and angular velocity from whatever `get_imu_readings` returned: a pair, an array of six, named items."""
     parts = _pair(node, arrays)
     if parts is None:
         return Reading(None, None, shape_in_words(node, arrays))

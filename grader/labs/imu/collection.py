@@ -109,7 +109,7 @@ class Collection:
 
 
 def as_collection(node: Node | None, arrays: Arrays) -> Collection:
-    """Find time and both sensors in whatever `simulate_and_collect` returned: by their names, similar names, or their shapes."""
+    """Return time and both sensors from whatever `simulate_and_collect` returned, found by names, similar names, or shapes."""
     if node is None or node["kind"] == "none":
         return _nothing_collected("got None")
     oddities: list[tuple[str, str]] = []

@@ -98,7 +98,7 @@ class Recorder(Student):
         self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Make a call once, and record it under the check that asks for it, or under the call that needs its answer."""
+        """Return the answer to a call that is made once; record the call under the check, or the other call, that asks for it."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)

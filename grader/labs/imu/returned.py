@@ -21,7 +21,7 @@ RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """Return the numbers of a returned value, which a `node` describes, as one array; None without numbers or with unequal rows."""
+    """Return the numbers of a value that `node` describes and `arrays` hold, as one array; None without any or for unequal rows."""
     if node is None:
         return None
     if "key" in node:

@@ -175,7 +175,7 @@ class Student(Plotting):
         return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
 
     def filter_alone(self, case: FilterCase) -> FilterRun:
-        """Run one filter case in a new process, so that a state that all filters share is as at the start."""
+        """Return the output for one filter case in a new process, in which a state that all filters share is as at the start."""
         self.end_session()
         return self.filter([case])[0]
 

@@ -12,7 +12,7 @@ _LARGEST = 1e12
 
 
 def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
-    """Return a curve for a chart, without the points that are not finite or too large to draw."""
+    """Return a curve for a chart, without points that are not finite or too large; `colour` is that of a student's curve."""
     fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
     across, along = (tuple(each[fine].astype(np.float32).tolist()) for each in (x, y))  # finer than a pixel
     return Curve(name, role, across, along, colour)

@@ -69,7 +69,7 @@ class Explained:
 
     @property
     def count_off(self) -> Run | None:
-        """The run that has another number of rows than of steps, the later one if both have; None if the check passes.
+        """The run that has another number of rows than of steps, the later one if both have; None if `sample_count` passes.
 
         One row more or less is accepted, as are zero rows after the last step, and too few rows that a missing reset explains.
         """
@@ -226,7 +226,7 @@ class Explained:
 
     @property
     def late(self) -> int:
-        """Number of samples by which rows are late (negative: early), as if read before the step; 0 if time stamps explain it."""
+        """Number of samples by which rows are late (negative: early), as if read before the step; 0 if their time stamps fit."""
         lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
         if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
             return lag

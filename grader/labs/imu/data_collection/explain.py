@@ -41,7 +41,7 @@ _STAMPS = "time stamps; the returned value has none"
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Ask `simulate_and_collect` for two recordings and explain them; ask for further ones only if the cause stays open."""
+    """Return two recordings by `simulate_and_collect` with what explains them; ask for more only if the cause stays open."""
     push = facts_of.run(student, truth, "push")
     if push.series.error is not None:
         raised = Raised(push.series.error, "collecting data")

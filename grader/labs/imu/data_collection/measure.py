@@ -87,7 +87,7 @@ class Claim:
 
 
 def differ(a: Array, b: Array | float) -> bool:
-    """Return whether two simulator states differ by more than rounding, so that code has set one of them."""
+    """Return whether state `a` differs from `b` (a state, or one number for all) by more than rounding, so that code has set it."""
     return bool(np.abs(a - b).max(initial=0.0) > SAME_STATE)
 
 
@@ -180,7 +180,7 @@ def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Ask the student's code for its recording of a scenario: "push", or "push_dirty" with another time step and used data."""
+    """Return the student's recording of the scenario `name`: "push", or "push_dirty" with another time step and used data."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":
@@ -242,9 +242,9 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) -> Iterator[Run]:
-    """Yield the run with the worlds (simulated runs) of one likely wrong start after another, if the worker saw no step.
+    """Yield the run of scenario `name` with the worlds (simulated runs) of one likely wrong start after another.
 
-    `mujoco.rollout`, for example, makes its steps where the worker cannot count them.
+    It is for runs that report no start: `mujoco.rollout`, for example, makes its steps where the worker cannot count them.
     """
     lab, scenario = truth["reading_lab"], truth[name]
     rest, still = lab["qpos"][-1], np.zeros(lab["qvel"].shape[1])
@@ -361,7 +361,7 @@ def _alike(series: Collection, other: Collection, rows: slice, others: slice) ->
 
 
 def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> bool:
-    """Return whether rows (n, 3) change with the simulation, whatever linear map and offset the code applies to them.
+    """Return whether rows (n, 3) change with the simulation (`true`), whatever linear map and offset code applies to them.
 
     A least-squares fit to the first run gives this map. It has to predict the rows of the other run with an error below half of the
     change between the runs. Stored rows do not change, so they fail. Rows in any order, late or repeated, pass if nearly all their

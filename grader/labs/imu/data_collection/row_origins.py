@@ -116,7 +116,7 @@ def _rows(origin: RowOrigin, n: int, available: int) -> tuple[Rows, Rows]:
 
 
 def moves(true: Array, atol: float, rows: Rows) -> bool:
-    """Return whether a sensor shows motion in these rows: without motion, right numbers do not identify the run."""
+    """Return whether a sensor's `true` values vary by more than `atol` in these rows; if not, right numbers identify no run."""
     return bool(np.ptp(true[rows], axis=0).max() > atol) if len(true[rows]) else False
 
 

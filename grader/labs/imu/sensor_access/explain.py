@@ -50,7 +50,7 @@ class Hypothesis:
     ----------
     cost : how implausible the guess is; the cheapest one that fits is the explanation
     place, values : ids of the faults of the address, and of the values
-    start : function that returns the address that is read
+    start : function of a scene and a sensor (0 accelerometer, 1 gyroscope) that returns the address that is read
     change : function that returns the readings that the fault makes of the values at that address
     """
 
@@ -69,7 +69,7 @@ class Hypothesis:
         return self.change(scene, scene.at(self.start(scene, sensor)))
 
     def fits(self, seen: Seen) -> bool:
-        """Return whether this hypothesis predicts every reading of a sensor.
+        """Return whether this hypothesis predicts every reading of a sensor in given visits (`seen`: the sensor, the visits).
 
         A changed value predicted as zero throughout, or as no number, proves nothing and does not fit: many faults give zeros.
         """
@@ -280,13 +280,13 @@ class Explained:
 
     @property
     def share_altered(self) -> float:
-        """The share of a check's points that altered values cost: a part if one sensor is altered, all if gravity is removed."""
+        """Share of `matches_truth`'s points that altered values cost: all, or a part if only one sensor is and gravity is kept."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 
     @property
     def share_misplaced(self) -> float:
-        """The share of the check's points that wrong addresses cost: half for each sensor so read, all if the ids are ignored."""
+        """Share of `follows_address`'s points that wrong addresses cost: half for each sensor so read, all if ids are ignored."""
         faults = {fault for each in self.sensors if each for fault in each.place}
         computed = faults - {"hard-coded-address", "wrong-fixed-address"}
         if not computed or self._ids_are_ignored:
@@ -369,7 +369,7 @@ def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Measure and explain `get_imu_readings`; if its readings do not depend on the state, skip checks that presuppose a reading.
+    """Return what was measured of `get_imu_readings`, explained; skip three checks if readings do not depend on the state.
 
     These are the checks that the address is followed, that a reading is a copy, and that the simulation is left alone.
     """

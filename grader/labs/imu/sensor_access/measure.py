@@ -114,7 +114,7 @@ class Facts:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Measure `get_imu_readings`: ask it for the robot's IMU in every state twice, and for all other IMUs once."""
+    """Return the facts about `get_imu_readings`, asked for the robot's IMU in every state twice, and for all other IMUs once."""
     lab = truth["reading_lab"]
     readings, k = _read(student, truth, lab, slice(0, 1), visits=2), len(lab["qpos"])
     torso, again = (_visit(lab, 0, readings, 0, slice(start, start + k)) for start in (0, k))

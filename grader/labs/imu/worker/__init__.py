@@ -30,10 +30,11 @@ HANDLERS = {
 
 
 def sheet_names(lab_configuration: dict[str, Any], standins: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the names that a file on the lab sheet defines, so that ``from imu_reader import *`` finds them all.
+    """Return the values, by name, that a file on the lab sheet defines, so that ``from imu_reader import *`` finds them all.
 
-    `standins` are the grader's versions of that file's functions and classes, in place of broken or missing ones. Objects that the
-    sheet makes with them at top level, such as `imu_data`, are made, too.
+    `lab_configuration` names the file of the model (``model_file``) and the two sensors (``imu``). `standins` are the grader's
+    versions of that file's functions and classes, in place of broken or missing ones. Objects that the sheet makes with them at top
+    level, such as `imu_data`, are made, too.
     """
     import matplotlib.pyplot as plt
 

@@ -131,9 +131,9 @@ class Reader:
 
 
 def method_of(instance: Any, name: str, takes: int) -> tuple[Callable[..., Any], list[str]]:
-    """Return the method of this name, and as the list of what differs from the lab sheet an empty one.
+    """Return the method `name` of an object, and a list of what differs from the lab sheet: [] if it has this method.
 
-    If the class has no such method, but just one public method that needs `takes` arguments, return that and ``["method <name>"]``.
+    If its class has just one public method that needs `takes` arguments instead, return that and ``["method <name>"]``.
     If it has none or several of those, an AttributeError is raised.
     """
     if not hasattr(instance, name):
@@ -152,7 +152,7 @@ def _needed(function: Callable[..., Any]) -> int:
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return arguments by name for a student's `read` that takes true readings: ``accel``, ``gyro``, ``dt`` since the last (s)."""
+    """Return ``accel`` and ``gyro`` as the sensors in `fields` read now, and ``dt`` (s), for a student's `read` that takes them."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 

@@ -29,7 +29,7 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Returns
     -------
     ``cases`` : per case ``output`` (array name or None), ``odd`` (what came in place of the first missing vector), ``error``,
-        ``departs``, ``input_changed``, ``output_changed``.
+        ``departs``, ``input_changed``, ``output_changed``, as in `FilterRun`.
     """
     kind = submission.find("LowPassFilter", fields["path"])
     packer = Packer()

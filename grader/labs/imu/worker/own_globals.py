@@ -28,7 +28,7 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 
 
 def provide_ids(ids: Mapping[str, int]) -> None:
-    """Give sensor ids to globals that student code reads as such and that are unset, None or a negative placeholder."""
+    """Give ``accel`` and ``gyro`` of `ids` to globals that student code reads as these ids and that are unset, None or negative."""
     for module in list(submission.STATE.modules.values()):
         for name in _unset_globals(module):
             if _AN_ID.search(name) and _ACCELEROMETER.match(name):
@@ -74,7 +74,7 @@ _MEASUREMENT = re.compile(
 
 
 def measurement_global(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """Find the global that a filter reads as its measurement: return a context manager that sets it, and a list with its label.
+    """Find the global that the filter method `update` reads as measurement: return a context manager that sets it, and its label.
 
     Without exactly one such global, the context manager does nothing and the list is empty.
     """

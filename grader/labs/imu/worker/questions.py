@@ -64,9 +64,8 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : for each pair and state a node, the description of a returned value; ``later`` : the readings of the first state
-        again,
-        after a step and another reading
+    ``calls`` : for each pair and state a node, the description of a returned value; ``later`` : for each pair the
+        reading of the first state, looked at again after a step and another reading
     arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by a reading, in each of these states and
         after that step
     """
@@ -157,8 +156,9 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``, ``model`` (XML text), ``duration_s``, ``timestep`` (or None), ``accel_id``, ``gyro_id``, ``time_s``
-    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,); optional ``gravity`` (3,), another one than the model's
+    fields : ``path``, ``model`` (XML text), ``duration_s``, ``timestep`` (None: the model's), ``accel_id``, ``gyro_id``,
+        ``time_s`` of the used state
+    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,), the used state; optional ``gravity`` (3,), another one than the model's
     """
     import mujoco
 
@@ -278,7 +278,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``given`` : a node (description) of what the recorder returned; None without a recorder
+    the figures that it drew; ``given`` : a node (description) of what the recorder returned; None without a recorder
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)

@@ -187,7 +187,7 @@ def watch_next_run() -> None:
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """Return the record of the simulation run, and stop recording; {} if nothing was recorded."""
+    """Return the recorded run (start, number of steps, states set later) by name, and stop recording; {} if none was recorded."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
     return course.arrays() if course else {}
