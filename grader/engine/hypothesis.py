@@ -72,7 +72,10 @@ def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """Do the same as `explain` for groups of equal cost, cheapest first. Groups after the first with a fit are not looked at."""
+    """Return the hypothesis that fits `seen`, from the first of `levels` that has one; None if several there report other causes.
+
+    Each level holds hypotheses of one cost, the cheapest level is first, and later ones are not tried. None also if nothing fits.
+    """
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.cause for each in fitting}) == 1 else None

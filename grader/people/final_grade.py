@@ -124,7 +124,7 @@ class Adjustment:
 
 @dataclass(frozen=True)
 class Term:
-    """Summand of a final grade, negative if deducted; `name`: "score", "total", "bonus", "extra credit", "repair" or "late"."""
+    """Summand of a final grade, negative if deducted; `name`: "score" or a person's "total", "bonus", "extra credit", "repair", "late"."""
 
     name: str
     points: float
