@@ -124,7 +124,7 @@ class Adjustment:
 
 @dataclass(frozen=True)
 class Term:
-    """Summand of a final grade, negative if deducted; `name`: "score" or a person's "total", "bonus", "extra credit", "repair", "late"."""
+    """Summand of a final grade: "score" or "total" (set by a person), "bonus", "extra credit"; negative: "repair", "late"."""
 
     name: str
     points: float

@@ -103,7 +103,7 @@ def _above_its_maximum(final_grade: FinalGrade, override: Adjustment) -> str:
 def untimed(final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None) -> list[str]:
     """Return the ids of submissions whose time is unknown, so that the late policy deducts nothing, to tell the instructor.
 
-    Empty without a late policy. A submission whose total a person has set is left out, as that settles its lateness. If the platform
+    Empty without a late policy. A submission whose total a person has set is left out: that settles its lateness. If the platform
     marks late submissions, unmarked ones are in time, so only marked ones are returned.
     """
     if settings is None or not settings.has_late_policy:

@@ -226,7 +226,7 @@ class Explained:
 
     @property
     def late(self) -> int:
-        """How many samples rows lag behind the simulation (negative: lead), 1 if read before the step; 0 if their stamps lag alike."""
+        """Samples by which rows lag behind the simulation (negative: lead), 1 if read before the step; 0 if stamps lag alike."""
         lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
         if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
             return lag
