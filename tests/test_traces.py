@@ -177,10 +177,11 @@ def recordings(monkeypatch: pytest.MonkeyPatch, public: Path, hidden: Path) -> l
     """Recorder runs, as (name, seed); instead of running, it copies what was recorded above."""
     calls: list[tuple[str, str]] = []
 
-    def copied(lab: Lab, name: str, seed: str, out: Path, subject: recording.Subject | None) -> None:
+    def copied(lab: Lab, name: str, seed: str, out: Path, subject: recording.Subject | None) -> truth.Traces:
         assert (lab, subject) == (LAB, None)
         calls.append((name, seed))
         shutil.copytree({"public": public, "hidden": hidden}[name].parent, out)
+        return truth.load(out / f"{name}.npz")
 
     monkeypatch.setattr(recording, "_record", copied)
     return calls

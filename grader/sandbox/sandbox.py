@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 _NO_MEMORY = (
     "this machine ran out of memory, so that the kernel ended the process; grade again with fewer jobs or more memory"
 )
+_SIGKILL = 9  # `signal.SIGKILL`, which Windows lacks
 _GRACE_S = 1.0  # for a process that hung up to end by itself, so that we learn how
 
 
@@ -232,7 +233,7 @@ class Worker:
         except LineClosedError:
             self.alive = False
             code = self._process.end(_GRACE_S)
-            if code == -signal.SIGKILL and _oom_kills() > self._oom_kills:
+            if code == -_SIGKILL and _oom_kills() > self._oom_kills:
                 raise GraderError(_NO_MEMORY) from None
             failure = Crashed(_exit_in_words(code))
         except (wire.WireError, Malformed) as error:

@@ -36,7 +36,7 @@ OTHER_SCALES = st.floats(0.2, 0.85) | st.floats(1.15, 5.0)
 def deducted(judge: Judge[Any], **functions: Any) -> dict[str, float]:
     """Return the share that each check of a criterion deducts, without those that refer to another check's deduction."""
     assert judge.checks
-    found = judge._judged(FakeStudent(**functions), truth())
+    found = judge._measure_and_judge(FakeStudent(**functions), truth())
     assert all(isinstance(each, Charge) for each in found.values()), found
     charges = {name.partition(".")[2]: each for name, each in found.items() if isinstance(each, Charge)}
     return {name: 1 - each.keeps for name, each in charges.items() if each.keeps < 1 and not each.see}
