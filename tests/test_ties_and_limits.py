@@ -11,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from grader.base.errors import RequestError
@@ -29,9 +30,13 @@ from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, 
 from grader.people.late_policy import judged
 from grader.platforms import canvas
 from grader.platforms.found import AMBIGUOUS, at_least_half
-from grader.worker import fuzzy_names, saved
+from grader.worker import faults, fuzzy_names, packages, saved
+from grader.worker.drawing import Preview
+from tests.corpus.special import png
 from tests.fake_results import check, lost, result
 
+PIXELS = np.random.default_rng(1).integers(0, 255, (48, 60, 3), dtype=np.uint8)
+PICTURE = png(60, 48, b"".join(b"\0" + row.tobytes() for row in PIXELS))
 DUE = datetime(2026, 11, 20, 12, tzinfo=timezone.utc)
 
 
@@ -167,6 +172,42 @@ def test_as_many_picture_files_are_read_as_the_limit_says(tmp_path: Path) -> Non
     known: dict[str, bytes | None] = {}
     saved.match_files_to_figures([], str(tmp_path), known)
     assert [*known] == names[:24]
+
+
+def test_of_two_figures_saved_to_one_file_the_later_one_is_saved(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(b"the same picture")
+    place = str(tmp_path / "a.png")
+    drawn = [saved.RecordedFigure({"event": "saved"}, None, b"the same picture", place) for _ in range(2)]
+    saved.match_files_to_figures(drawn, str(tmp_path), {})
+    assert [each.facts["event"] for each in drawn] == ["overwritten", "saved"]
+
+
+@pytest.mark.parametrize(("before", "event"), [({}, "saved"), ({"a.png": PICTURE}, "shown")], ids=["new", "handed in"])
+def test_a_picture_that_lay_there_before_shows_no_figure(
+    before: dict[str, bytes | None], event: str, tmp_path: Path
+) -> None:
+    (tmp_path / "a.png").write_bytes(PICTURE)
+    drawn = [saved.RecordedFigure({"event": "shown"}, Preview(PIXELS, (60.0, 48.0), 100.0))]
+    saved.match_files_to_figures(drawn, str(tmp_path), dict(before))
+    assert drawn[0].facts["event"] == event
+
+
+def test_a_fault_is_told_at_the_innermost_line_of_the_students_code() -> None:
+    names: dict[str, Any] = {}
+    exec(
+        compile("def inner():\n    raise LookupError\ndef outer():\n    inner()\n", faults.own_name("lab.py"), "exec"),
+        names,
+    )
+    with pytest.raises(LookupError) as caught:
+        names["outer"]()
+    assert (faults.describe(caught.value)["file"], faults.describe(caught.value)["line"]) == ("lab.py", 2)
+
+
+@pytest.mark.parametrize(
+    ("line", "package"), [("from lab4 import imu_reader", {"lab4"}), ("from skimage import filters", set())]
+)
+def test_a_module_that_libraries_have_too_makes_no_package(line: str, package: set[str]) -> None:
+    assert packages.imported_packages([line], ["imu_reader.py", "filters.py"], ["filters"]) == package
 
 
 class _Student:
