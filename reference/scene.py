@@ -1,4 +1,4 @@
-"""What all scenarios share: random generator, settings, compiled models, and the recording of a motion."""
+"""Common parts of all scenarios: random generator, settings, compiled models, and the recording of a motion."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Scene:
-    """What a scenario is made from: its own random generator, the settings and the compiled models.
+    """Material of a scenario: its own random generator, the settings and the compiled models.
 
     `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` names the accelerometer and gyroscope of each
     of its IMUs, the graded IMU first. `sheet` is the lab's robot, whichever is graded on.

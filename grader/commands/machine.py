@@ -1,4 +1,4 @@
-"""What `imugrade doctor` finds out: isolation levels, versions, traces, packages that a class imports."""
+"""Findings of `imugrade doctor`: isolation levels, versions, traces, packages that a class imports."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NOT_ISOLATED = "no isolation: fine for your own code; `grade` needs --trust-sub
 
 @dataclass(frozen=True)
 class DoctorFinding:
-    """What `imugrade doctor` found out about one thing: its name, whether it is good (None: neutral), and a text to show."""
+    """Finding of `imugrade doctor` about one thing: its name, whether it is good (None: neutral), and a text to show."""
 
     name: str
     good: bool | None

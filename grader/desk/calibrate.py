@@ -51,7 +51,7 @@ def save(book: Classbook, web_request: WebRequest) -> Response:
 
 
 class _Calibration:
-    """What the Calibrate pages show: results, people's tables of marks, and the sample. A sample that is partly marked stays."""
+    """Content of the Calibrate pages: results, people's tables of marks, and the sample. A sample that is partly marked stays."""
 
     def __init__(self, book: Classbook, author: str) -> None:
         folder = book.out / calibrating.FOLDER

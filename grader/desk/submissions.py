@@ -50,7 +50,7 @@ class Typed:
 
 @dataclass(frozen=True)
 class _PageExtras:
-    """What a submission's page shows beside the result: regrade requests, and a refused form, None if there is none."""
+    """Content of a submission's page beside the result: regrade requests, and a refused form, None if there is none."""
 
     requests: Sequence[RegradeRequest]
     typed: Typed | None = None
@@ -58,7 +58,7 @@ class _PageExtras:
 
 @dataclass(frozen=True)
 class Overrides:
-    """What the page shows of one target (a check, a criterion, the total or the bonus): override, comment, regrade requests.
+    """Content of the page about one target (a check, a criterion, the total or the bonus): override, comment, regrade requests.
 
     `most` and `automatic` are its maximum and automatic points. `covered` is the criterion or total whose override replaces this
     one, "" if none. `effect` says before it is saved how an override changes the final grade.

@@ -28,7 +28,7 @@ from grader.engine.results import Deducted, Outcome, message_of
 
 @dataclass(frozen=True)
 class Feedback:
-    """What a student reads about one check: `keeps` is the share earned, `faults` the faults' ids; the rest as in `CheckResult`."""
+    """Feedback to a student on one check: `keeps` is the share earned, `faults` the faults' ids; the rest as in `CheckResult`."""
 
     outcome: Outcome
     keeps: float

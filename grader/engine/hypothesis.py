@@ -20,7 +20,7 @@ class Hypothesis(Protocol):
 
     @property
     def cause(self) -> Hashable:
-        """What is reported, such as a fault's id. Hypotheses of equal cost contradict each other only if their causes differ."""
+        """Reported cause, such as a fault's id. Hypotheses of equal cost contradict each other only if their causes differ."""
 
     @property
     def cost(self) -> int:

@@ -75,7 +75,7 @@ class LabFile:
 
 @dataclass(frozen=True)
 class Handout:
-    """What `imugrade kit` gives students beside the starter files.
+    """Files and names that `imugrade kit` gives students beside the starter files.
 
     `files` are the extra files by path, `names` strings in the starter files (the lab sheet's sensor names), each with its
     replacement (those of the class's robot).

@@ -40,7 +40,7 @@ class Person:
 
 @dataclass(frozen=True)
 class Lateness:
-    """What the late policy says of one submission: how late it is, and what that deducts.
+    """Judgement of the late policy on one submission: how late it is, and what that deducts.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ TOTAL, BONUS = "total", "bonus"
 
 @dataclass(frozen=True)
 class Adjustment:
-    """What a person changed of a submission's grade: an override of points, additional points, or a comment alone.
+    """Change that a person made of a submission's grade: an override of points, additional points, or a comment alone.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a platform's download tells about one submission, before the submission has an id."""
+"""Facts in a platform's download about one submission, before the submission has an id."""
 
 from __future__ import annotations
 

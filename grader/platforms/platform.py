@@ -43,7 +43,7 @@ class Template:
 
 @dataclass(frozen=True)
 class ResultContext:
-    """What a platform's CI output needs beside the result: the lab, the submission, its path and the environment variables.
+    """Input of a platform's CI output beside the result: the lab, the submission, its path and the environment variables.
 
     `hidden` says that the scenarios are secret. The result then holds no data of the scenarios.
     """

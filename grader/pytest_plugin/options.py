@@ -14,7 +14,7 @@ _CODE = (".py", ".ipynb")
 
 @dataclass(frozen=True)
 class Name:
-    """What one argument of `pytest --imugrade` selects: in `file` (None: any) all, or by `names` a criterion or one check."""
+    """Selection by one argument of `pytest --imugrade`: in `file` (None: any) all, or by `names` a criterion or one check."""
 
     file: Path | None
     names: tuple[str, ...]
@@ -25,7 +25,7 @@ class Name:
 
 @dataclass(frozen=True)
 class PluginOptions:
-    """What `pytest --imugrade` was asked for: a submission's path, and names of criteria and checks; without names, all checks."""
+    """Request to `pytest --imugrade`: a submission's path, and names of criteria and checks; without names, all checks."""
 
     path: Path
     named: tuple[Name, ...]

@@ -1,4 +1,4 @@
-"""What a report shows of a grade beside the automatic points: overrides, comments, repairs, lateness, final points."""
+"""Parts of a report on a grade beside the automatic points: overrides, comments, repairs, lateness, final points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the grader asks of a sandbox (`Contents`), and its first message to a zygote, the warm parent of the workers (`Plan`)."""
+"""Request of the grader to a sandbox (`Contents`), and its first message to a zygote, the warm parent of the workers (`Plan`)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a zygote (the warm parent) has to set up, sent by `launch`. Paths are absolute and, but for `visible`, free of links.
+    """Set-up of a zygote (the warm parent), sent by `launch`. Paths are absolute and, but for `visible`, free of links.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ from . import statements
 
 
 class _State:
-    """What the worker knows of its submission: files, loaded modules, required names, and what is wrong with each file."""
+    """Knowledge of the worker about its submission: files, loaded modules, required names, and what is wrong with each file."""
 
     def __init__(self) -> None:
         self.folder = ""

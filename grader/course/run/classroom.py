@@ -57,7 +57,7 @@ class ProgressListener(Protocol):
 
 @dataclass
 class RunOutcome:
-    """What a run did, for the lines that `imugrade grade` prints at its end: results by id, counts, and warnings.
+    """Outcome of a run, for the lines that `imugrade grade` prints at its end: results by id, counts, and warnings.
 
     `grades` holds the final grades. `resumed` counts results taken from the class database, `remarked` those of them regraded
     because the rubric had changed. `leftovers` are files that belong to no submission. `remarks` holds replaced submissions,

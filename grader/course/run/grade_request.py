@@ -13,7 +13,7 @@ from grader.people.roster import NO_ROSTER, Roster
 
 @dataclass(frozen=True)
 class GradeRequest:
-    """What a user asks of `imugrade grade`: submissions, output folder, rubric, traces (reference recordings) and options.
+    """Request of a user to `imugrade grade`: submissions, output folder, rubric, traces (reference recordings) and options.
 
     An empty `only` grades all; `jobs` None starts one process per core; `cluster` None grades on this machine; `shape` None
     recognises each path. `change` allows stored scores to change. `at_least` is the weakest isolation level allowed, "" any.

@@ -84,7 +84,7 @@ def three(vector: Array | None) -> Array:
 
 @dataclass(frozen=True)
 class Readings:
-    """What a student's `get_imu_readings` returned for p pairs of sensors in k states of the simulator.
+    """Values that a student's `get_imu_readings` returned for p pairs of sensors in k states of the simulator.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class Readings:
 
 @dataclass(frozen=True)
 class NoiseRun:
-    """What many reads of a student's `NoisyIMU` returned: ``accel`` and ``gyro``, NaN where a read was not two vectors of three.
+    """Values of many reads of a student's `NoisyIMU`: ``accel`` and ``gyro``, NaN where a read was not two vectors of three.
 
     Both have the shape (states or instances, reads, 3). ``odd`` says in words what came in place of two vectors; None if nothing
     did. ``disturbance``, ``error`` and ``departs`` are as in `Readings`.
@@ -129,7 +129,7 @@ class NoiseRun:
 
 @dataclass(frozen=True)
 class FilterRun:
-    """What a student's `LowPassFilter` returned for one signal of n measurements.
+    """Values that a student's `LowPassFilter` returned for one signal of n measurements.
 
     Attributes
     ----------

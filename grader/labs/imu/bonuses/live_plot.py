@@ -40,7 +40,7 @@ _SCALES = (1.0, float(np.degrees(1.0)))
 
 @dataclass(frozen=True)
 class LiveRun:
-    """What was seen of a student's `live_plot` while it ran.
+    """Facts about a student's `live_plot`, seen while it ran.
 
     Attributes
     ----------

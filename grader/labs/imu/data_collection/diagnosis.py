@@ -29,7 +29,7 @@ from grader.labs.imu.data_collection.row_origins import RowOrigin, moves, time_e
 
 @dataclass(frozen=True)
 class Explained:
-    """What was measured of a student's `simulate_and_collect`, and what explains its two recordings, for checks and hypotheses.
+    """Facts about a student's `simulate_and_collect`, and what explains its two recordings, for checks and hypotheses.
 
     `push` is the origin of the rows of the first recording, of the lab sheet's push; `later` that of the second recording, of a
     run on data that an earlier run left. Each is None if unknown. Properties that name no recording are about the first one.

@@ -139,7 +139,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Facts:
-    """What was measured of one student's `simulate_and_collect`, before anything is judged.
+    """Facts measured of one student's `simulate_and_collect`, before anything is judged.
 
     Attributes
     ----------

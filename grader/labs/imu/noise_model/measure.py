@@ -46,7 +46,7 @@ Pair = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Sensor:
-    """What is measured of one sensor of a noise model; checks and diagnosis judge it.
+    """Facts measured of one sensor of a noise model; checks and diagnosis judge it.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ CHECKS = ("returns_two_vectors", "matches_truth", "follows_address", "reading_is
 
 @dataclass(frozen=True)
 class Scene:
-    """What the simulator holds in the k states in which `get_imu_readings` is called with the ids of one IMU.
+    """Data of the simulator in the k states in which `get_imu_readings` is called with the ids of one IMU.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Visit:
-    """What `get_imu_readings` returned in a scene: (k, 3) accelerations and angular velocities, NaN if none, and its exception."""
+    """Return values of `get_imu_readings` in a scene: (k, 3) accelerations and angular velocities, NaN if none; or its exception."""
 
     scene: Scene
     got: tuple[Array, Array]
@@ -82,7 +82,7 @@ class Visit:
 
 @dataclass(frozen=True)
 class Facts:
-    """What was measured of one student's `get_imu_readings`, before anything is judged.
+    """Facts measured of one student's `get_imu_readings`, before anything is judged.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ from grader.labs.imu.visualization.pictures import COMPARISON, was_handed_in
 
 @dataclass(frozen=True)
 class Comparison:
-    """What the submission's files, run as scripts, show of raw and filtered data; `check_comparison_plot` judges it.
+    """Plots of the submission's files, run as scripts, of raw and filtered data; `check_comparison_plot` judges it.
 
     Attributes
     ----------

@@ -53,7 +53,7 @@ added at each call has 0.2 for the channel that changes most.
 
 @dataclass(frozen=True)
 class File:
-    """What is in the picture files that `plot_imu_data` saves, for the check that it saves a readable picture.
+    """Content of the picture files that `plot_imu_data` saves, for the check that it saves a readable picture.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the sandbox worker of this lab can be asked to do: by operation, the function that calls student code and reports back."""
+"""Operations of this lab's sandbox worker: by name, the function that calls student code and reports back."""
 
 from __future__ import annotations
 
@@ -55,4 +55,4 @@ _MADE_OF: Mapping[str, tuple[str, Callable[..., tuple[Any, ...]]]] = {
     "accel_filter": ("LowPassFilter", lambda *_: (0.1,)),
     "gyro_filter": ("LowPassFilter", lambda *_: (0.1,)),
 }
-"""What the sheet makes at top level: by name, the function or class that it is made with, and the arguments."""
+"""Objects that the sheet makes at top level: by name, the function or class that it is made with, and the arguments."""
