@@ -60,7 +60,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Evidence that a result carries beside the grade: packed charts for the report, and hashes of the code to find similar ones."""
+    """Evidence a result carries beside its grade: packed charts of the report, and hashes of the code to find similar ones."""
 
     charts: bytes = b""
     fingerprint: tuple[int, ...] = ()

@@ -73,7 +73,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Visit:
-    """Return values of `get_imu_readings` in a scene: (k, 3) accelerations and angular velocities, NaN if none; or its exception."""
+    """Return values of `get_imu_readings` in a scene: (k, 3) accelerations and angular velocities, NaN if none; its exception."""
 
     scene: Scene
     got: tuple[Array, Array]
