@@ -30,6 +30,7 @@ from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, 
 from grader.people.late_policy import judged
 from grader.platforms import canvas
 from grader.platforms.found import AMBIGUOUS, at_least_half
+from grader.sandbox.exchange import Deadline, DeadlineError
 from grader.worker import faults, fuzzy_names, packages, saved
 from grader.worker.drawing import Preview
 from tests.corpus.special import png
@@ -208,6 +209,14 @@ def test_a_fault_is_told_at_the_innermost_line_of_the_students_code() -> None:
 )
 def test_a_module_that_libraries_have_too_makes_no_package(line: str, package: set[str]) -> None:
     assert packages.imported_packages([line], ["imu_reader.py", "filters.py"], ["filters"]) == package
+
+
+def test_time_in_which_the_grader_itself_stood_still_is_not_the_codes() -> None:
+    times = iter([0.0, 0.1, 600.0, *np.arange(600.1, 700.0, 0.1)])
+    deadline = Deadline(lambda: 0.0, lambda: next(times), cpu_s=10.0, wall_s=30.0)
+    with pytest.raises(DeadlineError):
+        list(iter(deadline.nap, None))
+    assert 629.5 < next(times) < 630.5
 
 
 class _Student:

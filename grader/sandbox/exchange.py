@@ -12,6 +12,7 @@ from . import wire
 
 _SHORTEST_NAP_S = 0.005
 _LONGEST_NAP_S = 1.0
+_STOOD_S = 5.0  # between two looks at the clock: naps are far shorter, so the grader itself was stopped
 _IDLE_SHARE = 0.02  # of one processor; what is starved by fifty others still gets as much
 _CHUNK_BYTES = 1 << 18
 _CORES = os.cpu_count() or 1
@@ -35,7 +36,8 @@ class Deadline:
     """Time limit of one answer: `cpu_s` of CPU time, and `wall_s` in which next to no CPU time is used, as by code that sleeps.
 
     Code that computes on a busy machine may take many times its CPU time. It is not cut off for that, or a grade would depend on
-    what else the machine does: the wall clock leaves out what the process waited for a processor. At ten times `wall_s`, or at
+    what else the machine does: the wall clock leaves out what the process waited for a processor, and the time in which the grader
+    itself stood still, as after Ctrl-Z or in a paused virtual machine. At ten times `wall_s`, or at
     `most_s` if that is earlier, the answer is cut off whatever the code does. Both clocks are functions that return the worker's
     seconds so far.
     """
@@ -51,12 +53,15 @@ class Deadline:
         self._cpu, self._wall = cpu_clock, wall_clock
         self._cpu_limit, self._wall_limit, self._most = cpu_s, wall_s, min(10 * wall_s, most_s)
         self._cpu_start, self._wall_start = cpu_clock(), wall_clock()
-        self._seen, self._idle_s = (0.0, 0.0), 0.0
+        self._seen, self._idle_s, self._stood_s = (0.0, 0.0), 0.0, 0.0
 
     def nap(self) -> float:
         """Return for how many seconds to sleep, as no limit can be exceeded before; raise DeadlineError if one is exceeded."""
-        cpu_s, wall_s = self._cpu() - self._cpu_start, self._wall() - self._wall_start
+        cpu_s, wall_s = self._cpu() - self._cpu_start, self._wall() - self._wall_start - self._stood_s
         last_cpu_s, last_wall_s = self._seen
+        if wall_s - last_wall_s > _STOOD_S:
+            self._stood_s += wall_s - last_wall_s
+            wall_s = last_wall_s
         if cpu_s - last_cpu_s <= _IDLE_SHARE * (wall_s - last_wall_s):
             self._idle_s += wall_s - last_wall_s
         self._seen = (cpu_s, wall_s)
