@@ -83,6 +83,7 @@ PLACES: tuple[tuple[str, Place], ...] = (
     ("off-by-one-address", lambda scene, sensor: scene.own(sensor) + 1),
     ("end-of-sensor", lambda scene, sensor: scene.own(sensor) + 3),  # the sizes up to and with the sensor, added up
 )
+"""Known addresses that readers use: the id of the fault ("" for the right address), and the address in a scene for a sensor."""
 
 
 def fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
