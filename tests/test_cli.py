@@ -155,6 +155,18 @@ def test_a_check_says_what_it_checks_what_was_found_and_whether_there_is_a_secre
     assert json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["score"] == 0.0
 
 
+def test_of_one_criterion_alone_its_own_checks_are_counted_whatever_else_is_there(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checked(monkeypatch, result(lost()))
+    for name in ("filters.py", "complementary_filter.py"):
+        (tmp_path / name).touch()
+    monkeypatch.chdir(tmp_path)
+    assert [run("check", "--only", part)[1].splitlines()[2].split(".")[0] for part in ("filtering", "complementary_filter")] == [
+        "6 public checks", "5 public checks",
+    ]  # fmt: skip
+
+
 def test_watching_checks_again_after_each_save_and_not_in_between(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -80,6 +80,13 @@ def test_lateness_takes_no_more_than_there_is_and_nothing_that_is_open() -> None
 # ---- points by hand ----
 
 
+@pytest.mark.parametrize(("points", "shown"), [(None, "–"), (0.0, "0"), (3.0, "3")])
+def test_a_page_shows_the_points_that_a_person_gives_for_what_is_not_judged(points: float | None, shown: str) -> None:
+    open_ = result(check("not_judged", None), status="incomplete")
+    given = [] if points is None else [Adjustment("sensor_access", points, "by hand", "me", "now")]
+    assert adjusted.total(FinalGrade("a", open_, adjustments=tuple(given)))[0] == shown
+
+
 def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the_sum_is_the_same() -> None:
     first = result(lost(id="x.a"), check(id="x.b"))
     then = Adjustment("sensor_access", 11.0, "why", "me", "now", points_by_check(first.criteria[0]))

@@ -41,8 +41,8 @@ def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | 
 
     `secret` is whether this machine has the instructor's secret; without it nobody knows whether there are hidden scenarios.
     """
-    count = sum(len(part.checks) for part in rubric.criteria if only in (None, part.id))
-    count += sum(len(part.checks) for part in rubric.extensions if part.file in submission.files or only == part.id)
+    extensions = [part for part in rubric.extensions if part.file in submission.files or only == part.id]
+    count = sum(len(part.checks) for part in (*rubric.criteria, *extensions) if only in (None, part.id))
     public = f"{count} public check{'s' * (count != 1)}."
     if not secret:
         return f"{public} Your instructor may grade with hidden scenarios: {OTHERS}."

@@ -42,7 +42,9 @@ def total(final_grade: FinalGrade) -> tuple[str, str]:
     points, most = words.total_points(final_grade.result).split(" / ")
     if final_grade.unseen:
         return "–", most
-    return (words.number(final_grade.final or 0.0), most) if is_changed(final_grade) else (points, most)
+    if final_grade.final is not None and (points == "–" or is_changed(final_grade)):
+        return words.number(final_grade.final), most
+    return points, most
 
 
 def explained(final_grade: FinalGrade) -> str:

@@ -1,4 +1,4 @@
-"""The corpus, judged from recordings: on every change a row of each fault that no made-up student shows, of each fault before a merge, all rows each week."""
+"""The corpus, judged from recordings: on every change a row of each fault, all rows each week."""
 
 from __future__ import annotations
 
@@ -24,28 +24,25 @@ _EVERYDAY, _QUICK, _SLOW = 17, 3, 8
 def _rows() -> Iterator[Any]:
     """Yield each case, marked by the shortest run that judges it.
 
-    Every day: the first row of each fault that `tests/judging` does not show by a made-up student. With `-m slow`: the first row of each fault
-    and of the checks that it costs, since a row that repeats both is another way to write the same. Each week: all.
+    Without `-m slow`: the first row of each fault that `tests/judging` does not show by a made-up student. With it: the first row of each fault.
+    Each week: all; what repeats a fault is another way to write it, or breaks less.
     """
     seen, shown = Counter[Hashable](), faults_shown()
     for case in recorded_corpus():
-        fault = case.fault or tuple(case.faults or ())
-        kinds = [fault, (case.criterion, fault, case.loses)] if fault else []
-        first, other = (seen[kind] == 0 for kind in kinds) if fault else _nth(seen[case.part])
-        if fault:
-            first = first and case.part not in ("lookalikes", "pairs") and fault not in shown
-        seen.update([case.part, *kinds] if fault else [case.part])
-        if first:
+        kind = case.fault or tuple(case.faults or ()) or case.part
+        number, faulty = seen[kind], kind != case.part
+        seen[kind] += 1
+        before_a_merge = number == 0 if faulty else number % _SLOW == 0
+        everyday = (
+            number == 0 and case.part not in ("lookalikes", "pairs") and kind not in shown
+            if faulty
+            else number % _EVERYDAY == 0
+        )  # fmt: skip
+        marks = [] if everyday else [pytest.mark.slow] if before_a_merge else [pytest.mark.weekly]
+        if everyday:
             seen["everyday"] += 1
-        quick = first and seen["everyday"] % _QUICK == 0
-        marks = (
-            ([pytest.mark.quick] if quick else []) if first else [pytest.mark.slow] if other else [pytest.mark.weekly]
-        )
+            marks = [pytest.mark.quick] * (seen["everyday"] % _QUICK == 0)
         yield pytest.param(case, marks=marks, id=case.id)
-
-
-def _nth(number: int) -> tuple[bool, bool]:
-    return number % _EVERYDAY == 0, number % _SLOW == 0
 
 
 ROWS = list(_rows())

@@ -79,10 +79,12 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 SEARCH = """
 import os
-found = []
+found, seen = [], set()
 for root in ROOTS:
     for top, folders, names in os.walk(root):
-        folders[:] = [name for name in folders if top != "/" or name not in ("proc", "sys", "dev")]
+        folders[:] = [] if top in seen else [name for name in folders if top != "/" or name not in ("proc", "sys", "dev")]
+        if top in seen: continue
+        seen.add(top)
         for path in (os.path.join(top, name) for name in names):
             try:
                 with open(path, "rb") as file:
