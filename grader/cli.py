@@ -73,7 +73,7 @@ gc.set_threshold(50_000)  # a class of thousands is millions of objects without 
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; only here do exceptions become exit codes and messages."""
+    """Run the command in `arguments` (None: `sys.argv`); return its exit code, also for exceptions, which it reports on stderr."""
     _accept_any_encoding()
     _keep_to_one_core()
     try:

@@ -21,7 +21,8 @@ _PINNED = re.compile(r"^([\w-]{1,40})==([\w.+]{1,20})", re.MULTILINE | re.ASCII)
 def constraints(packages: Sequence[str]) -> str:
     """Return a pip constraints file that pins the installed version of each package, for students to install the same.
 
-    Each line is limited to the Python releases that this version supports; with any other Python, pip chooses a version itself.
+    A line holds only for the Python releases that the pinned version supports; with another Python, pip chooses a version itself.
+    Raises `PackageNotFoundError` if a package is not installed.
     """
     lines = []
     for package in packages:
@@ -41,9 +42,9 @@ def differences(pinned: str) -> list[tuple[str, str, str]]:
 
 
 def of_ours(pinned: str) -> str:
-    """Return the ``name==version`` lines of a student's versions file for packages that the grader requires; drop all other lines.
+    """Return the ``name==version`` lines of a student's file (see `here`) for packages that the grader requires; drop all others.
 
-    A note tells the student where these versions differ. Lines of other packages would make it tell what else is installed here.
+    The report names versions that differ from those here. With other packages it would reveal what else is installed here.
     """
     needed = {Requirement(each).name for each in requires("imugrade") or () if "extra ==" not in each}
     return "".join(
@@ -62,7 +63,7 @@ def here(packages: Sequence[str]) -> str:
 def line(folder: Path) -> str:
     """Return the warning that `imugrade check` prints if library versions differ from the class's file ``constraints.txt``.
 
-    Return "" if none differs, or if `folder` has no such file: an instructor's installation has none.
+    Return "" if none differs, or if `folder`, the installed lab's, has no such file: only the students' installation has it.
     """
     file = folder / FILE
     found = differences(file.read_text(encoding="utf-8")) if file.is_file() else []

@@ -20,7 +20,7 @@ class RequestError(Exception):
     Attributes
     ----------
     option : name of the wrong or missing command option, without dashes; "" if the problem concerns no single option
-    why : the problem in words for a web form, which has no options; the message itself, if that fits there
+    why : the problem in words for a web form, where the message would name an option or a file; by default the message
     """
 
     def __init__(self, message: str, *, option: str = "", why: str = "") -> None:
@@ -30,14 +30,14 @@ class RequestError(Exception):
 
 
 class GraderError(Exception):
-    """The grader itself failed: the check is not judged, so no student gets a zero for it, or the command ends with exit code 3."""
+    """Exception: the grader itself failed. If a check raises it, the check's points stay open; elsewhere, the exit code is 3."""
 
 
 def fault_text(problem: BaseException, *, message: bool = True) -> str:
     """Return an exception as one line to report: ``ZeroDivisionError at grader/engine/marks.py:31 in marked: division by zero``.
 
-    The place is the innermost line in this package or in an instructor's own check, without the user's folders; no place if there
-    is no such line. `message` False leaves out the exception's message, which may hold hidden data.
+    The place is the innermost line in this package or in a check that an instructor added, without the user's folders; no place if
+    there is no such line. `message` False leaves out the exception's message, which may hold hidden data.
     """
     place = ""
     for frame in traceback.extract_tb(problem.__traceback__):
@@ -51,7 +51,7 @@ def fault_text(problem: BaseException, *, message: bool = True) -> str:
 
 
 def message_of(problem: BaseException) -> str:
-    """Return the text of an exception; if its `__str__` raises, as an instructor's own check may, return a note that says so."""
+    """Return the text of an exception; if its `__str__` raises, as an instructor's check may, return a note that says so."""
     try:
         return str(problem)
     except (Exception, SystemExit) as unsayable:

@@ -51,7 +51,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 def seen_from(folder: Path, path: Path) -> str:
-    """Return `path` relative to `folder`, for messages and programs; if Windows has them on two drives, the absolute path."""
+    """Return `path` relative to `folder`, for messages and generated programs; absolute if they are on two Windows drives."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:

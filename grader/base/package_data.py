@@ -9,6 +9,6 @@ from pathlib import Path
 def beside(package: str, name: str) -> Path:
     """Return the path of a data file or folder `name` (with slashes) in a Python package's folder; it may not exist.
 
-    Pass `__package__` as the package: if that moves, the call still finds its files.
+    Pass `__package__` as `package`: if the package is renamed, the call still finds its files.
     """
     return Path(str(files(package).joinpath(*name.split("/"))))

@@ -15,7 +15,7 @@ from grader.base.text import csv_cell, decimal
 
 @dataclass(frozen=True)
 class Table:
-    """A CSV table that was read: rows with the number of their last line, for messages; the delimiter, to write the table back."""
+    """A CSV table that was read: each row's line number, for messages, and cells; the delimiter, to write the table back."""
 
     rows: list[tuple[int, list[str]]]
     delimiter: str
@@ -49,7 +49,8 @@ def titled(
     Raises
     ------
     RequestError
-        If the data is no table, or lacks one of the `needed` columns; the message lists all the `columns` that are read.
+        If the data is no table, or lacks one of the `needed` columns; the message begins with `source`, the name of the file, and
+        lists all the `columns` that are read.
     """
     (_, titles), *rows = read(data, source).rows or [(1, [])]
     titles = [title.strip().casefold() for title in titles]

@@ -48,7 +48,7 @@ LevelOption = Annotated[str | None, typer.Option("--isolation", hidden=True)]
 
 
 def as_points(text: object) -> float:
-    """Return the number in the value of an option that takes points, as it is read in a form; refuse anything else."""
+    """Return an option's points as a number, also with a decimal comma; raise `BadParameter` for other text."""
     from grader.base.text import decimal  # noqa: PLC0415
 
     value = decimal(str(text))

@@ -35,9 +35,9 @@ class DoctorFinding:
 
 
 def examine(tell: Callable[[str], None]) -> list[tuple[str, list[DoctorFinding]]]:
-    """Return all findings about this machine under their headings; isolation levels and the recording of traces are tried out.
+    """Return all findings about this machine by heading; it tries out the isolation levels and the recording of true motions.
 
-    `tell` is called with what is tried next, because each takes some seconds.
+    `tell` is called with a line on what is tried next, because each trial takes some seconds.
     """
     tell("testing the isolation levels …")
     isolation = _isolation()
@@ -70,7 +70,7 @@ def report(out: Path) -> list[str]:
 
 
 def packages_of(paths: Sequence[Path]) -> list[DoctorFinding]:
-    """Return a finding for each package that submissions import and this machine lacks, or one that none is. No code is run."""
+    """Return a finding on each package that submissions import and this machine lacks, or one that all are here. No code runs."""
     lab = chosen_lab()
     missing = missing_packages.of_class(read_class(paths, lab.files).entries, rubrics.load(lab))
     lines = missing_packages.lines(missing)

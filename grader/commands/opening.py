@@ -23,7 +23,7 @@ def checking_line(path: Path) -> str:
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Return which files of the lab sheet are there or not, so that a wrong folder is seen; a notebook counts if no program is."""
+    """Return a line on which of the sheet's files are there, to notice a wrong folder; a notebook counts if no program is there."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
@@ -37,7 +37,7 @@ def found(lab: Lab, submission: Submission) -> str:
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
-    """Return the line that says how many public checks run, and that hidden scenarios may follow.
+    """Return a line on how many public checks run, with `only` those of one criterion, and that hidden scenarios may follow.
 
     `secret` is whether this machine has the instructor's secret; without it nobody knows whether there are hidden scenarios.
     """

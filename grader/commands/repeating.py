@@ -41,7 +41,9 @@ def folder_in(path: Path) -> Path:
 
 
 def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level: str | None = None) -> Path:
-    """Run the checks on a submission, and write a program into `out` that repeats one check's calls of student code.
+    """Run the checks on the submission in folder `path`; write a program into `out` that repeats one check's calls of student code.
+
+    `isolation_level` None takes the best level of the sandbox that works here.
 
     Returns
     -------
@@ -50,7 +52,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
     Raises
     ------
     RequestError
-        If there is no such check, or it called no Python file of the submission.
+        If there is no such check, `path` is no folder, or the check called no Python file of the submission.
     """
     if check_id not in (weight.id for weight in rubric.checks):
         raise RequestError(f"{printable(check_id)}: no check has this id; imugrade explain lists them")
@@ -95,7 +97,10 @@ def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mappin
 def recorded_calls(
     rubric: Rubric, submission: Submission, isolation_level: str | None = None
 ) -> tuple[Any, Mapping[str, Judgement]]:
-    """Run all checks on the public scenarios; return the session that recorded the calls of student code, and all judgements."""
+    """Run all checks on the public scenarios; return the session that recorded calls of student code, and judgements by check id.
+
+    `isolation_level` None takes the best level of the sandbox that works here.
+    """
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)

@@ -37,7 +37,7 @@ class WatchView:
             show_line(self._heading(), self._console)
 
     def show(self, lines: Lines, status: str) -> None:
-        """Show a result. `lines` is called again to lay it out anew when the size of the terminal changes."""
+        """Show a result, whose text `lines` returns, below `status`; if the terminal changes its size, `lines` is called again."""
         self._lines = lines
         self.tell(status)
         if not self._console.is_terminal:
@@ -45,7 +45,7 @@ class WatchView:
                 show_line(line, self._console)
 
     def refit(self) -> None:
-        """Lay out the last result again if the size of the terminal has changed; `check --watch` asks for it while it waits."""
+        """Lay out the last result again if the size of the terminal has changed; `check --watch` calls this while it waits."""
         if self._console.size != self._size:
             self._paint()
 

@@ -64,12 +64,12 @@ class Summary:
 
 
 def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
-    """Draw `size` submissions to mark by hand, write a page and a blank table of them into `folder`; return lines on what to do.
+    """Draw `size` submissions of the class in `out`; write a page and a table for marks into `folder`; return lines on what to do.
 
     Raises
     ------
     RequestError
-        If no class was graded in `out`, or no submission was graded as it was handed in.
+        If no class was graded in `out`, or no submission was graded without a repair.
     """
     with Store.existing(out) as store:
         results = store.present()
@@ -90,12 +90,12 @@ def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
 
 
 def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path]) -> list[str]:
-    """Compare the marks in `files`, one of each person, with the grades; write a page into `folder`, return lines for the terminal.
+    """Compare the marks in `files`, one of each person, with the grades in `out`; write a page into `folder`, return lines to show.
 
     Raises
     ------
     RequestError
-        If a file has a wrong row or no marks, or no marked submission can be compared.
+        If no class was graded in `out`, a file has a wrong row or no marks, or all marked submissions are repaired or not graded.
     """
     with Store.existing(out) as store:
         given = [read(store, file) for file in files]
@@ -120,7 +120,7 @@ def short_digest(rubric: Rubric) -> str:
 
 
 def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Sequence[Marks]) -> Summary:
-    """Compare marks, one table of each person, with the final grades of a class by id, which was graded by `rubric`.
+    """Compare marks, one table of each person, with the final grades (by submission id) of a class that was graded by `rubric`.
 
     Raises
     ------

@@ -43,7 +43,7 @@ class ComparedCell:
 
     @property
     def apart(self) -> float | None:
-        """The mean distance in points between two people who marked this, to compare the grader with; None with one mark."""
+        """The mean distance in points between two people's marks, to compare the grader's distance with; None with one mark."""
         pairs = [abs(a.points - b.points) for a, b in combinations(self.marks, 2)]
         return statistics.fmean(pairs) if pairs else None
 
@@ -135,7 +135,7 @@ def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Return the row `title` of the comparison table: how far points and marks are apart in `cells`, at least one criterion."""
+    """Return the row `title` of the comparison table: how far points and marks are apart in `cells`, which must not be empty."""
     apart = [each.apart for each in cells if each.apart is not None]
     distances: dict[str, list[float]] = {}
     for each in cells:
@@ -162,7 +162,7 @@ def by_criterion(cells: Sequence[ComparedCell]) -> list[Agreement]:
 def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
     """Return the agreement for each fault (diagnosed mistake) in a criterion where points and marks differ, worst first.
 
-    Each is over all criteria of submissions that name the fault, also those where they agree.
+    Each agreement covers all cells in which the grader names the fault, also cells where points and marks agree.
     """
     named = dict.fromkeys(fault for cell in cells if cell.kind for fault in cell.faults)
     each = [agreement(fault, [cell for cell in cells if fault in cell.faults]) for fault in named]

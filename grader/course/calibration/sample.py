@@ -74,7 +74,7 @@ def _shuffled(id_: str) -> str:
 
 
 def to_mark(store: Store, lab: Lab, id_: str, result: Result) -> BlindSubmission:
-    """Return a submission for a person to mark blind, the lab's files first; without files if the database has none."""
+    """Return a submission for a person to mark blind, with the lab sheet's files first; without files if the database has none."""
     kept = unpack(store.files(str(result.provenance.get("submission_sha256", "")))).files
     first = [name for name in lab.files if name in kept]
     kept = {path: kept[path] for path in (*first, *sorted(kept.keys() - set(first)))}

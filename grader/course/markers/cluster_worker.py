@@ -38,7 +38,7 @@ def plain(result: Result) -> dict[str, Any]:
 
 
 def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
-    """Grade a submission, given by its fields, with the plugin of `run`; see `GradingPlugin.mark`. Dask calls this on a worker."""
+    """Grade a submission, given by its fields, with the Dask worker's plugin named `run`; return what its method `mark` returns."""
     plugin = get_worker().plugins[run]
     assert isinstance(plugin, GradingPlugin)
     return plugin.mark(Submission(**submission))
@@ -81,9 +81,10 @@ class GradingPlugin(WorkerPlugin):
         self._leave_if_idle()
 
     def mark(self, submission: Submission) -> dict[str, Any]:
-        """Grade a submission and return its result as plain data, or the reason as "trouble" if there is none.
+        """Grade a submission and return its result as plain data, as `plain` does.
 
-        Then "stopped" is the reason, too, if a limit on time or memory ended the grading, else "".
+        Without a result the keys are "trouble", the reason why, and "stopped", the same reason if a limit on time or memory ended
+        the grading, else "".
 
         Raises
         ------

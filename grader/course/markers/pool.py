@@ -30,7 +30,7 @@ KILLED = "the marking process was killed"
 
 
 class Marking(Protocol):
-    """Protocol of a marker, the object that grades submissions; `cpu_s` may lower the rubric's limit of CPU seconds for one."""
+    """Protocol of a marker, an object that grades submissions; `cpu_s` may lower the rubric's limit of CPU time, None keeps it."""
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
@@ -88,7 +88,10 @@ class Backlog:
         return None if submission is None else Task(submission)
 
     def failed(self, task: Task, reason: str) -> Unmarked | Ended | None:
-        """Queue a failed task for another attempt and return None; after the last of `attempts`, return `Ended` or `Unmarked`."""
+        """Queue a failed task for another attempt and return None; after the last of `attempts`, return the outcome.
+
+        It is `Ended` if an attempt exceeded a limit on time or memory, else `Unmarked`.
+        """
         task.reasons.append(reason)
         if len(task.reasons) < self._attempts:
             self._again.append(task)

@@ -50,7 +50,7 @@ def contradictions(
     settings
         The settings of the class; None if none are stored, and then there is no late policy.
     without_row
-        Graded submissions without a row in the file to export, each with what is missing there; None if there is no such file.
+        A sentence for each graded submission (by id) whose people lack a row in the platform's file; None if no file is exported.
     """
     found = [each for final_grade in final_grades.values() for each in _of_submission(final_grade)]
     found += _two_grades(final_grades)

@@ -120,7 +120,7 @@ class ExportPlan:
             yield f"graded by other settings than the class: {', '.join(self.other_settings)} (grade them again)"
 
     def write(self) -> tuple[list[str], list[str]]:
-        """Write the grades and any requested reports; return lines on both, and lines on reports to send in another way."""
+        """Write the grades and any requested reports; return lines on both, and on reports that the platform cannot deliver."""
         order = self.order
         target = order.target or order.out / order.platform.gradebook
         write_whole(target, self.draft.data)

@@ -20,7 +20,7 @@ from grader.report.pages import index_page, report_page
 
 
 def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, FinalGrade]:
-    """Write the gradebook and the index page of all submissions in the database; return the final grades that were read for it."""
+    """Write the gradebook and the index page of a class into `out`; return the final grades, read from the database, by id."""
     final_grades = store.final_grades()
     write_class(out, final_grades, store, lab)
     return final_grades
@@ -57,7 +57,7 @@ def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab) -> None:
 
 
 def publish_all(out: Path, final_grades: Iterable[FinalGrade], store: Store, lab: Lab) -> None:
-    """Write `result.json` and the report of each of these submissions, unless they are current."""
+    """Write `result.json` and the report of each of these submissions, as `publish` does: files that are current stay."""
     for final_grade in final_grades:
         publish(out, final_grade, store, lab)
 

@@ -115,7 +115,7 @@ def to_json(settings: ClassSettings) -> str:
 
 
 def from_json(text: str) -> ClassSettings:
-    """Parse settings from the text that `to_json` wrote; unknown fields, as a later version writes, are ignored."""
+    """Parse text from `to_json`, without a later version's fields; other text raises an error that `database.read` handles."""
     record = json.loads(text)
     own = tuple((name, content.encode("utf-8", "surrogateescape")) for name, content in record["own_checks"])
     known = {field.name for field in fields(ClassSettings)}
@@ -179,7 +179,7 @@ class Change:
     chosen_anew
         Whether another of several attempts may count.
     left
-        How many stored submissions are not in the download and stay as they are.
+        How many stored submissions are not among those to grade now, and stay as they are.
     to_repair
         How many stored submissions do not run and may get a repair.
     """
@@ -224,7 +224,7 @@ def change(
     everyone: Mapping[str, FinalGrade],
     hand_ins: Mapping[str, HandIn | None],
 ) -> Change | None:
-    """Compute what new settings of a class do to its stored scores, for a person to decide; None if no score depends on it.
+    """Compute what new settings of a class do to its stored scores, for a person to decide; None if no score depends on the change.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ def change(
     everyone
         The stored final grade of every submission, by id.
     hand_ins
-        Who handed in each submission to grade, and when, by the download and the new roster; None if it has several attempts.
+        By id of each submission to grade: who handed it in and when, with the new roster; None for one with several attempts.
     """
     differences = causes(old, new)
     if not differences:
@@ -316,7 +316,8 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
 def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
     """Refuse to grade one submission, such as a repaired one, on other scenarios than its class was graded on.
 
-    RequestError if the class has hidden scenarios, made from a secret, and `traces`, recordings of scenarios, differ from them.
+    RequestError if the class, with the settings `old`, has hidden scenarios, made from a secret, and `traces`, recordings of
+    scenarios, differ from them. A class without settings passes.
     """
     if old is not None and old.hidden and old.traces_sha256 != traces.sha256:
         raise RequestError(

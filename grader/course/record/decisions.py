@@ -18,7 +18,7 @@ _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decis
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a review queue item's sentence and people. If either changes, a review stored under it does not count."""
+    """Return a digest of a review queue item's sentence and submission ids; a review stored under another digest does not count."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
@@ -160,7 +160,7 @@ class Decisions(Database):
             self._db.executemany(query, [astuple(each) for each in reviews])
 
     def reviews(self) -> dict[tuple[str, str, str], Review]:
-        """Return the last review of each item of the queue, by submission id, reason and digest, without items opened again."""
+        """Return the last review of each queue item by submission id, kind of item and digest, without items opened again."""
         with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
         last = {

@@ -65,7 +65,7 @@ class RepairLog(Database):
         )
 
     def undo_repair(self, number: int, author: str) -> None:
-        """Store that `author` took back the repair with this number; the repair stays in the log."""
+        """Store that `author` took back the repair with this number, which stays in the log; an unknown number changes nothing."""
         query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
         self._write(query, author, stamps.now(), number)
 
@@ -77,9 +77,9 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
 
 
 def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
-    """Return what stands in the `Key` of a repaired copy's result, where other results have the digest of their submission.
+    """Return a digest of a submission and its repairs, by which the `Key` of the result names the repaired copy.
 
-    It is no digest of files: a student who hands in exactly these files has repaired them without help.
+    It differs from the digest of the repaired files: a student who hands in exactly these has repaired them without help.
     """
     facts = [handed_in.sha256, *((each.file, each.diff) for each in repairs)]
     return f"repaired-{sha256_of(json.dumps(facts).encode())}"

@@ -58,7 +58,7 @@ _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND trace
 
 @dataclass(frozen=True)
 class Key:
-    """The name of a stored result: all that the result depends on. Equal keys mean equal results, so nothing is graded twice."""
+    """Key of a stored result: all that it depends on (id, files, rubric, scenarios, grader), so that nothing is graded twice."""
 
     id: str
     submission_sha256: str
@@ -82,7 +82,7 @@ class Store(Decisions, RepairLog, Drafts):
             self._make_current(key)
 
     def recall(self, key: Key) -> Result | None:
-        """Return the stored result of this key and make it count, as a resumed run does; None if it is missing or incomplete."""
+        """Return the stored result of this key and make it count, to resume a run; None if it is missing or not fully judged."""
         present = "(SELECT class.seq FROM class WHERE class.id = results.id) IS seq"
         query = f"SELECT record, {present} FROM results {_WHERE} AND status != 'incomplete'"
         with self._errors_in_one_line():
@@ -172,7 +172,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
-        """Return whether the submission of `key` need not run: a complete result is stored, or can be made by `rubric` from one."""
+        """Return whether a result with all checks judged is stored or can be made from one by `rubric`, without running code."""
         if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
             return True
         with self._errors_in_one_line():
@@ -181,9 +181,9 @@ class Store(Decisions, RepairLog, Drafts):
     def remark_class(
         self, mark: Callable[[dict[str, FinalGrade]], dict[str, FinalGrade]], rubric: Rubric
     ) -> dict[str, FinalGrade]:
-        """Store and return the grades by `rubric`, which `mark` makes from the present ones by id: for the whole class or none.
+        """Regrade a class by `rubric`: give `mark` the present final grades by id; store and return the new ones that it returns.
 
-        One transaction covers reading and writing, so no other process can change a result in between.
+        One transaction covers all: no other process can change a result in between, and nothing is stored if `mark` raises.
         """
         query = "SELECT class.id, submission_sha256, traces_sha256, grader, seq FROM class JOIN results USING (seq)"
         with self._errors_in_one_line(), self._transaction():

@@ -35,7 +35,7 @@ NOTHING_KEPT = Kept({}, {})
 
 
 def pack(files: Mapping[str, bytes]) -> bytes:
-    """Pack submitted files for the database, within limits on size and number: code first, then small files before large ones."""
+    """Pack submitted files for the database, code first, then small files; keep only path and size of those beyond the limits."""
     chosen: dict[str, bytes] = {}
     left = TOGETHER
     for path, content in sorted(files.items(), key=lambda item: (not is_code(item[0]), len(item[1]), item[0])):
@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack submitted files from the bytes that `pack` made; none from empty bytes. `database.read` handles damaged ones."""
+    """Unpack the bytes that `pack` made; no files from empty bytes. Damaged bytes raise an error that `database.read` handles."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()

@@ -153,7 +153,7 @@ def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None)
 
 
 def undoing_requests(store: Store, number: int) -> list[OverrideRequest]:
-    """Return the requests that undo a decision on several submissions, except where a later override has replaced it.
+    """Return the requests that undo decision `number` on several submissions, except where a later override has replaced it.
 
     RequestError if no part of the decision is in force.
     """
@@ -176,7 +176,7 @@ def _restoring_request(id_: str, rows: Sequence[Adjustment]) -> OverrideRequest:
 
 
 def person_lookup(store: Store) -> PersonLookup:
-    """Return a lookup of submission ids by name, e-mail address or number, which also finds people without a submission."""
+    """Return a lookup whose method `by` finds ids by name, e-mail address or number, also those of people without a submission."""
     handed_in = {id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people}
     return PersonLookup({**{id_: (person,) for id_, person in absent_by_id(store).items()}, **handed_in})
 

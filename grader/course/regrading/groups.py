@@ -74,13 +74,13 @@ def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
 
 
 def similar_group(ids: Sequence[str]) -> Group:
-    """Return submissions with the same files or similar code as a group, named by a digest of their ids, to decide on together."""
+    """Return the group of the submissions `ids`, found to have the same files or similar code, to decide on together."""
     digest = hashlib.sha256(" ".join(ids).encode()).hexdigest()[:16]
     return Group(ALIKE, digest, f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
 
 
 def members_of(store: Store, name: str) -> tuple[str, tuple[str, ...]]:
-    """Return the ids of all submissions with the fault or failed check whose id is `name`, after the text that names the group.
+    """Return (text that names the group, ids) of all submissions with the fault or failed check whose id is `name`.
 
     RequestError if fewer than two submissions have it.
     """

@@ -24,7 +24,8 @@ def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str
     Raises
     ------
     RequestError
-        If the submissions have to run again: the rubric has other limits, another model or other checks, or a result is older.
+        If submissions have to run again: the rubric has other limits, another model or other checks than at their grading, or an
+        older version graded them.
     """
     others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:

@@ -49,7 +49,7 @@ class Candidates:
 
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
-    """Return at most `most` copies edited by `candidates` in a new process; none if it exceeds `cpu_s` or another limit."""
+    """Return at most `most` edits from `candidates`, run in a new process with limits such as `cpu_s`; none if it exceeds one."""
     with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
         made = executor.submit(_within_limits, content, row, name, most, cpu_s)

@@ -79,7 +79,7 @@ class Grading:
 
 @dataclass(frozen=True)
 class GradingSettings:
-    """How repaired copies of a class are graded, before a marker, which does it in the sandbox, is opened; it can be pickled."""
+    """Settings that repaired copies of a class are graded by, before a marker is open; `by` or `opened` makes a `Grading`."""
 
     rubric: Rubric
     traces: Traces
@@ -135,7 +135,8 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPrevie
     Raises
     ------
     RequestError
-        If the submission or the file is not there, or the patch does not apply.
+        If the submission or the file is not there, the patch does not apply or changes nothing, or the original was not graded by
+        the settings in `grading`.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
@@ -149,11 +150,12 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPrevie
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Suggestion | None]:
-    """Search for a repair of one place at which a submission, with its repairs in force, stops. Nothing is stored.
+    """Search for a repair of one place at which the code of `who` (id or person), with repairs in force, stops. Nothing is stored.
 
     Returns
     -------
-    The grades without and with the repair, and the suggestion; if there is no suggestion, equal grades and None.
+    The results before any deduction, without and with the repair, and the suggestion. Without one, both results are the same, and
+    the suggestion is None.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
@@ -166,7 +168,7 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Su
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
-    """Yield lines for the terminal: what a suggested repair earns, then its diff, or that there is none. Nothing is stored."""
+    """Yield lines on a repair suggested for `who` (id or person): points and diff, or that there is none. Nothing is stored."""
     grades, found = suggestion(out, who, grading)
     if found is None:
         yield f"{printable(who, 80)}: no repair to suggest"
@@ -211,12 +213,13 @@ def validated_repair(
 def repaired(
     handed_in: Submission, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading, store: Store
 ) -> Result:
-    """Grade a submission with these repairs, and return the result by which it may count.
+    """Grade a submission with these repairs, and return the result of the copy, for the caller to store.
 
     Raises
     ------
     RequestError
-        If the original was not graded by these settings or earns more than the copy, or there are more than `MOST` repairs.
+        If the original was not graded by the settings in `grading`, the copy could not be graded or earns less than the original,
+        or there are more than `MOST` repairs.
     """
     original = _original_result(final_grade, handed_in, grading, store)
     if len(repairs) > MOST:
@@ -336,7 +339,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
 
 
 def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedRepair]:
-    """Return the repairs that nobody took back but that no result contains, to tell a person that they no longer count."""
+    """Return the repairs that nobody took back but that no longer count, to tell a person; `WHY_LAPSED` says how that happens."""
     counting = {
         (id_, each.file, each.diff) for id_, final_grade in final_grades.items() for each in final_grade.result.repairs
     }
