@@ -18,14 +18,17 @@ from grader.intake.names import safe_id
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
-    """Show the sample to mark by hand; with `id`, one submission of it; with `compare`, how far the grades are from all marks."""
+    """Show the sample of submissions that people mark by hand to check the grader; with `id`, the form for one of them.
+
+    With `compare`, also show how far the grades are from the marks of all people.
+    """
     return _page(book, web_request, _Calibration(book, web_request.author), {})
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
     """Save a person's marks of one submission in a CSV in the output folder, and go on to the next one without marks.
 
-    With `do=full`, blank fields get full points.
+    With `do=full`, blank fields get full points. A form with a wrong field is shown again, and nothing is saved.
     """
     id_, known = web_request.text("id"), _Calibration(book, web_request.author)
     if id_ not in known.ids:

@@ -44,7 +44,7 @@ class Similar:
 
 
 class Classbook:
-    """The graded class that all pages of the review desk read and change; its one thread keeps a connection and a cache.
+    """The graded class that all pages of the review desk read and change; one thread uses its database, and results are cached.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class Classbook:
 
     @property
     def rubric(self) -> Rubric:
-        """Return the rubric of the class; until it is regraded here, the one given to the desk at its start, if any."""
+        """Return the rubric of the class; before a regrade at the desk, the rubric that the desk was started with, if any."""
         if self._rubric is not None:
             return self._rubric
         settings = self.store.settings()
@@ -119,7 +119,7 @@ class Classbook:
         return self.once("absent", facts, lambda: blank_grades(*facts))
 
     def once(self, name: str, facts: object, make: Callable[[], T]) -> T:
-        """Return `make()`, or its cached value while `facts` are the same as in the last call, so that a page is computed once."""
+        """Return what `make` returns, cached under `name` until `facts`, the values that the result depends on, change."""
         known = self._made.get(name)
         if known is None or known[0] != facts:
             known = self._made[name] = (facts, make())
@@ -135,7 +135,7 @@ class Classbook:
         return self._similar
 
     def shared(self, first: str, second: str) -> frozenset[int]:
-        """Return hashes of code that two submissions, by id, share, without the lab's and that of half the class; may be empty."""
+        """Return hashes of code that two submissions, by id, share, without code of the lab or of half the class; may be empty."""
         own = own_hashes(self.store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 
@@ -148,7 +148,11 @@ class Classbook:
     def decide(
         self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
     ) -> list[RecordedOverride]:
-        """Store and return overrides as `adjusting.decide` does, and write the pages of these submissions in the background."""
+        """Store and return overrides as `adjusting.decide` does, and write the pages of these submissions in the background.
+
+        `seen` is the number of the last override that the author saw: OvertakenError if there is a later one, None skips this.
+        `what` is the subject of one decision on several submissions, "" without one.
+        """
         known = {**self.final_grades(), **admit(self.store, {each.id for each in overrides})}
         made = decide(self.store, known, overrides, author, seen=seen, what=what)
         if any(

@@ -40,7 +40,10 @@ def of_page(book: Classbook, web_request: WebRequest) -> Mapping[str, Fields]:
 
 
 def unsaved(book: Classbook, web_request: WebRequest) -> dict[str, str]:
-    """Return the pages with drafts for the first page to list, as address and title: the student's name, or the path."""
+    """Return address and title of each page where text was typed and not sent, to list them on the first page.
+
+    The title is the student's name, or the path.
+    """
     people = {address(each): words.distinct(each) for each in book.final_grades().values()}
     pages = map(_address, book.store.drafts(web_request.author))
     return {page: people.get(page.partition("?")[0], _path(page).strip("/")) for page in pages}

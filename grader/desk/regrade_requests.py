@@ -49,7 +49,7 @@ _TEXT = ("request", "appeal", "text", "message", "reason", "comment")
 class ReceivedRequest:
     """A regrade request as it was received, before it is matched to a submission: student, check and text, all unverified.
 
-    `place` is where it stood, for error messages.
+    `place` says where in the text the request stood, for error messages.
     """
 
     who: str

@@ -77,7 +77,7 @@ class Job(ABC):
         """Do the work of the job with `grading`, on the thread that grades, while the page waits."""
 
     def grading_step(self) -> str:
-        """Return what the page shows as the present step while a copy is graded; a search counts its copies."""
+        """Return what the page shows as the present step while a copy is graded; a search for a repair adds which copy it is."""
         return "Grading the edited copy in the sandbox"
 
     @property

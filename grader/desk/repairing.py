@@ -29,7 +29,7 @@ from grader.report.causes import Stop, stops
 
 @dataclass(frozen=True)
 class Compared:
-    """One line of a preview, now and with the edit: a criterion, a deduction or a sum. Only a deduction has no maximum."""
+    """One line of a preview, such as a criterion: points `now`, `then` (with the edit), and maximum `of`, None for a deduction."""
 
     title: str
     now: float
@@ -95,7 +95,10 @@ class Editor:
 def editor(
     book: Classbook, final_grade: FinalGrade, web_request: WebRequest, errors: Mapping[str, str] | None = None
 ) -> Editor | None:
-    """Return the editor that a request asks for, by its job, refused form or file; None without a file, or after a saved repair."""
+    """Return the editor of the file that a request's job, form or address names; None without a file, or after a saved repair.
+
+    If there are `errors`, by field, the editor shows the fields of the refused form with them.
+    """
     job = book.jobs.get(web_request.number("job") or web_request.number("seen"))
     if job is not None and job.id != final_grade.id:
         job = None
@@ -156,7 +159,7 @@ def compared(grades: RepairPreview) -> list[Compared]:
 
 
 def repaired_files(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]:
-    """Return the files of a submission with its repairs; all files as they were handed in if one repair does not fit."""
+    """Return the files of a submission with its repairs; all as handed in if a repair's patch does not apply."""
     kept = book.kept(final_grade)
     try:
         return apply_repairs(kept.files, final_grade.result.repairs)

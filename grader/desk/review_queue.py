@@ -63,9 +63,9 @@ def address(group: Group) -> str:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a person should look at a submission, or at several, whose ids are `who`; `file` is one that does not run, else "".
+    """Reason why a person should look at a submission, or at several (ids in `who`); `file` is the one it is about, else "".
 
-    `about` is a digest of the sentence and of `who`, under which a review is stored, so that it holds for this fact only.
+    A review is stored under `about`, a digest of `sentence` and `who`: if one of these changes, the item is open again.
     """
 
     kind: str
@@ -122,7 +122,7 @@ def items(
     lab: Lab,
     policy: LatePolicy | None,
 ) -> list[Item]:
-    """Return the open items and those in `reviews`, in the order of `KINDS`, then of the class.
+    """Return the open items and those reviewed (`reviews`), by kind as in `KINDS`, then by submission as in `final_grades`.
 
     They come from the results in `final_grades`, `groups` of similar submissions, a run's `notices` (messages by kind), open
     `requests`, `contradictions`, and `lapsed` repairs, which no longer count. Times are in the zone of the late `policy`.

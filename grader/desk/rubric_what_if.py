@@ -43,7 +43,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 
 @dataclass(frozen=True)
 class RubricPreview:
-    """Effect of a changed rubric on a class, for the page: changed grades, largest change first, and means and bars of both.
+    """Effect of a changed rubric on a class, for the page: changed grades, largest change first; mean and bars before and after.
 
     `more` changes are not listed, `of` counts the submissions. `above` are lines on grades that would be above their maximum.
     """
@@ -62,7 +62,9 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Write the changed rubric as a file; with `do=mark`, also regrade the class by it. Else the entered values stay on the page.
+    """Write the changed rubric as a file; with `do=mark`, also regrade the class by it. Else no grade changes.
+
+    If a value is wrong, nothing is written, and the page shows the errors.
 
     OvertakenError if the class has got another rubric meanwhile.
     """

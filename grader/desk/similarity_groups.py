@@ -10,7 +10,7 @@ from grader.report.similarity import Pair
 
 @dataclass(frozen=True)
 class SimilarityGroup:
-    """Submissions all similar to each other; `share` and `lines` of code are the least and the most that two of them share."""
+    """Submissions all similar to each other. `share` and `lines` are (least, most) of the code that two of them have in common."""
 
     ids: tuple[str, ...]
     share: tuple[float, float]

@@ -60,8 +60,8 @@ class _PageExtras:
 class Overrides:
     """Content of the page about one target (a check, a criterion, the total or the bonus): override, comment, regrade requests.
 
-    `most` and `automatic` are its maximum and automatic points. `covered` is the criterion or total whose override replaces this
-    one, "" if none. `effect` says before it is saved how an override changes the final grade.
+    `most` and `automatic` are its maximum and automatic points. `covered` is the criterion or total whose own override replaces
+    these points, "" if none. `effect` says before it is saved how an override changes the final grade.
     """
 
     target: str
@@ -194,7 +194,10 @@ def _page(
 
 
 def override(book: Classbook, web_request: WebRequest) -> Response:
-    """Store the override or comment of a form, or undo or withdraw the last one, and answer a regrade request with it."""
+    """Store the override or comment of a form; undo the last one, so that the one before counts; or withdraw it altogether.
+
+    The comment answers the regrade request that the form names, if any. A refused form is shown again with its errors.
+    """
     final_grade = one(book, web_request)
     target, points, comment = map(web_request.text, ("target", "points", "comment"))
     if web_request.text("do") in ("", "give") and (wrong := refused([final_grade], target, points, comment)):
@@ -223,7 +226,7 @@ def refused(final_grades: Sequence[FinalGrade], target: str, points: str, commen
 
 
 def picture(book: Classbook, web_request: WebRequest) -> Response:
-    """Serve a submitted picture. Only what is a PNG by its header, and not too large, is served, so a browser cannot run it."""
+    """Serve a submitted picture. RequestError if it is no PNG by its header, which a browser could run, or is too large."""
     kept = book.kept(one(book, web_request))
     place = int(web_request.path["place"])
     contents = list(kept.files.values())
@@ -239,7 +242,7 @@ def _comments(book: Classbook) -> list[str]:
 
 
 def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
-    """Return the grade of the submission in the address, blank for a person without one; RequestError if it is unknown."""
+    """Return the grade of the submission in the address, or the blank one of a person without; RequestError for an unknown id."""
     id_ = web_request.path["id"]
     final_grade = book.final_grades().get(id_) or book.absent().get(id_)
     if final_grade is None:
@@ -337,7 +340,7 @@ def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Ids of the previous, the next, and the next submission to review, "" for none; this one is number `place` of `of`."""
+    """Ids of the submissions before and after the shown one, number `place` of `of`, and of the next to review; "" for none."""
 
     place: int
     of: int

@@ -23,11 +23,11 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class Measurement(Protocol):
-    """Protocol of a record of what a submission's code did, made once for a criterion, whose checks look at nothing else."""
+    """Protocol of the record that `Judge.measure` makes of what student code did; the checks of the criterion see nothing else."""
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
-        """Exceptions that kept properties from being measured: by the short name of a check, that which ends it; {} if none."""
+        """Exceptions that kept properties from being measured, each by the short name of the check that it ends; {} if none."""
 
 
 Facts = TypeVar("Facts", bound=Measurement)

@@ -23,7 +23,7 @@ Role = Literal[
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve of a chart, named in its legend. `role` is its drawing style; `colour` (``#rrggbb``) "" if no student drew it."""
+    """One curve of a chart, named in its legend. `colour` (``#rrggbb``) is the student's; "" takes the colour of the `role`."""
 
     name: str
     role: Role

@@ -163,13 +163,13 @@ class CheckRun:
         return feedback_on(finding, earlier, self._faults)
 
     def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
-        """Yield, for each rerun of a criterion that lost points, the required names for which the lab sheet's own code is used.
+        """Yield, for each rerun of a criterion that lost points, the required names for which the rerun takes the lab sheet's code.
 
         A function may have failed only because of the functions that it was judged with. If correct code (stand-ins) replaced some
-        of these, the criterion is rerun with the student's own functions alone: the set is empty. If a check met an exception, the
-        set has the names of the first criterion, which all others call: a function that passed its own checks may return what this
-        criterion cannot use. Unlike a stand-in, the sheet's code takes no other arguments than the sheet's, so that it excuses no
-        wrong call. There is no rerun of an extension, or of a criterion whose functions no other needs.
+        of these, a rerun takes the student's own functions alone: an empty set. If a check met an exception, another rerun takes
+        the sheet's code for the names of the first criterion, which all others call: a function that passed its own checks may
+        return what this criterion cannot use. Unlike a stand-in, the sheet's code takes the sheet's arguments alone, so that it
+        excuses no wrong call. There is no rerun of an extension, or of a criterion whose functions no other needs.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:

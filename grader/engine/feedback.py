@@ -28,7 +28,7 @@ from grader.engine.results import Deducted, Outcome, message_of
 
 @dataclass(frozen=True)
 class Feedback:
-    """Feedback to a student on one check: `keeps` is the share earned, `faults` the faults' ids; the rest as in `CheckResult`."""
+    """Feedback to a student on one check: `keeps` is the share earned, `faults` has fault ids; other fields as in `CheckResult`."""
 
     outcome: Outcome
     keeps: float
@@ -83,8 +83,8 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
 def cause_key(finding: BaseException, part: str) -> str | None:
     """Return a key that findings (exceptions that end checks) share if their cause is one, so that only one check reports it.
 
-    None if every check is to report its own finding. `part` is the id of the criterion. All its timeouts share a key, although
-    their messages differ: each call has less time than the one before.
+    None if every check is to report its own finding. `part` is the id of the criterion. All timeouts of a criterion share a
+    key, although their messages differ: each call has less time than the one before.
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"

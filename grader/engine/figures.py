@@ -224,10 +224,9 @@ def figures_of(frame: Frame) -> list[Figure]:
 
 
 def decode_figures(frame: Frame, array_of: Callable[[Any, Any], Any]) -> list[Figure]:
-    """Return the figures that a reply of the sandbox describes.
+    """Return the figures that a reply of the sandbox describes, with each array from `array_of`, which may validate it.
 
-    `array_of(type, name)` is called for each array of a figure and returns it: `type` is the annotation of its field, such as
-    `Pixels`, and `name` its name in the reply.
+    `array_of(type, name)` gets the annotation of the array's field, such as `Pixels`, and the array's name in the reply.
 
     Raises
     ------

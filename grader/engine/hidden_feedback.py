@@ -28,7 +28,7 @@ _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 def feedback_on(
     finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, table: Mapping[str, FaultRow]
 ) -> Feedback:
-    """Return what a student reads about a finding on hidden scenarios, like `feedback.feedback_on`, but its kind and size alone."""
+    """Return what a student reads about the exception that ended a check on hidden scenarios: its kind and size, no data."""
     if isinstance(finding, Charged):
         return _feedback_on_charge(finding.charge, table)
     if isinstance(finding, CheckFailed):
@@ -60,7 +60,10 @@ def cause_key(finding: BaseException, part: str) -> str | None:
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:
-    """Return a `Missing` to show on hidden scenarios: `public`, found with public data; if None, one with a constant message."""
+    """Return a `Missing` to show in place of `finding`, whose text may hold hidden data: `public`, or one with a constant message.
+
+    `public` is the same finding with public data, None if there is none.
+    """
     if public is not None:
         return public
     return Missing(finding.name, finding.fault, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")

@@ -98,8 +98,8 @@ class Lab:
     points_to : by check id, the required name that feedback points to; for a check that is not listed, the first name of its part
     calls : by required name, the source line that calls it, which reports show beside `imugrade repro`; a name may have none
     waits_for : by operation of a question that takes long, what a message says that the grader waits for, such as a function
-    settings : the rubric keys of this lab, each with the function that reads it from the file's reader, the key's node (None if the
-        key is left out) and the folder that relative paths start from
+    settings : the rubric keys of this lab, each with a function that returns its value; the function gets the file's reader, the
+        key's node (None if the key is left out) and the folder that relative paths start from
     plot : draws traces, and a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files
     recordings : returns what a submission's code records, by scenario, to plot it; calls its last argument with why one is missing
     repeating : name of the module that records a submission's calls and writes the programs of `imugrade repro`; "" without one
@@ -202,15 +202,15 @@ class Lab:
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
-        """Return the source of a name's stand-in: correct code that replaces a broken definition of the student's.
+        """Return the source of a name's stand-in: correct code that replaces a broken definition; FileNotFoundError if it has none.
 
-        ``CONFIGURATION_IMU`` in it becomes the ``imu`` part of the lab's configuration.
+        ``CONFIGURATION_IMU`` in it becomes the value of ``imu`` in `lab_configuration`, such as the class's sensor names.
         """
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return _CONFIGURATION.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
     def sheets_own(self, name: str) -> str:
-        """Return the lab sheet's imports and definition of a name. Unlike a stand-in, it takes only the sheet's arguments."""
+        """Return the lab sheet's imports and its definition of a name, if it has one. The code takes only the sheet's arguments."""
         tree = ast.parse((self.folder / "sheet.txt").read_text(encoding="utf-8"))
         imports = [node for node in tree.body if isinstance(node, ast.Import)]
         own = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name]

@@ -48,7 +48,7 @@ def lab_named(id_: str) -> Lab:
     RequestError
         If no lab with this id is installed.
     GraderError
-        If the lab itself has another id: a class recorded with that one would not find the lab again.
+        If the installed lab's own `id` differs: a class stores that `id`, and would not find the lab again.
     """
     modules = _SHIPPED if id_ in _SHIPPED else {each.name: each.value for each in entry_points(group=GROUP)}
     if id_ not in modules:

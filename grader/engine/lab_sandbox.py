@@ -24,14 +24,14 @@ def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
 def open_sandbox(
     lab: Lab, isolation_level: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True
 ) -> Sandbox:
-    """Open a sandbox for many submissions; it gets ready in the background, while the caller goes on.
+    """Open a sandbox for many submissions, which the caller closes; it gets ready in the background, while the caller goes on.
 
     Parameters
     ----------
-    isolation_level : the best that this machine allows if None
-    libraries : imported in advance, to save time. A `Marker` adds those of `Lab.libraries` once a submission may import them. A
-        submission imports any other library itself; its points are the same.
-    thorough : also run each part of the sandbox's own code once in advance, so that no submission is charged for a first use
+    isolation_level : isolation level of the sandbox; None takes the best that this machine allows
+    libraries : modules imported in advance, to save time. A `Marker` adds those of `Lab.libraries` once a submission may import
+        them. A submission imports any other library itself; its points are the same.
+    thorough : also run each part of the sandbox's own code once in advance, so that a first use takes none of a submission's time
     """
     return Sandbox(
         Contents(WORKER_CODE, lab.folder / "worker", packages=lab.packages, warm=tuple(libraries), thorough=thorough),

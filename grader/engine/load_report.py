@@ -168,7 +168,7 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number that grows with each statement suspected or recorded; if a question raised it, asking again may get an answer."""
+        """Number that grows as statements are recorded, or suspected after a crash; if it grew, repeating a call may help."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
@@ -196,8 +196,8 @@ class DeadlyStatements:
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
         """Record the statements that a reply reports as interrupted after their time, so that new processes skip them.
 
-        `standins` are the names that correct code replaced in that process. Where others are replaced, a statement is skipped if
-        none of their code was running in it.
+        `standins` are the names that correct code replaced in that process. A process where other names are replaced skips a
+        statement if no code of those other names was running when it was interrupted.
         """
         beside = frozenset(standins)
         new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]

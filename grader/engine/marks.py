@@ -41,7 +41,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
 
 
 def fits(found: Result, rubric: Rubric) -> bool:
-    """Return whether a rubric can mark a recorded result: same questions, all criteria in the result, same checks in each."""
+    """Return whether a rubric can mark a recorded result: same limits, settings and checks, and all criteria in the result."""
     if found.asked_sha256 != rubric.asked_sha256:
         return False
     asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}
@@ -68,8 +68,8 @@ def _score_before(found: Result, rubric: Rubric) -> float:
 def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
     """Return a check's points: the share of `most` that it earned, None if it was not judged.
 
-    If the rubric's fixed `deductions` (points by fault) have all faults of the check, they are subtracted from `most` instead. Each
-    counts once in a criterion, so what this check loses is subtracted in `deductions`, for the criterion's later checks.
+    If `deductions` (the rubric's fixed points by fault) has every fault of the check, these points are subtracted from `most`
+    instead, and from `deductions`, too: the later checks of the criterion do not lose them again.
     """
     if found.keeps is None:
         return None

@@ -19,8 +19,8 @@ from typing import Any
 def starting_processes() -> Iterator[Callable[[], None]]:
     """Let the caller start processes of the grader in this context; yields a function that each new process must call first.
 
-    The context changes the working folder, so that a new Python imports no student's module. The yielded function returns the new
-    process to the folder that the caller works in, so that relative paths mean the same in both.
+    The context changes the working folder, so that a new Python imports no student's module. The yielded function sets the new
+    process's working folder to the caller's, so that relative paths mean the same in both.
     """
     in_main = threading.current_thread() is threading.main_thread()
     begin = partial(_begin_process, os.getcwd(), in_main)

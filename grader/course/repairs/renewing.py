@@ -19,12 +19,12 @@ BY_ITSELF = "Applied automatically: with this edit of one place the code runs."
 
 
 def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
-    """Make the results of repaired copies count again after a regrade of the original files.
+    """Make repairs count again after a regrade of the original files, from stored results of the copies or by `grading` them.
 
     Yields
     ------
-    For each of these submissions with repairs in force, the id with the repaired result or a line on why a repair does not count.
-    A repair counts while the student's file is the same.
+    For each of these submissions with repairs in force, its id with a line on each repair that does not count, because the student
+    has changed the file, and its id with the result of the other repairs; with a line on the reason if none can count.
     """
     by_id: dict[str, list[LoggedRepair]] = {}
     for each in store.repairs_in_force():
@@ -38,13 +38,13 @@ def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[
 
 
 def apply_suggested(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result]]:
-    """Apply the suggested repairs to submissions that do not run, for ``repairs: {apply: suggested}`` in the rubric.
+    """Find, apply and store repairs of submissions that do not run, for ``repairs: {apply: suggested}`` in the rubric.
 
-    A file that already has a repair, in force or taken back, is left alone.
+    A file that already has a repair, in force or taken back, is left alone. `grading` grades the edited copies.
 
     Yields
     ------
-    The id of each submission that was repaired, and its result.
+    The id of each submission that was repaired, and its result; nothing for those without a suggested repair.
     """
     decided: dict[str, set[tuple[str, str]]] = {}
     for each in store.repairs():

@@ -21,7 +21,7 @@ from grader.intake import Submission
 
 
 class MarkCopy(Protocol):
-    """Protocol of a function that grades a submission in the sandbox within `cpu_s` CPU seconds; None takes those of the rubric."""
+    """Protocol of a function that grades an edited copy in the sandbox within `cpu_s` CPU seconds; None: the rubric's limit."""
 
     def __call__(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
@@ -63,7 +63,9 @@ class _Left:
 
 
 def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: MarkCopy) -> Suggestion | None:
-    """Return a repair of one place at which code stops, the costliest whose working repairs all earn the same; None without one.
+    """Return an edit of one place at which code stops, with which its file runs and earns more; None if none is found.
+
+    The place that costs most points is tried first. A place whose working edits earn different scores is passed over.
 
     Parameters
     ----------

@@ -12,9 +12,9 @@ from grader.engine.lab import Lab
 
 
 def settings_on_record(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> GradingSettings:
-    """Return how the class in the output folder `out` was graded, for repairs; the lab's own settings if none are stored.
+    """Return how to grade repaired copies as the class in the folder `out` was graded; by the lab's settings if none are stored.
 
-    `secret` makes its hidden scenarios, None for public ones. `trusted` allows code to run where nothing isolates it.
+    `secret` makes the class's hidden scenarios; None for public ones. `trusted` allows code to run where nothing isolates it.
 
     Raises
     ------

@@ -61,8 +61,8 @@ class RunOutcome:
 
     `grades` holds the final grades. `resumed` counts results taken from the class database, `remarked` those of them regraded
     because the rubric had changed. `leftovers` are files that belong to no submission. `remarks` holds replaced submissions,
-    outdated overrides and new warnings; `known` counts the warnings of the previous run that still hold. `contradictions` are given
-    by every run.
+    outdated overrides and new warnings; `known` counts the warnings of the previous run that still hold. `contradictions` are
+    lines on grades that cannot be right, such as one above its maximum; every run repeats them.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -104,8 +104,8 @@ def change(request: GradeRequest, found: Class) -> Change | None:
     Raises
     ------
     RequestError
-        If the class was graded on hidden scenarios and these are the public ones, or `only` a part of the class would be graded by
-        other settings than the rest.
+        If the class was graded on hidden scenarios and the request has the public ones, or if the settings change scores and
+        `request.only` names a part of the class.
     """
     if not (request.out / FILE_NAME).is_file():
         return None
@@ -171,7 +171,7 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
     RequestError
         If OUT cannot be written, nothing here isolates students' code, or scores would change without `request.change`.
     GraderError
-        If no marker can be opened.
+        If no sandbox can be opened.
     """
     changed = change(request, found)
     moves = changed is not None and changed.moves_scores
@@ -372,9 +372,9 @@ def opener(request: GradeRequest) -> OpenMarker:
 def guarded_marker(
     rubric: Rubric, traces: Traces, isolation_level: str | None, trusted: bool, at_least: str = ""
 ) -> Iterator[Marking]:
-    """Open a marker, which grades student code, at `isolation_level`; None takes the best that works here.
+    """Keep a marker, which grades student code, open in this context at `isolation_level`; None takes the best that works here.
 
-    RequestError if that is weaker than `at_least`, or isolates nothing and students' code is not `trusted`.
+    RequestError if the level is weaker than `at_least` ("" allows any), or isolates nothing and students' code is not `trusted`.
     """
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.isolates and not trusted:

@@ -41,9 +41,9 @@ _MANY, _SHARE = 3, 0.1
 
 
 def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
-    """Return the well-known packages that a submission imports in any Python file or notebook, with the points that may need them.
+    """Return the well-known packages that a submission imports, each with the points that it may lose where the package is missing.
 
-    These are the points of the criteria whose names the importing files define; if they define none, those of all criteria.
+    They are the points of the criteria whose required names the importing files define; if they define none, of all criteria.
     """
     sources = {path: text for path, text in submission.files.items() if path.lower().endswith((".py", ".ipynb"))}
     own = {path.rpartition("/")[2].partition(".")[0] for path in submission.files}
@@ -61,7 +61,10 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
-    """Return by submission id the well-known packages that it imports and that are not installed here, before code is run."""
+    """Return by submission id the well-known packages that it imports and that are not installed here, with points as `imported`.
+
+    Code is searched as text and not run.
+    """
     there = available(rubric.lab)
     with ReadingProcess() as reader:
         found = {entry.id: imported(submission, rubric) for entry, submission in reader.each(entries)}
@@ -77,14 +80,14 @@ def failed(result: Result) -> Mapping[str, float]:
 
 
 def many(missing: Missing) -> Missing:
-    """Keep the missing packages that at least three submissions and a tenth of the class import, not those of one student."""
+    """Keep the missing packages that at least three submissions and a tenth of the class import: `grade` asks about these alone."""
     users = Counter(name for names in missing.values() for name in names)
     least = max(_MANY, _SHARE * len(missing))
     return {id_: {name: n for name, n in names.items() if users[name] >= least} for id_, names in missing.items()}
 
 
 def available(lab: Lab) -> set[str]:
-    """Return the names of installed packages that student code can import on this machine."""
+    """Return the installed packages that student code can import here: the lab's, and others that not only the grader needs."""
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders(), lab.packages)}
 
 

@@ -16,7 +16,7 @@ from grader.intake import Submission
 
 
 def unjudged(submission: Submission, request: GradeRequest, reason: str) -> Result:
-    """Return the result, with `reason` as a note, of a submission that the grader failed on: incomplete, with all points open."""
+    """Return the result, with `reason` as a note, of a submission that the grader failed on: no check is judged or has points."""
     note = f"The grader failed on this submission ({printable(reason, 300)}); grade it again"
     row = CheckResult("", "", "not_judged", None, 0.0, fault=printable(reason, 300))
     return _without_marker(submission, request, "incomplete", row, note)

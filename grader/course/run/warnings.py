@@ -18,7 +18,7 @@ _A_FEW = 5  # names
 
 
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Yield warnings: equal, empty, unreadable, timed-out or repaired submissions, missing packages, gaps of the roster.
+    """Yield warnings: equal, empty, unreadable, timed-out or repaired submissions, missing packages, mismatches with the roster.
 
     `absent` are people without a submission, `unknown` submissions that match nobody or several people of the roster.
     """
@@ -40,7 +40,10 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
 
 
 def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
-    """Yield warnings: submissions late only on the platform, and due dates for unknown names; none without a late policy."""
+    """Yield warnings: submissions that the platform calls late and the late policy does not; due dates for names in no submission.
+
+    None without a late policy.
+    """
     if policy is None:
         return
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
@@ -55,9 +58,9 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
 
 
 def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iterator[str]:
-    """Yield a warning about stored submissions that are not in a download (ids in `found`) with half of the class or more.
+    """Yield a warning about stored submissions that a download (ids in `found`) lacks, if they are at most half of those stored.
 
-    A smaller download holds resubmissions only, so nobody is missing from it.
+    A download that lacks more holds resubmissions only, so nobody is missing from it.
     """
     left = [id_ for id_, each in final_grades.items() if id_ not in found and not each.has_no_submission]
     if left and 2 * len(left) <= len(final_grades):
@@ -129,6 +132,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield the warning `what` with up to `A_LINE` names a line, separated by semicolons as names hold commas; none without any."""
+    """Yield lines of the warning `what`, each with up to `A_LINE` names, by semicolons as names hold commas; none for no names."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
