@@ -63,7 +63,7 @@ def address(group: Group) -> str:
 
 @dataclass(frozen=True)
 class Reason:
-    """Reason why a person should look at a submission, or at several (ids in `who`); `file` is the one it is about, else "".
+    """Reason why a person should look at a submission, or at several (ids in `who`); `file` is the submitted file, if any.
 
     A review is stored under `about`, a digest of `sentence` and `who`: if one of these changes, the item is open again.
     """
@@ -86,8 +86,7 @@ class Reason:
 class Item:
     """One item of the queue: a reason for one submission, for several (`others`) or for the class (no id).
 
-    `review` is None while the item is open. `gives_zero` says that the grade is blank until then, and 0 once a person has reviewed
-    it.
+    `review` is None while the item is open. `gives_zero`: the grade is blank until a person has reviewed the item, and then 0.
     """
 
     id: str
@@ -102,7 +101,7 @@ class Item:
 
     @property
     def together(self) -> str:
-        """Return the address of the page that decides for all submissions of the item; "" if there is only one."""
+        """Return the address of the page to decide for all submissions of the item at once; "" if there is only one."""
         return address(similar_group(self.ids)) if self.others else ""
 
     @property

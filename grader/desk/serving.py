@@ -31,7 +31,7 @@ def open_socket(port: int) -> socket.socket:
 
 
 def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
-    """Return the HTTP server of the desk, which `serve` starts."""
+    """Return the HTTP server of the desk, which `serve` starts; `author` is the default name under which decisions are stored."""
     config = uvicorn.Config(
         application(book, keys, author),
         log_level="warning",
@@ -47,7 +47,10 @@ def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
 
 
 def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
-    """Run the desk until interrupted; RequestError if the port is taken. `announce` gets the address with the access token."""
+    """Run the desk until interrupted; RequestError if the port is taken.
+
+    `author` is as in `server`. `announce` gets the address with the access token.
+    """
     with open_socket(port) as listening:
         keys = Keys(listening.getsockname()[1])
         made = server(book, keys, author)

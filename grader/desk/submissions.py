@@ -40,7 +40,7 @@ _WITHOUT = (
 
 @dataclass(frozen=True)
 class Typed:
-    """A refused form with an override of `target`, a check, a criterion, the total or the bonus: typed text and errors by field."""
+    """Refused form for an override of `target` (a check, a criterion, the total or the bonus): typed text, and errors by field."""
 
     target: str
     points: str
@@ -61,7 +61,7 @@ class Overrides:
     """Content of the page about one target (a check, a criterion, the total or the bonus): override, comment, regrade requests.
 
     `most` and `automatic` are its maximum and automatic points. `covered` is the criterion or total whose own override replaces
-    these points, "" if none. `effect` says before it is saved how an override changes the final grade.
+    these points, "" if none. `effect` tells, before an override is saved, how it changes the final grade.
     """
 
     target: str
@@ -194,7 +194,7 @@ def _page(
 
 
 def override(book: Classbook, web_request: WebRequest) -> Response:
-    """Store the override or comment of a form; undo the last one, so that the one before counts; or withdraw it altogether.
+    """Store the override or comment of a form, undo the last one (the one before counts again), or withdraw it (none counts).
 
     The comment answers the regrade request that the form names, if any. A refused form is shown again with its errors.
     """
@@ -226,7 +226,7 @@ def refused(final_grades: Sequence[FinalGrade], target: str, points: str, commen
 
 
 def picture(book: Classbook, web_request: WebRequest) -> Response:
-    """Serve a submitted picture. RequestError if it is no PNG by its header, which a browser could run, or is too large."""
+    """Serve a submitted picture. RequestError if it is no PNG by its header (a browser could run it) or is too large."""
     kept = book.kept(one(book, web_request))
     place = int(web_request.path["place"])
     contents = list(kept.files.values())
@@ -340,7 +340,7 @@ def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Ids of the submissions before and after the shown one, number `place` of `of`, and of the next to review; "" for none."""
+    """Ids of the submissions before and after the shown one (number `place` of `of`) and of the next one to review; "" for none."""
 
     place: int
     of: int

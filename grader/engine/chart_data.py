@@ -23,7 +23,7 @@ Role = Literal[
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve of a chart, named in its legend. `colour` (``#rrggbb``) is the student's; "" takes the colour of the `role`."""
+    """One curve of a chart: its name in the legend, its drawing style (`role`), and the student's `colour`, "" for the style's."""
 
     name: str
     role: Role
@@ -60,7 +60,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Evidence a result carries beside its grade: packed charts of the report, and hashes of the code to find similar ones."""
+    """Evidence that a result carries beside its grade: packed charts of the report, and hashes of the code to find similar ones."""
 
     charts: bytes = b""
     fingerprint: tuple[int, ...] = ()

@@ -92,7 +92,7 @@ class Marker:
         waiting: Callable[[str], None] | None = None,
         listen: Listener | None = None,
     ) -> Result:
-        """Grade one submission and return its result. No student code makes it raise. The status tells if nothing could be run.
+        """Grade one submission and return its result, whose status says if nothing could be run. No student code makes it raise.
 
         Parameters
         ----------

@@ -97,7 +97,7 @@ class Lab:
     model : the path of the model file that the sheet's code loads; "" if it loads none
     points_to : by check id, the required name that feedback points to; for a check that is not listed, the first name of its part
     calls : by required name, the source line that calls it, which reports show beside `imugrade repro`; a name may have none
-    waits_for : by operation of a question that takes long, what a message says that the grader waits for, such as a function
+    waits_for : by operation that the sandbox is asked for, words for it in the message that the grader still waits for its answer
     settings : the rubric keys of this lab, each with a function that returns its value; the function gets the file's reader, the
         key's node (None if the key is left out) and the folder that relative paths start from
     plot : draws traces, and a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files

@@ -15,7 +15,7 @@ WORKER_CODE = Path(__file__).parent.parent / "worker"
 def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
     """Return those of the lab's slow libraries that a submission may import, to be imported before its code runs.
 
-    A library is named if its first and its last part, as in ``scipy.signal``, occur in the submission's programs.
+    A library is returned if its first and its last part, as in ``scipy.signal``, occur in the submission's programs.
     """
     code = b"\n".join(content for path, content in files.items() if path.endswith((".py", ".ipynb")))
     return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))

@@ -168,7 +168,7 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number that grows as statements are recorded, or suspected after a crash; if it grew, repeating a call may help."""
+        """Number that grows as statements are recorded, or suspected of ending a process; if a call raised it, a retry may help."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:

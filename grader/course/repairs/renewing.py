@@ -19,12 +19,12 @@ BY_ITSELF = "Applied automatically: with this edit of one place the code runs."
 
 
 def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
-    """Make repairs count again after a regrade of the original files, from stored results of the copies or by `grading` them.
+    """Make repairs in force count again after a regrade of the original files; `grading` grades copies without a stored result.
 
     Yields
     ------
-    For each of these submissions with repairs in force, its id with a line on each repair that does not count, because the student
-    has changed the file, and its id with the result of the other repairs; with a line on the reason if none can count.
+    The id of a submission with the result of its repaired copy, or with a line on why a repair does not count, such as that the
+    student has changed the file. A submission may have both.
     """
     by_id: dict[str, list[LoggedRepair]] = {}
     for each in store.repairs_in_force():

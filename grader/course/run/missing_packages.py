@@ -61,7 +61,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
-    """Return by submission id the well-known packages that it imports and that are not installed here, with points as `imported`.
+    """Return by submission id the well-known packages that it imports and that are not installed, with points as in `imported`.
 
     Code is searched as text and not run.
     """
@@ -87,7 +87,7 @@ def many(missing: Missing) -> Missing:
 
 
 def available(lab: Lab) -> set[str]:
-    """Return the installed packages that student code can import here: the lab's, and others that not only the grader needs."""
+    """Return the names of installed packages that student code can import: the lab's and others, but not the grader's own."""
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders(), lab.packages)}
 
 

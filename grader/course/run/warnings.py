@@ -58,7 +58,7 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
 
 
 def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iterator[str]:
-    """Yield a warning about stored submissions that a download (ids in `found`) lacks, if they are at most half of those stored.
+    """Yield a warning about stored submissions that a download (ids in `found`) lacks, if these are at most half of all.
 
     A download that lacks more holds resubmissions only, so nobody is missing from it.
     """
@@ -132,6 +132,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield lines of the warning `what`, each with up to `A_LINE` names, by semicolons as names hold commas; none for no names."""
+    """Yield `what` with up to `A_LINE` of the names a line, separated by semicolons, as names hold commas; nothing for no names."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
