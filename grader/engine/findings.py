@@ -72,7 +72,7 @@ class Size:
     Attributes
     ----------
     what : beginning of a sentence, a constant of the grader's code: never text or a name of the student's
-    value, unit : size of the error; a message says "less than 0.1", "0.1 to 10" or "more than 10", as digits could tell hidden data
+    value, unit : size of the error; a message shows one of three steps, because code could encode hidden data in the digits
     """
 
     what: str
