@@ -15,9 +15,9 @@ from grader.engine.submission_session import SubmissionSession
 
 
 class PublicSession:
-    """Sandbox session about a submission with public data only, whose messages students may read.
+    """Sandbox session about a submission with public data only: its messages hold no hidden data, so students may read them.
 
-    The function `start` starts it at its first use. A RequestError or GraderError from it counts as no public data.
+    The first use calls `start`, which opens the session. If `start` raises a RequestError or GraderError, there is no public data.
     """
 
     def __init__(self, start: Callable[[], SubmissionSession]) -> None:
@@ -26,7 +26,7 @@ class PublicSession:
         self._failed = False
 
     def missing(self, name: str) -> Missing | None:
-        """Return why the required `name` is missing with public data, too; None if it is defined then, or if no answer came."""
+        """Return why a function or class of the lab is missing with public data; None if it is defined, or if no answer came."""
         student = self._session()
         if student is None:
             return None
@@ -39,7 +39,7 @@ class PublicSession:
         return None
 
     def notes(self, names: Iterable[str]) -> list[str]:
-        """Return the notes about loading the files that define these required names; [] without public data."""
+        """Return the notes about loading the files that define these functions and classes of the lab; [] without public data."""
         for name in names:
             self.missing(name)
         return self._started[0].notes if self._started else []

@@ -26,7 +26,10 @@ _ENDED_WITHIN_S = 5.0
 
 
 class Readable(Protocol):
-    """Protocol of a submission that was not read yet, such as one of a class; it is pickled and sent to the reading process."""
+    """Protocol of a submission that was not read yet: it is pickled and sent to the reading process, which calls `read`.
+
+    `id` and `name` become those of the unreadable submission if reading fails.
+    """
 
     @property
     def id(self) -> str: ...
@@ -42,7 +45,7 @@ Entry = TypeVar("Entry", bound=Readable)
 
 @dataclass(frozen=True)
 class SingleSubmission:
-    """A submission at a path, in no class, for a `ReadingProcess` to read. `required` are the files that the lab asks for."""
+    """A folder or file that a `ReadingProcess` reads as one submission. `required` are the files that the lab asks for."""
 
     path: Path
     required: tuple[str, ...]
@@ -62,8 +65,8 @@ class SingleSubmission:
 def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
     """Read the submission at `path` in a process that can be killed, so that no file can block or exhaust this one, and return it.
 
-    `required` are the files that the lab asks for. Outside Linux it is read in this process: a new one would import all modules
-    again, and without a sandbox people grade only their own code there.
+    `required` are the files that the lab asks for. Without an answer the submission counts as unreadable. Outside Linux this
+    process reads it: a new one would import all modules again, and without a sandbox people grade only their own code there.
     """
     if sys.platform != "linux":
         return SingleSubmission(path, required).read()

@@ -35,7 +35,7 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """Protocol of what an instructor lets the lab's recorder simulate, such as a robot in place of the lab's robot."""
+    """Protocol of what the lab's recorder, which records ground truth, simulates for an instructor in place of the lab's robot."""
 
     @property
     def identity(self) -> Sequence[str]:
@@ -48,9 +48,9 @@ class Subject(Protocol):
 
 
 def folder_of(lab: Lab) -> Path | None:
-    """Return the folder of a lab's recorder beside this package; None if it is not there, as in the students' wheel.
+    """Return the folder of the recorder of a lab's ground truth, beside this package; None if missing, as in the students' wheel.
 
-    No import is tried, because it could run a student's module of that name.
+    The file is looked for and not imported, because an import could run a student's module of the same name.
     """
     package, _, module = lab.recorder.partition(".")
     folder = _SOURCES / package
@@ -72,8 +72,8 @@ def default_cache_dir() -> Path:
 def stretched(secret: str) -> str:
     """Return the seed of hidden traces: scrypt makes it of the instructor's secret in a second, so that guesses are slow to test.
 
-    Only this process keeps the seed, so each command pays once and hands the traces to its markers. A file by which a later command
-    knew the secret sooner would let whoever reads that file test guesses as fast.
+    Only this process keeps the seed, so each command pays once and hands the traces to the processes that grade. A file by which a
+    later command knew the secret sooner would let whoever reads that file test guesses as fast.
     """
     salt, text = b"imugrade hidden scenarios", secret.encode("utf-8", "surrogatepass")
     return hashlib.scrypt(text, salt=salt, **SCRYPT_COST, maxmem=256 << 20, dklen=32).hex()
@@ -82,8 +82,8 @@ def stretched(secret: str) -> str:
 def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject | None = None) -> Traces:
     """Return a lab's ground truth, `name` being "public" or "hidden", from the cache; if missing or damaged, record and cache it.
 
-    The recorder simulates `subject`; None stands for the lab's own. Unless the name is "public", `seed` is the instructor's secret.
-    It is stretched first, so that neither the numbers nor the name of the cache entry lets anybody test a guess faster.
+    The recorder simulates `subject`; None stands for the lab's own. For "public", `seed` is used as it is. For "hidden" it is the
+    instructor's secret and is stretched first: else the numbers, or the cache entry's name, would let anybody test guesses fast.
 
     Raises
     ------

@@ -42,7 +42,7 @@ Asked = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Answer:
-    """A reply of the sandbox (`frame`) while it is validated, with the `fields` of its question and the arrays `asked` in it.
+    """A reply of the sandbox (`frame`) while it is validated, with the `fields` and the arrays (`asked`) of its question.
 
     A reply may name each array only once, as the worker code does; so records made from it are no larger than what was sent.
     """
@@ -73,7 +73,9 @@ class Answer:
         return array
 
     def node(self, value: Any, depth: int = 0) -> None:
-        """Check a node, a description by `worker.values` of a value from student code, inside `depth` nodes; None: no value.
+        """Check a node: a description, made by `worker.values`, of a value from student code; None (no value) passes at depth 0.
+
+        `depth` is the number of nodes that this one is nested in.
 
         Raises
         ------
@@ -99,7 +101,7 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check a list of at most `most` nodes (of `exactly` so many, if given) inside `depth` nodes; raise `Wrong` otherwise."""
+        """Check a list of nodes, nested in `depth` others; raise `Wrong` for a bad one, over `most`, or not `exactly` that many."""
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:
@@ -144,7 +146,7 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 
 
 def no_arrays(answer: Answer, reply: Any) -> None:
-    """Accept a reply: the function of a `Rule` for replies without arrays."""
+    """Check nothing and accept the reply: the function of a `Rule` whose replies have no arrays to check."""
 
 
 # --- replies that every lab's sandbox gives ------------------------------------------------------------------------------
@@ -158,7 +160,7 @@ class _Node(Struct):
 
 
 class ErrorReply(Struct):
-    """The part of a sandbox's reply that describes an exception of student code; `StudentError` has the same fields, explained."""
+    """The part of a sandbox's reply that describes an exception of student code; `StudentError` documents its fields."""
 
     type: Short
     message: Long
@@ -186,7 +188,7 @@ class Called(Struct):
 
 
 class Drawings(Called, kw_only=True):
-    """Reply with figures that student code drew; `drawings` checks each of them, and its arrays."""
+    """Reply with figures that student code drew; the function `drawings` checks each figure and its arrays."""
 
     figures: Annotated[list[dict[str, Any]], Meta(max_length=16)]
 

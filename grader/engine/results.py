@@ -46,9 +46,9 @@ class CheckResult:
     said, expected, got : the message: one sentence, or the expected and the actual value, which may have more lines
     where : the place in the student's files that the message is about; None if there is none
     misconceptions : ids of the faults that the check shows
-    keeps : share of the points that is earned, from which `marks` computes `points`; None if the grader could not judge
+    keeps : share of the points that is earned, from which the module `marks` computes `points`; None if the grader could not judge
     not_understood : True if the grader could not interpret the student's answer: a person has to review it
-    deducted : each fault that lost points of the check, for the report; () if no `charging.Judge` judged it
+    deducted : each fault that lost points of the check, for the report; () if no `charging.Judge`, which finds faults, judged it
     fault : the grader's exception that kept the check from being judged, with its place in the grader; else ""
     """
 
@@ -76,7 +76,7 @@ class CheckResult:
         return message_of(self.said, self.expected, self.got)
 
     def with_message(self, sentence: str) -> CheckResult:
-        """Return a copy with this sentence as its message, without a place in a file; the hint stays."""
+        """Return a copy with this sentence as its message and no place in a file, as after an interruption; `hint` stays."""
         return replace(self, said=sentence, expected="", got="", where=None)
 
 
@@ -144,7 +144,7 @@ class Repair:
 
 
 class Unrepaired(NamedTuple):
-    """How a check ended before the repairs: its share of points and faults, from which `marks` computes `Repair.score_before`."""
+    """How a check ended before the repairs: its share of points and its faults. `Repair.score_before` is computed from them."""
 
     keeps: float | None
     misconceptions: tuple[str, ...] = ()
@@ -158,9 +158,9 @@ class Result:
     ----------
     provenance : versions and digests that the result depends on
     extra_credit_cap : None if extensions earn nothing, as on the lab sheet; else the most that they add to the score
-    repairs : the patches; with them the checks are those of the repaired copy
+    repairs : the patches; if there are any, `criteria` and `extensions` are the results of the repaired copy
     unrepaired : how each check ended before the repairs, by id
-    evidence : charts and code fingerprint, shown beside the result and not part of its record
+    evidence : charts, and hashes of the code that find similar submissions; no part of the recorded result
     asked_sha256 : digest of the questions asked; a rubric with the same digest can mark a recorded result again
     cpu_s : CPU time of this grading, by the grader and the student's code; it is not recorded
     """

@@ -168,7 +168,10 @@ class NodeReader:
         return found
 
     def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
-        """Return a node's line of text; "" for None or after adding a problem, as if `pattern` (in words `like`) does not match."""
+        """Return a node's line of text; "" for None or after adding a problem, such as that `pattern` does not match all of it.
+
+        `like` says in that problem what `pattern` matches.
+        """
         if node is None:
             return ""
         if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
@@ -193,7 +196,7 @@ class NodeReader:
         return None
 
     def points(self, node: yaml.Node | None, what: str) -> float | None:
-        """Return the points of a node, None if it is no number; more than two decimals add a problem, as sums have to be exact."""
+        """Return the points of a node, None if no number. More than two decimals stay, but add a problem: sums have to be exact."""
         value = self.number(node, what)
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
@@ -210,7 +213,10 @@ class NodeReader:
         return self.points(node, what)
 
     def stamp(self, node: yaml.Node | None, what: str, zone: tzinfo | None = None) -> datetime | None:
-        """Return a date and time in UTC; None for None or after adding a problem. Without a `zone` the text needs an offset."""
+        """Return a date and time in UTC; None for None or after adding a problem.
+
+        `zone` is the time zone of a text without an offset from UTC; if `zone` is None, such a text adds a problem.
+        """
         when = read_stamp(node.value, zone) if isinstance(node, yaml.ScalarNode) else None
         if node is not None and when is None:
             example = "2026-11-20T23:59+01:00"

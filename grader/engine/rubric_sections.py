@@ -22,7 +22,7 @@ _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
 
 def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
-    """Return the criteria in their section, ordered as the lab's `ids`; `reader` collects problems, such as 0 points in all."""
+    """Return the criteria in the section `node`, in the order of `ids`; `reader` collects problems, such as 0 points in all."""
     criteria = []
     for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
         title = reader.text(keys.get("title"), f"the title of {name}")
@@ -35,7 +35,7 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the points of each extension that names none, and the cap of all (None: no cap); 0 and None without a section."""
+    """Return what an extension without points of its own is worth, and the cap of all (None: no cap); 0, None without a section."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))

@@ -87,7 +87,7 @@ class SandboxSession:
     lab : the lab, whose required names may be asked about
     files : the submission's files: relative path -> content
     above : paths in `files` that lie above the lab's folder, with the number of folders above it
-    lab_configuration : the lab's own settings, which the worker and the stand-ins need
+    lab_configuration : the lab's own settings, which the worker and correct code in place of broken definitions need
     call_cpu_s, submission_cpu_s : limits of CPU time, from the rubric
     waiting : called with a message if an answer takes long; None tells nothing
     """
@@ -139,14 +139,15 @@ class SandboxSession:
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission's own definitions in this context, not correct code in their place; yields the answers as `beside`."""
+        """Use the submission's own definitions in this context, not correct code in their place; yields what `beside` yields."""
         return self.beside(())
 
     @contextmanager
     def beside(self, sheets_own: Collection[str]) -> Iterator[dict[Any, Any]]:
         """Use the submission with the lab sheet's own code for exactly these names in this context, in a new process.
 
-        Yields a dict of the answers given in it. They are discarded at the end unless they are passed to `remember`.
+        So a caller sees how checks end without the faults in these names. Yields a dict of the answers given in the context, which
+        are discarded at its end unless they are passed to `remember`.
         """
         before = self.broken, self._sheets_own, self._answers
         self.broken, self._sheets_own, self._answers = set(sheets_own), sheets_own, {}
@@ -316,7 +317,7 @@ class SandboxSession:
             timer.cancel()
 
     def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        """Return the reply to a question, as `ask`, of a process without the submission: no student code can change the answer."""
+        """Ask a question as `ask` does, but of a new process without the submission: no student code can change the reply."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
@@ -344,10 +345,10 @@ class SandboxSession:
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Return what `ask` returns; if it fails, call it again in a new process, or raise the failure where that cannot help.
+        """Return what `ask` returns; if it fails, call it again in a new process, or raise its exception where that cannot help.
 
-        It is called again once, but not after a timeout; and after each failure that brings to light a statement that ends the
-        process or takes too long, which a new process skips.
+        `ask` gets one more attempt, but not after a timeout. Whenever its failure reveals a statement that ends the process or
+        takes too long, it gets another one, because a new process skips that statement.
         """
         tried = False
         while True:

@@ -184,8 +184,8 @@ class SubmissionSession(SandboxSession):
     def note(self, text: str, hidden: GraderText | None = None) -> None:
         """Add a note to the report, unless it is there already.
 
-        When hidden scenarios are graded, only constants of the grader's code are added: `hidden`, or a `text` that is `GraderText`.
-        Any other text may hold hidden data; `PublicSession` then provides the notes about loading.
+        When hidden scenarios are graded, `hidden` replaces `text` (None: `text` stays), and only `GraderText`, a constant of the
+        grader's code, is added. Any other text may hold hidden data; `PublicSession` then provides the notes about loading.
         """
         said = hidden or text
         if self.secret and not isinstance(said, GraderText):
@@ -212,5 +212,5 @@ def _strays_note(path: str, strays: Mapping[str, str]) -> str:
 
 
 def is_run(path: str) -> bool:
-    """Return whether a program may be run, by its name: not ``test_*``, ``conftest``, ``setup`` and the like, which tools run."""
+    """Return whether the grader may run a file, by its name: not ``test_*``, ``conftest``, ``setup`` or others for tools."""
     return PurePosixPath(path).stem not in _NEVER_IMPORTED and not PurePosixPath(path).name.startswith("test_")

@@ -147,7 +147,7 @@ class _Narrow(io.RawIOBase):
 def gather_members(
     archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str, required: Collection[str] = ()
 ) -> FileBudget:
-    """Return a `FileBudget` with the files of one submission in a class's zip, which notes call `name`.
+    """Return a `FileBudget` with the files of one submission in the zip of a whole class; `name` is the zip's name in notes.
 
     `members` are pairs of a file's path in the submission and its entry in the zip. The budget keeps room for `required` files.
     """

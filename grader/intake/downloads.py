@@ -23,7 +23,7 @@ Sources = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Download:
-    """The top level of a class's download (folder or zip), by which a platform recognises a download of its own.
+    """The top level of a download of a whole class (folder or zip), by which a platform recognises a download of its own.
 
     `path` is the download. If `root` is not "", it is the folder in the download whose content counts as the top level. `top` says
     of each name there whether it is a folder, `left` pairs each name that is left out with the reason. `known` names the people of
@@ -56,7 +56,7 @@ class Download:
         return data if len(data) <= most else None
 
     def holds(self, *parts: str) -> bool:
-        """Return whether the download has this file or folder at its top, by which a platform recognises it; `parts` are a path."""
+        """Return whether the download has a file or folder at the path `parts` from its top; a platform recognises it so."""
         inner = self.place("/".join(parts))
         return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
 

@@ -118,7 +118,7 @@ class FileBudget:
         return archives[0] if len(archives) == 1 and not any(map(is_code, self.files)) else None
 
     def unopened(self) -> list[str]:
-        """Return the names of the archives among the files, which a note tells were not opened."""
+        """Return the sorted names of the archives among the files, for a note that they were not opened."""
         return sorted(name for name in self.files if has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)))
 
     def notes(self) -> Iterator[str]:

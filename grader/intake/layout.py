@@ -21,7 +21,8 @@ class Layout:
     ----------
     folder : the folder with the lab's files; "" is the top of the submission
     inside : paths of the files in that folder, relative to it, sorted
-    above : files outside `folder`: the path from the nearest folder that holds both, and how many levels above `folder` that lies
+    above : files outside `folder`: each file's path from the nearest folder that holds both the file and `folder`, and how many
+        levels above `folder` that folder lies
     notes : sentences for the report
     """
 

@@ -59,7 +59,7 @@ class Submission:
 
 
 def original_name(path: Path) -> str:
-    """Return a submission's name in reports: that of its folder or file, an archive's without suffix; else ``submission``."""
+    """Return a submission's name in reports: that of its folder or file, an archive's without suffix; ``submission`` if empty."""
     name = Path(os.path.abspath(path)).name  # "." has a name too
     suffix = next((suffix for suffix in (*ARCHIVES, *FOREIGN_ARCHIVES) if has_suffix(name, (suffix,))), "")
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"

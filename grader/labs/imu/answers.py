@@ -36,7 +36,10 @@ class Reading:
 
 
 def as_reading(node: Node | None, arrays: Arrays) -> Reading:
-    """Return acceleration and angular velocity from whatever `get_imu_readings` returned: a pair, an array of six, named items."""
+    """Return acceleration and angular velocity from whatever `get_imu_readings` returned: a pair, an array of six, named items.
+
+    `node` describes the returned value, whose numbers are in `arrays`. A vector that is not found is None.
+    """
     parts = _pair(node, arrays)
     if parts is None:
         return Reading(None, None, shape_in_words(node, arrays))
@@ -94,7 +97,8 @@ class Readings:
     whole : whether each returned vector has three numbers
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
     error : the exception that the reader raised; None if it raised none
-    departs : the sheet's names of the parameters for which the student's function had to be called in another way
+    departs : the sheet's names of parameters that the function has by other names or in other places; "name for …" where it takes a
+        sensor's name for its id, "global …" where it reads a global variable in place of the parameter
     """
 
     accel: Array
@@ -137,7 +141,8 @@ class FilterRun:
     odd : in words, what the filter returned in place of the first missing vector; None if none is missing
     input_changed : whether the filter wrote into a measurement or into the initial value
     output_changed : whether the array of the first output has other numbers after the last update
-    departs : the sheet's names of the parameters for which the student's class had to be called in another way
+    departs : the sheet's names of parameters that the class has by other names or in other places; "method …" for a method with
+        another name, "global …" where it reads a global variable in place of the parameter
     """
 
     output: Array | None
@@ -155,9 +160,10 @@ class Drawing:
     Attributes
     ----------
     figures : the figures, each with what the sandbox reports of its axes and curves
-    departs : the sheet's names of the parameters for which the student's function had to be called in another way
+    departs : the sheet's names of parameters that the function has by other names or in other places; "global …" where it reads a
+        global variable in place of the parameter
     given : time and both sensors as the submission's own `simulate_and_collect` gave them to its plot; None if that did not run, or
-        if the seven columns are not all finite, changing and different
+        if the seven columns (time, and three axes of each sensor) are not all finite, changing and different
     """
 
     figures: tuple[Figure, ...]

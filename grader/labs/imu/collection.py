@@ -33,7 +33,8 @@ class Collection:
     absent : the sensor whose rows were not found although those of the other sensor were; its rows are NaN; "" if none
     last_alone : whether only the last row was filled; all rows then have its numbers
     unfilled : whether rows of NaN alone were returned; they are zeros here, as in an array of `np.zeros`
-    departs : the sheet's names of the parameters for which the function had to be called in another way
+    departs : the sheet's names of parameters that the function has by other names or in other places; "global …" where it reads a
+        global variable in place of the parameter
     """
 
     time: Array | None
@@ -65,7 +66,7 @@ class Collection:
         return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
 
     def with_gap(self) -> Collection:
-        """Return the recording with rows of NaN for a missing sensor, so that those of the other sensor can still identify the run.
+        """Return the recording with rows of NaN for a missing sensor, so that the other sensor's rows can still show the run.
 
         If both sensors or neither are there, the recording is unchanged.
         """
@@ -109,7 +110,10 @@ class Collection:
 
 
 def as_collection(node: Node | None, arrays: Arrays) -> Collection:
-    """Return time and both sensors from whatever `simulate_and_collect` returned, found by names, similar names, or shapes."""
+    """Return time and both sensors from whatever `simulate_and_collect` returned, found by names, similar names, or shapes.
+
+    `node` describes the returned value, whose numbers are in `arrays`. A series that is not found is None.
+    """
     if node is None or node["kind"] == "none":
         return _nothing_collected("got None")
     oddities: list[tuple[str, str]] = []

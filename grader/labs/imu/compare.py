@@ -115,12 +115,12 @@ def distinct_texts(wanted: Array, got: Array) -> tuple[str, str]:
 
 
 def changed(disturbance: Array) -> NDArray[np.bool_]:
-    """Return a mask (4,) of what a student's call changed that it should not: time, qpos, qvel, sensordata; NaN is a change."""
+    """Return a mask (4,) of what a call changed, time, qpos, qvel or sensordata; `disturbance` has the sizes, NaN is a change."""
     return np.asarray(~(disturbance <= NO_CHANGE))
 
 
 def changes_in_words(disturbance: Array) -> str:
-    """Say for a message which of time, qpos, qvel and sensordata a call changed, and by how much; "" if none."""
+    """Say for a message which of time, qpos, qvel, sensordata a call changed, and by how much (`disturbance`); "" if none."""
     names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
     every = zip(names, disturbance, changed(disturbance), strict=True)
     return "; ".join(f"{name} changed by {size:.3g}" for name, size, is_changed in every if is_changed)

@@ -64,7 +64,7 @@ class AllanRun:
 
     @property
     def stop(self) -> Exception | None:
-        """The exception that ends the checks of this curve if the code raised or gave under three times; None if it can go on."""
+        """The exception that ends the checks of this curve if the code raised or gave under three averaging times; else None."""
         if self.error:
             return Raised(self.error, "computing the Allan deviation")
         if self.curve is None:
@@ -128,7 +128,7 @@ _CURVES: Mapping[str, Estimate] = {
 
 
 def in_seconds(taus: Array, rate: float) -> Array:
-    """Return the cluster sizes, in samples, of averaging times in seconds, at a sampling `rate` in Hz."""
+    """Return the cluster sizes, in samples, of averaging times that are given in seconds, at a sampling `rate` in Hz."""
     return np.round(taus * rate)
 
 
@@ -183,7 +183,10 @@ def meaning(records: Sequence[Record], rate: float) -> Meaning:
 
 
 def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
-    """Return log-log slopes of a record's true Allan deviation and of its curve, at 30 clusters or more; NaN below three times."""
+    """Return log-log slopes of a record's true Allan deviation and of its curve; `size` turns averaging times into cluster sizes.
+
+    Averaging times with 30 clusters or more count; a slope is NaN with fewer than three of them.
+    """
     taus, curve, samples = record
     sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
     wanted = np.array([allan_deviation(samples, int(m)) for m in sizes])
@@ -239,7 +242,7 @@ class Allan:
 
     @property
     def worst(self) -> Record:
-        """The first record whose curve is not its Allan deviation over seconds, the message's example; raises if all are."""
+        """The first record whose curve is not its Allan deviation over seconds, for the check's message; raises if all are."""
         records = (self.records[kind] for kind in _RECORDS)
         return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
 

@@ -137,7 +137,7 @@ class Tilt:
     ----------
     level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; `odd` says in words what was
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
-    errors, alone : by check, the RMS error in its motion, and that of each sensor alone, in rad
+    errors, alone : by check, the filter's RMS error in that check's motion, and the error of each sensor by itself, in rad
     response : outputs after single changes of each sensor; None if some are missing
     stopped : by check, the exception that is raised in its place because its property could not be measured
     """

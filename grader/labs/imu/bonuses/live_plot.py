@@ -94,10 +94,10 @@ def _run(frame: Frame) -> LiveRun:
 
 
 def shows(x: Array, y: Array, channels: Array, dt: float) -> bool:
-    """Return whether a curve (n,) follows a column of `channels` (m, c), true readings every `dt` seconds of an axis of any IMU.
+    """Return whether a curve (n,) follows one of the columns of `channels` (m, c): each IMU's true readings every `dt` seconds.
 
-    Columns are three of an accelerometer and three of a gyroscope in turn. Angular velocity may be drawn in degrees per second;
-    noise and bias as on the sheet may be on the first IMU's readings.
+    An IMU has six columns: three axes of the accelerometer, then three of the gyroscope. Angular velocity may be drawn in degrees
+    per second; the first IMU's readings may have the noise and bias of the lab sheet.
     """
     finite = np.isfinite(x) & np.isfinite(y)
     x, y = x[finite], y[finite]
@@ -174,8 +174,8 @@ class Live:
     Attributes
     ----------
     run : what was seen while it ran
-    duration_s, timestep : the time that it was asked for, and that between rows of the truth, in s
-    channels : true readings (m, c) of a robot that was pushed, and of one that was reset and rests
+    duration_s, timestep : the time that it was asked to simulate, and the time between rows of `channels`, in s
+    channels : two arrays (m, c) of true readings: of a robot that was pushed, and of one that was reset and rests
     """
 
     run: LiveRun

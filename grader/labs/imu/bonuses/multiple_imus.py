@@ -92,7 +92,7 @@ class World:
 
     @property
     def with_numbers(self) -> Mapping[str, Array]:
-        """The first readings by name of the IMU, without IMUs whose readings are all NaN."""
+        """The readings (6,) in the first state, by name of the IMU; an IMU without any number is left out."""
         return {place: rows[0] for place, rows in self.read.items() if np.isfinite(rows[0]).any()}
 
     @property
@@ -105,7 +105,7 @@ class World:
 
     @property
     def repeats_one(self) -> bool:
-        """Return whether every IMU has the readings of the first, as code that ignores the name gives; False for one alone."""
+        """Return whether every IMU has the readings of the first, as code that ignores the name gives; False for a single IMU."""
         rows = list(self.read.values())
         return len(rows) > 1 and all(same(each, rows[0], 1e-9) for each in rows[1:])
 
@@ -137,7 +137,7 @@ class Imus:
 
 
 def measure(student: Student, truth: Traces) -> Imus:
-    """Ask `read_all_imus` about the lab's robot, even if the class uses another, and one with other IMUs; return the answers."""
+    """Ask `read_all_imus` about the lab's robot, even if the rubric names another, and one with other IMUs; return the answers."""
     sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
     many = truth["reading_many"]
     lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))

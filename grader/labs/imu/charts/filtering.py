@@ -23,7 +23,7 @@ _LEAST_GAIN = 1e-4
 
 
 def chart(runs: Sequence[FilterRun] | None, truth: Scenario) -> Chart | None:
-    """Return the chart of the run with the smallest alpha, beside the sheet's filter; None if one of its outputs is missing."""
+    """Return the chart of the first of `runs` (smallest alpha) beside the lab sheet's filter; None if any output is missing."""
     signal, alpha = truth["input"], float(truth["alpha"][0])
     output = runs[0].output if runs else None
     if output is None or output.shape != signal.shape or not np.isfinite(output).all():

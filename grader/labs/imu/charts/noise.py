@@ -28,7 +28,7 @@ class _Sensor:
 
 
 def charts(run: NoiseRun | None, truth: Traces) -> list[Chart]:
-    """Return the charts of a noise model's reads; none if any read was no two vectors of finite numbers."""
+    """Return the charts of a noise model's readings; [] without `run`, or if a reading was not two vectors of finite numbers."""
     if run is None or not (np.isfinite(run.accel).all() and np.isfinite(run.gyro).all()):
         return []
     scenario = truth["noise"]

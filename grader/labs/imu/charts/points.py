@@ -12,7 +12,10 @@ _LARGEST = 1e12
 
 
 def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
-    """Return a curve for a chart, without points that are not finite or too large; `colour` is that of a student's curve."""
+    """Return a curve for a chart, without points that are not finite or too large.
+
+    `role` is the drawing style. `colour` (``#rrggbb``) is the one that a student drew the curve in; "" if no student drew it.
+    """
     fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
     across, along = (tuple(each[fine].astype(np.float32).tolist()) for each in (x, y))  # finer than a pixel
     return Curve(name, role, across, along, colour)

@@ -22,8 +22,8 @@ Push = TypedDict("Push", {"came": str, "n": int})
 class Rows(TypedDict):
     """Values for the message of a check that found wrong rows in a recording: counts, and the row furthest from the truth.
 
-    `n` and `steps` are the numbers of rows and of time steps, `filled` that of rows not left zero, `late` that of samples by which
-    rows are late or early. `changed` says what the code changed of the model, `of` names the key of the sensor if only one is
+    `n` is the number of rows, `steps` of time steps, `filled` of rows that were not left zero, and `late` of samples by which rows
+    are late or early. `changed` says what the code changed of the model, `of` names the key of the sensor if only one is
     wrong ("" for both), `wanted` and `came` show the row furthest from the truth: its right numbers and the student's.
     """
 

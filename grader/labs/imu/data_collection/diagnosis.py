@@ -31,8 +31,9 @@ from grader.labs.imu.data_collection.row_origins import RowOrigin, moves, time_e
 class Explained:
     """Facts about a student's `simulate_and_collect`, and what explains its two recordings, for checks and hypotheses.
 
-    `push` is the origin of the rows of the first recording, of the lab sheet's push; `later` that of the second recording, of a
-    run on data that an earlier run left. Each is None if unknown. Properties that name no recording are about the first one.
+    `push` says which simulated run the rows of the first recording, made with the lab sheet's push, come from; `later` says it of
+    the second recording, which starts from used data of the simulator. Each is None if unknown. Properties that name no recording
+    are about the first one.
     """
 
     facts: Facts
@@ -106,11 +107,11 @@ class Explained:
 
     @property
     def few_rows_follow(self) -> bool:
-        """Return whether a fault that the check `matches_truth` reports explains missing rows, too, so that they cost nothing."""
+        """Return whether rows are missing because of a fault that the check `matches_truth` deducts, so that they cost no more."""
         return self.ends_at_once or self.last_alone
 
     def counts_by(self, fault: str) -> bool:
-        """Return whether this fault explains the numbers of rows in both recordings; False without a second recording."""
+        """Return whether the recordings' numbers of rows show this fault, an id from `counting_fault`; False without a second."""
         first, second = self.facts.push, self.facts.later
         if second is None or not (first.length or second.length) or self.few_rows_follow:
             return False
@@ -186,7 +187,7 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """Acceleration and angular velocity, each (rows, 3), that right code would record in the first run from its own start."""
+        """Acceleration and angular velocity, each (rows, 3), that right code records from the start that the student's code set."""
         worlds = self.facts.push.worlds
         from_truth = self.starts_over or (self.push is not None and self.push.world == TRUE_WORLD)
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
@@ -226,7 +227,10 @@ class Explained:
 
     @property
     def late(self) -> int:
-        """Samples by which rows lag behind the simulation (negative: lead), 1 if read before the step; 0 if stamps lag alike."""
+        """Samples by which rows lag behind the simulation (negative: lead), 1 if read before the step.
+
+        It is 0 if the time stamps are off by as much, so that each row fits its stamp.
+        """
         lag, series, step = self.push.lag if self.push else 0, self.series, self.facts.push.model_timestep
         if lag < -1 or not lag or series.time is None or series.acceleration is None or len(series.time) < 2:
             return lag
@@ -251,7 +255,7 @@ class Explained:
 
     @property
     def steps_beyond_rows(self) -> int:
-        """Number of simulated steps minus number of rows: -1 if the first row is left empty, many if a robot settles first."""
+        """Simulated steps minus rows, to tell faults apart: -1 if the first row is left empty, many if a robot settles first."""
         return int(self.series.first_step.get("steps", np.zeros(1))[0]) - self.facts.push.length
 
     @property
@@ -272,7 +276,7 @@ class Explained:
 
     @property
     def second_is_empty(self) -> bool:
-        """Return whether the first recording has rows and the second, of the same process, none: the fault `ignores-duration`."""
+        """Return whether the first recording has rows and the second, on used data, has none: the fault `ignores-duration`."""
         return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property
@@ -281,14 +285,15 @@ class Explained:
 
     @property
     def rows_left(self) -> int:
-        """Largest number of rows of an earlier run that a recording begins with: the fault `keeps-old-rows`."""
+        """Largest number of rows of an earlier run that a recording begins with, the fault `keeps-old-rows`; 0 if none does."""
         return max(run.left for run in self.facts.runs)
 
     @property
     def push_claim(self) -> Claim | None:
         """The start of the first run (state, gravity, time step, forces) as the worker reports it; None if it is right or unknown.
 
-        The start is right if the true run explains the rows, unless the robot only stands at first and is pushed later.
+        The start counts as right if the rows come from a simulation with the lab sheet's push; but not if the robot stands still
+        for many steps and is pushed only then.
         """
         return Claim.of(self.series.first_step) if self._settles_first else _claim_of(self.push, self.facts.push)
 
@@ -304,7 +309,7 @@ class Explained:
 
     @property
     def goes_on(self) -> bool:
-        """Return whether the second run continues an earlier one, or a run starts in another pose than the reset: `no-reset`."""
+        """Return whether the second run continues an earlier one, or either run starts in another state than reset: `no-reset`."""
         later, left_at = self.facts.later, self.facts.left_at
         # The stamps of both runs may begin late, by the same time or by as many steps.
         late = _first_stamp(self.facts.push)
@@ -321,7 +326,7 @@ class Explained:
 
     @property
     def other_velocities(self) -> bool:
-        """Return whether the second run begins with other velocities than the first, for lack of a reset or by a random push."""
+        """Return whether the second run starts with other velocities than the first; `pushed_apart` tells if the push is random."""
         first = self.series.first_step
         claim = _claim_of(self.later, self.facts.later) if self.facts.later is not None else None
         return claim is not None and self.later is not None and bool(first) and differ(claim.qvel, first["qvel"])
@@ -360,7 +365,10 @@ _GRAVITY_ATOL = 1e-3
 
 
 def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
-    """Return the id of the fault that the numbers of rows of two runs show; "" for none. `skips`: whether rows leave out steps."""
+    """Return the id of the fault, such as "ignores-duration", that two runs show by their numbers of rows; "" for none.
+
+    `skips` is whether rows leave out steps: then the fault is "fixed-rate" or "samples-skipped".
+    """
     n, m, a, b = first.length, second.length, first.duration_s, second.duration_s
     if skips:
         return "fixed-rate" if abs(n / a - m / b) <= 1 / min(a, b) else "samples-skipped"
