@@ -23,7 +23,7 @@ class Question(Generic[T]):
     Attributes
     ----------
     op : name of the operation; selects its handler in the sandbox and the `replies.Rule` that the reply must obey
-    about : the required name whose code is to run, in whichever file the submission defines it
+    about : the lab's function or class whose code is to run, in whichever file the submission defines it
     becomes : converts a reply that obeys the rule into the answer
     fields, arrays : input of the operation's handler
     """

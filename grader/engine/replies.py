@@ -213,7 +213,7 @@ class Load(RunScript, kw_only=True):
 
 
 class Image(Struct):
-    """Reply about a handed-in picture, or with the `reason` why it cannot be read."""
+    """Reply about a handed-in picture: its size, number of colours and share of drawn pixels (`ink`); or why it is unreadable."""
 
     readable: bool
     reason: Short = ""

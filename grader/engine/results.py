@@ -249,7 +249,7 @@ def to_dict(result: Result) -> dict[str, Any]:
 
 
 def shown_provenance(result: Result) -> dict[str, Any]:
-    """Return the provenance for students: without the digest of hidden traces, by which anybody could test a guessed secret."""
+    """Return `provenance` for students: without the digest of hidden traces, by which anybody could test a guessed secret."""
     left_out = ("no_submission", *(("traces_sha256", "hidden") if result.provenance.get("hidden") else ()))
     return {key: value for key, value in result.provenance.items() if key not in left_out}
 

@@ -16,7 +16,10 @@ OwnChecks = tuple[tuple[str, bytes], ...]
 
 @dataclass(frozen=True)
 class CheckWeight:
-    """A check as a rubric lists it. `id` is the full id (``filtering.passes_constant``), `line` its line in the file."""
+    """A check as a rubric lists it: `max_points` is its part of the criterion's points, in proportion to `weight`.
+
+    `id` is the full id (``filtering.passes_constant``), `line` its line in the file.
+    """
 
     id: str
     weight: float

@@ -27,7 +27,7 @@ T = TypeVar("T")
 
 
 class SubmissionSession(SandboxSession):
-    """Sandbox session that finds the file that defines a required name, and asks questions about the name there.
+    """Sandbox session that finds the file that defines a function or class of the lab, and asks questions about it there.
 
     Attributes
     ----------

@@ -41,7 +41,7 @@ class Unreadable(Exception):  # noqa: N818 - a verdict on a submission, not an e
 
 @dataclass
 class Room:
-    """How many more files of one kind (code, or not), and how many more bytes, are read of a submission."""
+    """Remaining limits on a submission: how many files of one kind (required, code, other) and bytes are still read."""
 
     files: int = MAX_FILES
     bytes: int = MAX_BYTES

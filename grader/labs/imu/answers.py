@@ -120,7 +120,7 @@ class NoiseRun:
     """Values of many reads of a student's `NoisyIMU`: ``accel`` and ``gyro``, NaN where a read was not two vectors of three.
 
     Both have the shape (states or instances, reads, 3). ``odd`` says in words what came in place of two vectors; None if nothing
-    did. ``disturbance``, ``error`` and ``departs`` are as in `Readings`.
+    did. ``disturbance`` and ``error`` are as in `Readings`, ``departs`` is as in `FilterRun`.
     """
 
     accel: Array

@@ -21,7 +21,7 @@ _UNFIT = 4  # the reference's exit code where a model cannot be graded
 
 @cache
 def shipped() -> Traces:
-    """Return the public traces that lie in the package: those of the lab's robot, or in a kit those of the instructor's."""
+    """Return the public traces that lie in the package: of the lab's robot, or in a student's kit of the instructor's robot."""
     return load(beside(__package__, "public.npz"))
 
 

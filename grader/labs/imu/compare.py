@@ -93,12 +93,12 @@ def never_written(values: Array) -> NDArray[np.bool_]:
 
 
 def not_finite_in_words(values: Array) -> str:
-    """Say for a message what some of these values are instead of finite: NaN or infinity, or memory that was never written."""
+    """Say for a message what the values that are not finite are: memory that was never written, else NaN or infinity."""
     return "memory that was never written (np.empty)" if never_written(values).any() else "NaN or infinity"
 
 
 def vector(values: Array, digits: int = 3) -> str:
-    """Format a vector for students: ``[ 0.412 -0.031 -9.702]``; with powers of ten only if all numbers are small or one is huge."""
+    """Format a vector with `digits` decimals: ``[ 0.412 -0.031 -9.702]``; with powers of ten if all are small or one is huge."""
     array = np.asarray(values, float)
     if array.ndim == 1 and (unset := never_written(array)).any():
         parts = ["never written" if is_unset else f"{x:.{digits}f}" for x, is_unset in zip(array, unset, strict=True)]

@@ -156,7 +156,7 @@ class Meaning:
 
 
 def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_deviation) -> bool:
-    """Return whether a curve (k,) is this estimate of `samples` at cluster sizes (k,), exactly or as far as chance allows."""
+    """Return whether a curve (k,) is the `estimate` of `samples` at cluster sizes (k,), exactly or as far as chance allows."""
     usable = (sizes >= 1) & (sizes <= len(samples) // 2)
     wanted = np.array([estimate(samples, int(m)) for m in sizes[usable]])
     if len(wanted) >= _FEWEST and np.allclose(curve[usable], wanted, rtol=_EXACT, atol=0.0):

@@ -165,7 +165,7 @@ class Explained:
 
     @property
     def plain(self) -> bool:
-        """Return whether all numbers come unaltered from a simulated run; rows may be late or missing, and sensors exchanged."""
+        """Return whether all numbers come unaltered from a simulated run; rows may be late or missing, and sensors swapped."""
         return self.push is not None and not self.push.altered
 
     @property
@@ -246,7 +246,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and end before the run: the fault `samples-skipped` of the check `matches_truth`."""
+        """Return whether rows leave out steps and stop too early: the fault `samples-skipped` of the check `matches_truth`."""
         return (
             self.push is not None
             and self.push.skip != 1
