@@ -124,7 +124,10 @@ class Adjustment:
 
 @dataclass(frozen=True)
 class Term:
-    """Summand of a final grade: "score" or "total" (set by a person), "bonus", "extra credit"; negative: "repair", "late"."""
+    """Summand of a final grade, such as the score, or a deduction with negative points.
+
+    `name` is "score", or "total" if a person set it; "bonus", "extra credit"; or for deductions "repair", "late".
+    """
 
     name: str
     points: float
@@ -135,9 +138,9 @@ class FinalGrade:
     """The final grade of one submission: the automatic result, the hand-in and a person's adjustments, added up.
 
     `final` is the score, with overrides, plus bonus and extra credit, minus the deductions for repairs and lateness; `terms` holds
-    these numbers. An override of the total is final: only a bonus is added to it. `result` is never changed. `final` is None while
-    a check is not judged because the grader failed, and while the submission is `unseen`. `reviewed` says that a person marked an
-    empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
+    these numbers. An override of the total is final: only a bonus is added to it. `result` is always the automatic one. `final` is
+    None while a check is not judged because the grader failed, and while the submission is `unseen`. `reviewed` says that a person
+    marked an empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
     """
 
     id: str
@@ -266,7 +269,7 @@ class FinalGrade:
         return check.points if by_hand is None else by_hand.points
 
     def outdated(self) -> list[Adjustment]:
-        """Return the overrides whose automatic points or their maximum have changed since, which a person should review."""
+        """Return the overrides whose automatic points or maximum changed after they were made; a person should review them."""
         return [each for each in self.adjustments if not each.alone and self._is_outdated(each)]
 
     def _is_outdated(self, adjustment: Adjustment) -> bool:

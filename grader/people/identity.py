@@ -70,6 +70,7 @@ class Directory:
         """Return the match of each row, None for a row without one.
 
         If rows match the same person, only the one with the surest kind of identifier keeps its match; of equally sure ones none.
+        A platform's own number is the surest; then come other numbers, e-mail address and name.
         """
         found = [self._best_match(row) for row in rows]
         claims: dict[Match, set[tuple[int, PersonRow]]] = {}
@@ -84,7 +85,7 @@ class Directory:
     def why_not(self, row: PersonRow) -> str:
         """Return for a warning why a row has no match; "" if nobody resembles it.
 
-        The row fits several submissions, or a person whom another row means as well, or its identifiers contradict the person's.
+        Possible reasons: it fits several submissions; another row means the same person; its identifiers contradict the person's.
         """
         refused = ""
         for kind, word in _asked(row):

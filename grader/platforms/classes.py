@@ -60,7 +60,7 @@ class ClassEntry:
 
 @dataclass(frozen=True)
 class Intake:
-    """Content of the paths of a class: submissions, what is not graded and why (owner, age), and a line on each download."""
+    """Content of a class's paths: submissions, and lines on what is not graded and why (`leftovers`) and on each download."""
 
     entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]

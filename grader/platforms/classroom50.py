@@ -105,7 +105,7 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
 
 
 def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
-    """Round the `points` of parts to integers whose sum is the rounded total; none exceeds `most`, the maximum of its part."""
+    """Round points of checks to integers, as Classroom 50 requires, that add up to the rounded total; none exceeds its `most`."""
     whole = [math.floor(each + 1e-9) for each in points]
     open_ = math.floor(round(sum(points), 2) + 0.5) - sum(whole)
     by_remainder = sorted(range(len(points)), key=lambda i: (whole[i] - points[i], i))

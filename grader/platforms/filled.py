@@ -47,7 +47,7 @@ class Filled:
     replaced: list[str] = field(default_factory=list)
 
     def without_row(self, final_grade: FinalGrade) -> list[Person]:
-        """Return the people of a submission who have no row in the file, to warn about them; none if its whole group has a row."""
+        """Return the people of a submission who have no row in the file, to warn about them; [] if one row stands for the group."""
         if Match(final_grade.id, None) in self.placed:
             return []
         return [person for person in final_grade.people if Match(final_grade.id, person) not in self.placed]

@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Shape:
-    """Contents of a platform's download: its kind (`title`), the submissions, and what is not graded (`left`), with reasons."""
+    """Contents of a platform's download: its kind (`title`), the submissions, and what is not graded (`left`: names, reasons)."""
 
     title: str
     found: tuple[Found, ...]
@@ -49,6 +49,6 @@ class Shape:
 
 
 def at_least_half(fits: Iterable[bool]) -> bool:
-    """Return whether at least half of the values are true, so that a few stray files do not matter; False if there are none."""
+    """Return whether at least half of a download's entries fit a platform, so that stray files do not matter; False without any."""
     answers = list(fits)
     return bool(answers) and 2 * sum(answers) >= len(answers)

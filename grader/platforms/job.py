@@ -27,8 +27,8 @@ class CiJob:
     """Request of `imugrade ci`: which submission to grade, by which rubric and scenarios (`traces`), and where the output goes.
 
     `path` or `out` None is the platform's default; `out` "-" is stdout. `trusted` allows hidden scenarios without isolation.
-    `min_score` matters to a platform that refuses one. `isolation_level` None is the best that works. `private` says that students
-    can read neither the files nor the output of the job.
+    `min_score` is the score below which `imugrade ci` fails; some platforms refuse it. `isolation_level` None is the best that
+    works. `private` says that students can read neither the files nor the output of the job.
     """
 
     platform: Platform

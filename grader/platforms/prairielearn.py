@@ -15,7 +15,10 @@ LIMIT_BYTES = 1_000_000  # PrairieLearn refuses more
 
 
 def prairielearn(result: Result) -> str:
-    """Return the text of PrairieLearn's `results.json`: "not gradable" without a score; without tests and output if too large."""
+    """Return the text of PrairieLearn's `results.json`, without tests and output if it would be larger than PrairieLearn accepts.
+
+    A submission that is empty, unreadable or not fully judged is "not gradable", which costs the student no attempt.
+    """
     text = rows.as_json(_record(result))
     return text if len(text.encode()) <= LIMIT_BYTES else rows.as_json({**_record(result), "tests": [], "output": ""})
 

@@ -58,5 +58,5 @@ def platform(name: str) -> Platform:
 
 
 def platforms(*deeds: Deed) -> Iterator[Platform]:
-    """Return the records of the platforms that support at least one of these capabilities, such as "read" (downloads)."""
+    """Yield the records of the platforms that support at least one of these capabilities, such as "read" (downloads)."""
     return (platform(name) for name in names(*deeds))

@@ -71,7 +71,7 @@ class PluginRun:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_make_collect_report(self, collector: pytest.Collector) -> pytest.CollectReport | None:
-        """Collect the student's files that the lab asks for, in place of the folder's tests; None leaves a collector to pytest."""
+        """Collect, for a session, the student's files that the lab asks for, not tests; None leaves other collectors to pytest."""
         if not isinstance(collector, pytest.Session):
             return None
         files: dict[Path, list[str]] = {}
@@ -100,7 +100,7 @@ class PluginRun:
         return self.path / at.file if self.path.is_dir() else self.path
 
     def checks(self, criterion: str, file: Path) -> Iterator[str]:
-        """Yield the names of a criterion's checks that the arguments select by name or by `file`, under which pytest lists them."""
+        """Yield the names of a criterion's checks, listed under the student's `file`, that the arguments of pytest select."""
         for weight in self._rubric.checks:
             part, _, name = weight.id.partition(".")
             if part == criterion and self._asked.wants(file, part, name):

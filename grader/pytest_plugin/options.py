@@ -14,7 +14,11 @@ _CODE = (".py", ".ipynb")
 
 @dataclass(frozen=True)
 class Name:
-    """Selection by one argument of `pytest --imugrade`: in `file` (None: any) all, or by `names` a criterion or one check."""
+    """Selection of checks by one argument of `pytest --imugrade`: by file, by criterion, or a single check.
+
+    `file` is the file under which pytest lists the checks, None for any. `names` is a criterion's id, or that and the name of
+    one of its checks; () selects all checks of the file.
+    """
 
     file: Path | None
     names: tuple[str, ...]
@@ -35,8 +39,9 @@ class PluginOptions:
 
 
 def options_of(arguments: Sequence[str], criteria: Collection[str]) -> PluginOptions:
-    """Separate arguments that name checks, files or `criteria`, ids that the lab has, from the one that is the submission's path.
+    """Separate arguments that name checks, files or criteria from the one that is the submission's path.
 
+    `criteria` are the ids of the lab's criteria and extensions.
     ``sensor_access`` and ``sensor_access::follows_address`` are names, and so is what pytest and editors call a test:
     ``imu_reader.py::sensor_access::follows_address``. Any other argument is the path; without one it is the working folder.
 

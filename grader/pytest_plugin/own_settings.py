@@ -15,7 +15,7 @@ from pathlib import Path
 
 
 def options() -> str:
-    """Return options, as text, by which pytest reads the grader's empty settings, no others, and shows paths from this folder."""
+    """Return pytest options, as text: read only the grader's empty settings file, and show paths from the working folder."""
     empty = Path(__file__).with_name("empty.ini")
     return shlex.join(("-c", empty.as_posix(), "--rootdir", Path.cwd().as_posix()))
 

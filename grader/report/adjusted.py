@@ -38,7 +38,7 @@ def is_changed(final_grade: FinalGrade) -> bool:
 
 
 def total(final_grade: FinalGrade) -> tuple[str, str]:
-    """Return the final points and the maximum; a dash for an empty or unreadable submission that no person has reviewed."""
+    """Return the final points and the maximum as text; the points are a dash as long as there is no final grade."""
     points, most = words.total_points(final_grade.result).split(" / ")
     if final_grade.unseen:
         return "–", most

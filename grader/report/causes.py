@@ -57,7 +57,7 @@ class Stop:
     error
         Python's own message, or that the call had no answer.
     lost
-        Points that the stop costs now, with those of checks whose code needs what stops and so raised an exception.
+        Points lost now because of this place, including those of checks of other code that needs the failing code.
     """
 
     file: str
@@ -188,7 +188,7 @@ def cost_now(cause: Cause) -> list[words.LabelledLine]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
-    """Return each failed check of a cause with the lines of its feedback, but for hints (`next_lines`) and lines shown before."""
+    """Return each failed check of a cause with its feedback, without hints (see `next_lines`) and what an earlier check showed."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 

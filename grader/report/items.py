@@ -60,7 +60,7 @@ class ItemAnalysis:
 
     @property
     def doubtful(self) -> bool:
-        """Return whether, of 30 or more submissions, strong ones fail the check as often as weak ones; the check needs review."""
+        """Return whether strong submissions fail the check as often as weak ones, so that it needs review; False for under 30."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 

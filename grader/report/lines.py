@@ -26,7 +26,7 @@ class Setting:
 
     @property
     def bars(self) -> bool:
-        """Return whether the console is wide enough for a bar and can print its characters."""
+        """Return whether to show a criterion's points as a bar: the console is a terminal, wide enough and able to print it."""
         return self.width is not None and self.width >= 60 and self.console.encoding.startswith("utf")
 
     def head(self, sign: Text, title: str, points: str, style: str = "") -> list[Text]:

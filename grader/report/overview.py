@@ -32,7 +32,7 @@ _LABELS = {
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of a cell of the class table, and the key by which the table sorts its column."""
+    """Text of a cell of the class table, and the number by which the table sorts its column."""
 
     text: str
     key: float
@@ -250,7 +250,7 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
 
 
 def deducting(result: Result) -> list[str]:
-    """Return the ids of a submission's faults, for the class page, without those of extensions alone: they cost no score."""
+    """Return the ids of a submission's faults, for the class page, without faults found only in extensions, which cost no score."""
     of_criteria = {id_ for part in result.criteria for check in part.checks for id_ in check.misconceptions}
     of_extensions = {id_ for part in result.extensions for check in part.checks for id_ in check.misconceptions}
     return [id_ for id_ in result.misconceptions if id_ in of_criteria or id_ not in of_extensions]

@@ -56,7 +56,7 @@ Rows = tuple[tuple[str, words.CheckText], ...]
 
 @dataclass(frozen=True)
 class PartOnPage:
-    """A criterion or an extension on the page; `share` is the percentage of its points.
+    """A criterion or an extension on a student's report page; `share` is the percentage of its points.
 
     `folded` is the HTML of the closed lists: checks that were not graded, and checks that passed.
     """
@@ -152,7 +152,7 @@ def index_page(
     absent
         People of the roster without a submission.
     contradictions
-        A sentence on each grade that cannot be right as it stands.
+        A sentence on each grade that cannot be right as it stands, such as an override above its maximum.
     """
     results = [final_grade.result for final_grade in final_grades.values()]
     grades = graded(final_grades.values())
@@ -178,7 +178,10 @@ def index_page(
 def rendered(
     template: str, script: str | None, lab: LabName, *, more_style: str | None = None, **values: object
 ) -> str:
-    """Return a template filled with `values`, its style and script inside; its security policy lets browsers load nothing else."""
+    """Return a page: the template filled with `values`, style and script inside; its security policy lets browsers load no more.
+
+    `template`, `script` and `more_style` (added to the common style) are names of files in the folder of templates.
+    """
     style, style_hash = _inlined("style.css", *([more_style] if more_style else []))
     text, script_hash = _inlined(script) if script else (Markup(), "")
     policy = f"default-src 'none'; style-src '{style_hash}'; img-src data:"

@@ -57,7 +57,7 @@ def screen(
     command
         The command that was called, without options.
     repeat
-        The command that writes a check as a program, with ``{}`` for its id; "" if there is none.
+        The command that writes a program to repeat a check without the grader, with ``{}`` for the check's id; "" shows none.
     verbose
         Show every cause with all lines, and each passed check.
     """

@@ -25,7 +25,7 @@ FOR_THE_INSTRUCTOR = frozenset({"tampering"})
 
 @dataclass(frozen=True)
 class Word:
-    """How an outcome is shown: its word, a sign that works without colour, and its kind, one of four CSS classes."""
+    """How the outcome of a check is shown: its word, a sign that works without colour, and its kind, one of four CSS classes."""
 
     word: str
     sign: str
@@ -61,7 +61,7 @@ class LabelledLine:
 
 @dataclass(frozen=True)
 class CheckText:
-    """The feedback of one check as text; `read` is the lab step to read, `again` the command to rerun it, "" if not needed."""
+    """The feedback of one check as text; `read` is the lab step to read, `again` the command to rerun it, "" without feedback."""
 
     outcome: Word
     title: str
@@ -167,7 +167,7 @@ NO_SUBMISSION = "no submission"
 
 
 def status(final_grade: FinalGrade) -> str:
-    """Return the status of a submission as in `Result`, or "no submission" for a person who has points only by an override."""
+    """Return "graded", "incomplete", "empty" or "unreadable"; "no submission" for a person who has points only by an override."""
     return NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
 
 
@@ -222,12 +222,12 @@ def repairs(result: Result) -> list[str]:
 
 
 def faults(result: Result) -> list[str]:
-    """Return the faults of a result as words, without those that only the instructor may see."""
+    """Return the faults of a result, each as words (see `fault_in_words`), without those that only the instructor may see."""
     return [fault_in_words(id_) for id_ in result.misconceptions if id_ not in FOR_THE_INSTRUCTOR]
 
 
 def fault_in_words(id_: str) -> str:
-    """Return a fault id such as ``sensor-id-as-address`` as words."""
+    """Return a fault id such as ``sensor-id-as-address`` as words: ``sensor id as address``."""
     return printable(id_, 80).replace("-", " ")
 
 

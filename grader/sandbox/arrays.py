@@ -30,7 +30,7 @@ def _padded(size: int) -> int:
 def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], list[bytes]]:
     """Return a description of each array (name, dtype, shape) for a message's JSON, and each one's bytes, which follow the JSON.
 
-    Raise ValueError if an array has a dtype or shape that cannot be sent, or more than `most` bytes.
+    Raise ValueError if one of the arrays has a dtype or shape that cannot be sent, or alone more than `most` bytes.
     """
     layout: list[list[Any]] = []
     chunks: list[bytes] = []
@@ -47,7 +47,10 @@ def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], 
 
 
 def unpack(layout: Any, body: memoryview, most: int) -> dict[str, np.ndarray]:
-    """Rebuild at most `most` arrays from `body`; raise ValueError if `pack` could not have written `layout` and these bytes."""
+    """Return the arrays of a message, by name: `layout` is the description that `pack` returned, and `body` holds their bytes.
+
+    Raise ValueError if there are more than `most` arrays, or if `pack` could not have written `layout` and `body`.
+    """
     if not isinstance(layout, list) or len(layout) > most:
         raise ValueError(f"the arrays are not a list of at most {most}")
     arrays: dict[str, np.ndarray] = {}

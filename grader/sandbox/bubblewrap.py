@@ -15,7 +15,10 @@ _SCRATCH_BYTES = 64 << 20
 
 
 def command(plan: Plan, control_fd: int) -> list[str]:
-    """Return the command that starts a zygote (the warm parent) in bubblewrap: socket `control_fd`, the same files as `rootfs`."""
+    """Return the command that starts a zygote (the warm parent of workers) in bubblewrap, with the files that `plan` makes visible.
+
+    `control_fd` is the descriptor of the socket by which the zygote and the grader communicate.
+    """
     arguments = ["--unshare-all", "--chdir", "/"]
     if plan.end_with_parent:
         arguments.append("--die-with-parent")

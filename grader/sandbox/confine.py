@@ -37,8 +37,8 @@ class Confinement:
     proc
         Descriptor of the host's /proc, or -1 without one. The worker closes it before student code runs.
     zygote
-        The zygote's pid, as a worker without a pid namespace sees it; 0 for other workers. A worker whose parent
-        is another process, because its zygote has died, ends.
+        The zygote's pid, by which a worker recognises that its zygote has died, and then ends itself; 0 for workers with a pid
+        namespace, who do not see it.
     """
 
     isolation_level: IsolationLevel

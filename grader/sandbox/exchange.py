@@ -19,7 +19,7 @@ _CORES = os.cpu_count() or 1
 
 
 class LineClosedError(Exception):
-    """Exception: the process at the other end of the socket has ended or closed it, so that no answer comes."""
+    """Exception: the process at the other end of the socket has ended or closed the socket, so that no answer comes."""
 
 
 class DeadlineError(Exception):

@@ -18,13 +18,13 @@ _NAMES = ("grader.worker", "grader.questions")
 
 
 def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough: bool = False) -> worker.Answer:
-    """Import the worker code and a lab's own module, if there is one, let both warm up; return `answer`, which answers requests.
+    """Import the worker code and a lab's own module, if there is one, and warm them up; return the function that answers requests.
 
     Parameters
     ----------
     folders : the package folder of the worker code, then that of the lab's module
     search : `sys.path` from now on
-    thorough : whether to use each library once, too
+    thorough : whether to also use each library once, so that the first use costs no worker time
     """
     sys.path[:] = search
     worker_code, *questions = _imported(dict(zip(_NAMES, folders, strict=False)))
@@ -34,7 +34,7 @@ def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough:
 
 
 def import_where_they_are(modules: Iterable[str]) -> None:
-    """Import those of these modules that are installed, so that later workers start with them; others fail where they are used."""
+    """Import those of `modules` that are installed, so that workers forked later start with them; skip any that fails to import."""
     for name in modules:
         with contextlib.suppress(Exception):  # then it fails for the student's code, as it would anywhere
             importlib.import_module(name)

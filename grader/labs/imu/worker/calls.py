@@ -100,11 +100,13 @@ PLOT_TEXTS = {"file_name": "imu_data.png", "title": "IMU data"}
 
 
 class Reader:
-    """A student's `get_imu_readings`, called as on the lab sheet; with sensor names if it fails with ids and works with names.
+    """Caller of a student's `get_imu_readings` with the lab sheet's arguments; sensor names replace ids if only names work.
+
+    A call returns what the student's function returns.
 
     Attributes
     ----------
-    departs : the sheet's names of the parameters in which its signature differs, complete after the first reading
+    departs : the sheet's names of the arguments that the student's function takes differently, complete after the first call
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -152,7 +154,7 @@ def _needed(function: Callable[..., Any]) -> int:
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return ``accel`` and ``gyro`` as the sensors in `fields` read now, and ``dt`` (s), for a student's `read` that takes them."""
+    """Return arguments for a `NoisyIMU.read` that takes them: ``accel``, ``gyro`` as the ids in `fields` measure now, ``dt`` (s)."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
@@ -160,9 +162,10 @@ def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[
 def adapt_collector(
     function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return a function that calls the student's with the arguments that the lab sheet gives, and the names of what differs.
+    """Return a function of model, data and duration that calls the student's `function`, and the sheet's names of what differs.
 
-    It is `simulate_and_collect` or `live_plot`. Sensor ids and the number of steps are passed if it has parameters for them.
+    `function` is `simulate_and_collect` or `live_plot`. If it has parameters for them, it also gets the sensor ids in `ids` (keys
+    ``accel``, ``gyro``) and the number of steps in `duration_s`.
     """
     steps = round(duration_s / model.opt.timestep)
     return adapt(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})
@@ -174,8 +177,9 @@ _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 
 
 def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
-    """Return a function that builds the student's filter from the lab sheet's options, and the sheet's names of what differs.
+    """Return a function that builds the student's `LowPassFilter`, `kind`, from options, and the sheet's names of what differs.
 
+    The options are those of the lab sheet, ``alpha`` and ``initial_value``; either may be left out.
     A filter that takes a cutoff or a time constant gets the values that correspond to alpha. For an RC circuit, sampled by the
     backward difference, alpha = dt / (RC + dt), and the cutoff is 1 / (2 pi RC).
     """

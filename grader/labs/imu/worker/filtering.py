@@ -23,13 +23,14 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Parameters
     ----------
     fields : ``path`` and ``cases``, each with ``input`` (array name), ``alpha`` (or None: the default), ``initial`` (array name
-        or None), ``handling``: ``plain``; ``spoil_input``, ``spoil_output`` (the caller overwrites the array afterwards);
-        ``beside`` (a second instance with another alpha is fed other data in between).
+        or None), ``handling``: ``plain`` (nothing special); ``spoil_input``, ``spoil_output`` (the caller overwrites the array
+        afterwards); ``beside`` (a second instance with another alpha is fed other data in between).
 
     Returns
     -------
     ``cases`` : per case ``output`` (array name or None), ``odd`` (what came in place of the first missing vector), ``error``,
-        ``departs``, ``input_changed``, ``output_changed``, as in `FilterRun`.
+        ``departs`` (names of arguments that the student's class takes differently), ``input_changed`` and ``output_changed`` (by
+        the filter), as in `FilterRun`.
     """
     kind = submission.find("LowPassFilter", fields["path"])
     packer = Packer()

@@ -39,8 +39,9 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    arrays ``accel``, ``gyro`` (s, reads, 3), NaN if a read did not return two vectors of three (``odd``: the first such value);
-    ``disturbance`` (s, 4): largest change of time, qpos, qvel and sensordata by the first read in each state.
+    arrays ``accel``, ``gyro`` (s, reads, 3), NaN if a read did not return two vectors of three; ``odd``: the first read of
+    another form than the sheet's, or with numbers that are not finite; ``disturbance`` (s, 4): largest change of time, qpos, qvel
+    and sensordata by the first read in each state.
     """
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
@@ -72,8 +73,8 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``; ``twins``: the two standard deviations of each;
-        ``states``: the row of the state of each
+    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``; ``twins``: the two standard deviations of each
+        instance; ``states``: the index of its state in ``qpos`` and ``qvel``
     arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``biases`` (twins, 2, 3), without which each instance draws its own
 
     Returns
@@ -210,14 +211,15 @@ def _is_vector(value: Any) -> bool:
 
 
 def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build many `NoisyIMU`s without biases, and read each a few times in one state.
+    """Build many `NoisyIMU`s, give them no biases, and read each a few times in one state, to find the biases that they draw.
 
-    The first read of each follows its construction. The others follow when all are built, so that an instance that changes another
-    one is found. If the field ``one_draw`` is set, all generators start anew before each read, those of the instance included.
+    The first read of each instance follows its construction. The others follow when all are built, so that an instance that changes
+    another one is found. If the field ``one_draw`` is set, all random generators start from one seed before each read: the noise is
+    then equal in all reads, and only biases differ.
 
     Parameters
     ----------
-    fields, arrays : as for `noise`, with ``instances`` (their number) and ``one_draw``; without biases
+    fields, arrays : as for `noise`, with ``instances`` (their number) and ``one_draw``; no arrays of biases
 
     Returns
     -------

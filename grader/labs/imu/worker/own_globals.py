@@ -28,7 +28,10 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 
 
 def provide_ids(ids: Mapping[str, int]) -> None:
-    """Give ``accel`` and ``gyro`` of `ids` to globals that student code reads as these ids and that are unset, None or negative."""
+    """Set globals that student code reads as sensor ids to ``accel`` and ``gyro`` of `ids` if they are missing, None or negative.
+
+    On the lab sheet, the main program sets these globals; code that relies on that works here, too.
+    """
     for module in list(submission.STATE.modules.values()):
         for name in _unset_globals(module):
             if _AN_ID.search(name) and _ACCELEROMETER.match(name):
@@ -74,9 +77,10 @@ _MEASUREMENT = re.compile(
 
 
 def measurement_global(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """Find the global that the filter method `update` reads as measurement: return a context manager that sets it, and its label.
+    """Return a context manager that sets the global that the filter method `update` reads as measurement, and the global's label.
 
-    Without exactly one such global, the context manager does nothing and the list is empty.
+    The context manager takes the measurement. The list holds ``global measurement``; without exactly one such global, the list is
+    empty and the context manager does nothing.
     """
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
@@ -104,11 +108,12 @@ def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Itera
 
     Parameters
     ----------
-    slots : the recording and its parts; nothing is set if the function uses a parameter for one of them
+    slots : the arguments for the recording and for the series in it; nothing is set if the function uses a parameter for any of
+        these, or if it reads several globals that may hold a recording
 
     Yields
     ------
-    the label of the global, if the function has an unused parameter for the recording; else an empty list
+    ``["global imu_data"]`` if the global is set and the function has an unused parameter for the recording; else an empty list
     """
     owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]
@@ -133,9 +138,9 @@ def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
 
 
 def globals_read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
-    """Return which of model and data (`slots`) a function reads as globals in place of its parameters, as ``global model``.
+    """Return which of model and data (`slots`) a function reads as globals and not as its parameters: ``["global model"]``.
 
-    The list is empty if it is no Python function. Call this while `set_model_and_data` is entered.
+    The list is empty if `function` is not written in Python. Call this inside `set_model_and_data`, which sets these globals.
     """
     import mujoco
 

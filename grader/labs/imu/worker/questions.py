@@ -34,7 +34,7 @@ def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
-    """Return the members of a returned dictionary, sequence or object, with their names if any; TypeError without members."""
+    """Return the members of a dictionary, sequence or object with their names ("" in a sequence); raise TypeError for a number."""
     if isinstance(value, dict):
         return [(str(name), part) for name, part in value.items()]
     if isinstance(value, tuple | list | np.ndarray):
@@ -65,9 +65,9 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Returns
     -------
     ``calls`` : for each pair and state a node, the description of a returned value; ``later`` : for each pair the
-        reading of the first state, looked at again after a step and another reading
-    arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by a reading, in each of these states and
-        after that step
+        reading of the first state, looked at again after a step and another reading, as it changes if it is a view
+    arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by each reading; for each pair, in the
+        first state, after the step from it, and in the other states
     """
     reader = submission.find("get_imu_readings", fields["path"])
     packer = Packer()
@@ -115,14 +115,14 @@ def simulation_of(xml: str) -> tuple[Any, Any]:
 
 @contextmanager
 def scene(xml: str) -> Iterator[tuple[Any, Any]]:
-    """Yield a fresh model and data for a call, which the submission's globals also hold meanwhile."""
+    """Yield a fresh model and its data for a call; until exit, the submission's globals for model and data are set to them."""
     model, data = simulation_of(xml)
     with own_globals.set_model_and_data(model, data):
         yield model, data
 
 
 def put_in_state(model: Any, data: Any, qpos: Any, qvel: Any) -> None:
-    """Put the simulation into a state with its sensor readings, after a reset, so that nothing of an earlier state is left."""
+    """Reset the simulation, set its state and compute the sensor readings, so that nothing of an earlier state is left."""
     import mujoco
 
     mujoco.mj_resetData(model, data)
@@ -150,7 +150,7 @@ def step_and_shift(model: Any, data: Any) -> None:
 
 
 def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the student's `simulate_and_collect` on a model, with data in a used (dirty) state if one is given.
+    """Call the student's `simulate_and_collect` on a model, with data in a used state (not a reset one) if one is given.
 
     The reply has the returned ``value``, what the call ``changed`` of the model, and the start of the run (``first_…`` arrays).
 
@@ -203,7 +203,7 @@ def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the student's `get_imu_readings` after each step of a replayed run, to see whether it explains the recorded rows.
+    """Call the student's `get_imu_readings` after each step of a replayed run, to compare it with the rows that the run recorded.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    array ``rows`` (steps, 6), NaN where no two vectors came; fewer rows if it raised
+    array ``rows`` (steps, 6), NaN where no two vectors came; fewer rows if the function raised
     """
     reader = submission.find("get_imu_readings", fields["path"])
     answer: dict[str, Any] = {}
@@ -273,12 +273,12 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     ----------
     fields : ``path``; ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
         call the submission's `simulate_and_collect`. That function then records the series named in ``shows``, and the plot gets
-        what it returns, with the series in ``keys`` in place of its own
+        its return value, in which the series in ``keys`` replace those of the same name and form
     arrays : the plotted data; a number is an array without dimensions
 
     Returns
     -------
-    the figures that it drew; ``given`` : a node (description) of what the recorder returned; None without a recorder
+    the figures that it drew; ``given`` : a node (description) of the recorder's value that the plot got; None without a recorder
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)

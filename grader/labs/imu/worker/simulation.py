@@ -24,7 +24,7 @@ _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 
 
 def warm_up(thorough: bool) -> None:
-    """Prepare MuJoCo once in the parent process, and with `thorough` simulate a step, so that no forked worker pays for the first.
+    """Prepare MuJoCo once in the parent process; with `thorough`, also simulate a step, as the first step of a process is slow.
 
     MuJoCo keeps its wrapper classes among the built-in functions of its caller. All steps are made by a function of the worker code
     (see `_watch_steps`), whose built-in functions are its own, so these classes are copied there.
@@ -39,7 +39,9 @@ def warm_up(thorough: bool) -> None:
 
 
 def install(lab_configuration: Mapping[str, Any]) -> None:
-    """Put the robot where the lab sheet expects it, and replace the MuJoCo functions that load, step and show it.
+    """Put the robot's model file where the lab sheet loads it, and replace MuJoCo functions, so that student code runs unchanged.
+
+    Loaders then find the model under any missing path, steps are recorded, and viewers and renderers open no window.
 
     Parameters
     ----------
