@@ -152,7 +152,7 @@ class FinalGrade:
 
     @property
     def people(self) -> tuple[Person, ...]:
-        """Return the people who handed in; if no platform names them, one named as the submission. The text is untrusted."""
+        """Return the people who handed in; if no platform names them, one named as the submission. Names are untrusted text."""
         return self.hand_in.people or (Person(self.result.submission, self.id),)
 
     @property

@@ -29,7 +29,7 @@ _REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE
 
 
 def identity_of(environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the fields that identify a submission, from the runner's environment; Classroom 50 refuses a result with others.
+    """Return the fields that identify a submission, from the runner's environment; Classroom 50 refuses other values.
 
     Raise RequestError if a variable is missing; the message names it.
     """

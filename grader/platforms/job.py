@@ -69,13 +69,13 @@ def recognise(environ: Mapping[str, str], root: Path = Path("/")) -> Platform:
 
 
 def submission_of(platform: Platform, root: Path = Path("/")) -> Path:
-    """Return the default path of the submission: the platform's place below `root` if it exists, else the working folder."""
+    """Return the default path of the submission: the platform's folder below `root` if it exists, else the working folder."""
     place = root / platform.submission
     return place if platform.submission and place.is_dir() else Path()
 
 
 def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
-    """Return the default path of a job's output; None, for standard output, if the platform names no file or lacks its folder."""
+    """Return the default path of a job's output; None (standard output) if the platform names no file, or the folder is missing."""
     if "/" not in platform.answer:
         return Path(platform.answer) if platform.answer else None
     place = root / platform.answer

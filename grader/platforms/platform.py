@@ -57,7 +57,7 @@ class ResultContext:
 
 @dataclass(frozen=True)
 class SecondOutput:
-    """Text that a job appends to the file that environment `variable` names, if it is set; `text` makes it from the result."""
+    """Text that a job appends to the file whose path environment variable `variable` holds, if set; `text` returns it."""
 
     variable: str
     text: Callable[[Result, ResultContext], str]

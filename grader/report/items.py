@@ -67,7 +67,8 @@ class ItemAnalysis:
 def items(results: Iterable[Result]) -> list[ItemAnalysis]:
     """Return, for each check in the rubric's order, how a class of students did on it, to find checks that are hard or faulty.
 
-    Submissions for which a check was not judged do not count for it. Checks of extensions are left out.
+    Submissions for which a check was not judged do not count for it; empty and unreadable ones count for none. Checks of extensions
+    are left out.
     """
     rows: dict[str, list[tuple[CheckResult, float]]] = {}
     for result in results:

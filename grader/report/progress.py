@@ -18,7 +18,7 @@ def result_line(id_: str, result: Result) -> str:
 
 
 class ProgressLines:
-    """Print ``12/300 alice 87.5`` for each submission graded in this run. Results of an earlier run count but print no line."""
+    """Printer of ``12/300 alice 87.5`` for each submission graded in this run. Results of an earlier run count, but have no line."""
 
     def __init__(self) -> None:
         self._total = 0
@@ -40,7 +40,7 @@ class ProgressLines:
 
 
 class ProgressBar:
-    """Show the progress of a run on a terminal: a bar with count, rate and time left."""
+    """Bar on a terminal that shows the progress of a run: count, rate and time left."""
 
     def __init__(self, console: Console) -> None:
         self._progress = Progress(

@@ -37,9 +37,8 @@ class Deadline:
 
     Code that computes on a busy machine may take many times its CPU time. It is not cut off for that, or a grade would depend on
     what else the machine does: the wall clock leaves out what the process waited for a processor, and the time in which the grader
-    itself stood still, as after Ctrl-Z or in a paused virtual machine. At ten times `wall_s`, or at
-    `most_s` if that is earlier, the answer is cut off whatever the code does. Both clocks are functions that return the worker's
-    seconds so far.
+    itself stood still, as after Ctrl-Z or in a paused virtual machine. At ten times `wall_s`, or at `most_s` if that is earlier,
+    the answer is cut off whatever the code does. `cpu_clock` and `wall_clock` return the worker's seconds so far.
     """
 
     def __init__(

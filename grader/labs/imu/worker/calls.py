@@ -154,7 +154,7 @@ def _needed(function: Callable[..., Any]) -> int:
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return arguments for a `NoisyIMU.read` that takes them: ``accel``, ``gyro`` as the ids in `fields` measure now, ``dt`` (s)."""
+    """Return arguments for a `NoisyIMU.read` that takes them: ``accel``, ``gyro`` of the sensor ids in `fields`, and ``dt`` (s)."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 

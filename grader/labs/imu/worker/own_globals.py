@@ -52,7 +52,7 @@ def provide_ids_of(model: Any) -> None:
 
 @contextmanager
 def set_model_and_data(model: Any, data: Any) -> Iterator[None]:
-    """Set the globals that student functions read as model and data to these; restore them on exit.
+    """Set the globals that student functions read as model and data to `model` and `data`; restore the globals on exit.
 
     These are globals that hold an MjModel or MjData, and unset ones with such a name. If there are different models, none of them
     is set, as it is unknown which one is meant; the same holds for the data.

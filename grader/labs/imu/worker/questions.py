@@ -43,7 +43,7 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
 
 
 def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]:
-    """Return the members that consist of three numbers, in which a vector of the lab sheet may be found."""
+    """Return those of `parts` (name, value) that consist of three numbers, as float arrays: they may be an accel or gyro vector."""
     found = []
     for name, part in parts:
         with suppress(TypeError, ValueError):
@@ -139,7 +139,7 @@ def changes_of(before: tuple[np.ndarray, ...], after: tuple[np.ndarray, ...]) ->
 
 
 def step_and_shift(model: Any, data: Any) -> None:
-    """Step the simulation, then add 1 to all sensor data, so that a view into it differs from a copy even at rest."""
+    """Step the simulation, then add 1 to all sensor data, so that a view into the data differs from a copy even at rest."""
     import mujoco
 
     mujoco.mj_step(model, data)
