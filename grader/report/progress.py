@@ -18,7 +18,7 @@ def result_line(id_: str, result: Result) -> str:
 
 
 class ProgressLines:
-    """Printer of ``12/300 alice 87.5`` for each submission graded in this run. Results of an earlier run count, but have no line."""
+    """Printer of ``12/300 alice 87.5`` for each submission graded in this run; results of an earlier run are counted only."""
 
     def __init__(self) -> None:
         self._total = 0
