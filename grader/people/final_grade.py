@@ -101,7 +101,7 @@ class Adjustment:
     criterion : what is changed: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to the sum
     points : the new points, None for a comment; an override with None withdraws the previous one
     automatic, out_of : automatic points and maximum of each replaced check when the override was made
-    alone : whether it is a comment without points; an empty one withdraws the previous comment
+    alone : whether it is a comment without points; an empty comment withdraws the previous one
     decision : the number of the decision on several submissions that it belongs to; 0 if there is none
     number : the adjustment's row number in the class's database
     """

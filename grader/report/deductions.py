@@ -14,7 +14,7 @@ from grader.report.causes import Cause, causes_of, part_of
 
 @dataclass(frozen=True)
 class DeductedCheck:
-    """A check that lost points in a deduction, with its feedback that no earlier check of the deduction repeats.
+    """A check that lost points in a deduction, with the part of its feedback that no earlier check of the deduction has shown.
 
     `anchor` is the check's HTML id where the page links to it, "" in any later deduction of the same check.
     """

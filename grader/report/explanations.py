@@ -54,7 +54,7 @@ def groups(lab: Lab) -> dict[str, str]:
 
 
 def fault(lab: Lab, entry: FaultRow, *, level: int = 1) -> str:
-    """Return a fault's explanation in Markdown: what it is, wrong and right code, hint, deduction. `level` is the heading's."""
+    """Return a fault's explanation in Markdown, under a heading of `level`: what it is, wrong and right code, hint, deduction."""
     read = f"\nRead: {lab.label}, Step {entry.step}.\n" if entry.step is not None else ""
     rerun = f"\nRerun: `imugrade check --only {entry.group}`\n" if entry.group in {p.id for p in lab.parts} else ""
     return (
@@ -82,7 +82,7 @@ def _full(name: str, entry: FaultRow) -> str:
 
 
 def check(lab: Lab, weight: CheckWeight, *, level: int = 1) -> str:
-    """Return the explanation of a check in Markdown: what it tests, its points and the step of the lab sheet."""
+    """Return the explanation of a check in Markdown under a heading of `level`: what it tests, its points, the lab sheet's step."""
     known = _checks(lab).get(weight.id)
     step = f" Read: {lab.label}, Step {known.lab_step}." if known else ""
     return (
@@ -92,7 +92,7 @@ def check(lab: Lab, weight: CheckWeight, *, level: int = 1) -> str:
 
 
 def criterion(lab: Lab, part: Criterion | Extension, *, level: int = 1) -> str:
-    """Return the points of a criterion or an extension in Markdown, with the table of its checks if it has any."""
+    """Return the points of a criterion or an extension in Markdown under a heading of `level`, with the table of its checks."""
     worth = f"{number(part.points)} points." if part.points else "No points: reported beside the score."
     where = f" File: `{part.file}`." if isinstance(part, Extension) else ""
     rows = [f"| `{w.id.partition('.')[2]}` | {number(w.max_points)} | {_title(lab, w.id)} |" for w in part.checks]

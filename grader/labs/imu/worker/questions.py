@@ -203,7 +203,7 @@ def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the student's `get_imu_readings` after each step of a replayed run, to compare it with the rows that the run recorded.
+    """Call the student's `get_imu_readings` after each step of a replayed run, to compare its values with the recorded rows.
 
     Parameters
     ----------
