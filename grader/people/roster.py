@@ -71,7 +71,7 @@ class RosterRow:
 
     @property
     def person(self) -> Person:
-        """Return the person of this row with all names and numbers, for one without a submission or a group's further member."""
+        """Return the person of this row, with all names and numbers: one who handed in nothing, or a further member of a group."""
         return self.completed(
             Person(self.who.email or next(iter(self.who.numbers), ""), self.who.key, self.who.platform)
         )

@@ -30,7 +30,8 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 def provide_ids(ids: Mapping[str, int]) -> None:
     """Set globals that student code reads as sensor ids to ``accel`` and ``gyro`` of `ids` if they are missing, None or negative.
 
-    On the lab sheet, the main program sets these globals; code that relies on that works here, too.
+    On the lab sheet, the main program sets these globals; code that relies on that works here, too. A negative value counts
+    only where one of the student's functions sets the global.
     """
     for module in list(submission.STATE.modules.values()):
         for name in _unset_globals(module):
