@@ -71,7 +71,8 @@ def _deviation(integral: FloatArray, m: int, tau: float) -> FloatArray:
 def noise_density(taus_s: FloatArray, adev: FloatArray) -> float:
     """Return the density N of white noise in the samples' unit times √s: the deviation at τ = 1 s on a line of slope −1/2.
 
-    For noise that is white with standard deviation σ at the rate f, N = σ / √f. Fitted over the shortest decade of τ.
+    For noise that is white with standard deviation σ at the rate f, N = σ / √f. The line is fitted to one axis, `adev` (k,), over
+    the shortest decade of averaging times `taus_s` (k,).
     """
     short = taus_s <= 10.0 * taus_s[0]
     return float(np.exp(np.mean(np.log(adev[short]) + 0.5 * np.log(taus_s[short]))))

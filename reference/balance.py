@@ -36,7 +36,7 @@ def pads(model: mujoco.MjModel) -> list[int]:
 
 
 def settle(model: mujoco.MjModel) -> None:
-    """Change height, sole pads and spring references of a compiled model until its initial pose rests."""
+    """Change in place the height, sole pads and springs' rest positions of a compiled model so that its initial pose rests."""
     soles, weight = pads(model), float(model.body_subtreemass[1] * -model.opt.gravity[2])
     for _ in range(ROUNDS):
         model.qpos0[2] += _sinking(model)

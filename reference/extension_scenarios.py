@@ -50,7 +50,7 @@ class Ride:
     Attributes
     ----------
     dt : time between samples (s); n : number of samples
-    roll, pitch : amplitude (rad) and range of frequency (Hz)
+    roll, pitch : amplitude (rad), lowest and highest frequency (Hz)
     shaking : acceleration of the carriage in each direction (m/s²), between 3 and 6 Hz
     bias : size of the gyroscope's offset (rad/s) on each axis
     """

@@ -17,7 +17,10 @@ COMPASS = "_magnetometer"
 
 
 def places(model: mujoco.MjModel) -> list[str]:
-    """Return the places that have an IMU, an accelerometer and a gyroscope, in the order of their accelerometers."""
+    """Return the places that have an IMU, an accelerometer and a gyroscope, in the order of their accelerometers.
+
+    A place is what stands before `_accelerometer` in a sensor's name, such as "torso".
+    """
     names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, i) or "" for i in range(model.nsensor)]
     accelerometer, gyroscope = KINDS
     with_one = [name.removesuffix(accelerometer) for name in names if name.endswith(accelerometer)]

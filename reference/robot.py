@@ -33,7 +33,7 @@ Problem = tuple[str, str]
 
 
 class UnfitError(ValueError):
-    """The model cannot be graded; `problems` has for each reason the rubric's key that it is about, and a sentence."""
+    """Exception: the model cannot be graded. `problems` are pairs: a rubric key ("path" or a sensor's) and a sentence."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__("; ".join(text for _, text in problems))
@@ -49,14 +49,14 @@ class Robot:
     imu: tuple[str, str]
 
     def about(self) -> dict[str, Any]:
-        """Return the robot's entry in the manifest of traces: file, IMU, and the ids and time step that students' code may hold."""
+        """Return the robot's entry in the manifest of traces: file, IMU, sensor ids and time step, as in students' code."""
         model = mujoco.MjModel.from_xml_string(self.xml)
         ids = [int(model.sensor(name).id) for name in self.imu]
         return {"file": self.file, "imu": list(self.imu), "ids": ids, "timestep": float(model.opt.timestep)}
 
 
 def read(path: Path, accelerometer: str, gyroscope: str) -> Robot:
-    """Return the robot of a model if it can be graded: it can be pushed, has the two sensors, and its simulation is stable.
+    """Return the robot of the model at `path` if it can be graded: with a joint to push, both named sensors, a stable simulation.
 
     Raises
     ------
@@ -146,9 +146,9 @@ def sensors(model: mujoco.MjModel, kind: mujoco.mjtSensor) -> list[str]:
 
 
 def is_steady(model: mujoco.MjModel) -> bool:
-    """Return whether the simulation stays within bounds after the push.
+    """Return whether the simulation stays stable for 2 s, at most 10,000 steps, after the push that starts a run of the lab.
 
-    MuJoCo resets one that grows without bounds, and the rows after that are no motion of the robot's.
+    MuJoCo resets an unstable simulation, and what is recorded after that is no motion of the robot.
     """
     data = mujoco.MjData(model)
     data.qvel[0] = PUSH

@@ -56,9 +56,9 @@ def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
     Parameters
     ----------
     name : str
-        "public" for the robot and the settings that students may know, anything else for drawn ones.
+        "public" for the robot and the settings that students may know, any other text for random ones.
     seed : str
-        Any text.
+        Any text. The same name and seed give the same recordings.
     robot : Robot, optional
         The instructor's own robot, in place of the lab's.
     """

@@ -73,14 +73,14 @@ class Scene:
 
     @property
     def own(self) -> bool:
-        """Return whether the robot is the instructor's, for which the lab sheet's facts need not hold."""
+        """Return whether the robot is the instructor's, of which the lab sheet's statements need not be true."""
         return self.lab is not self.sheet
 
 
 def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
     """Return a random generator for one purpose of the traces `name`, so that a new scenario changes no other one's numbers.
 
-    Any text is a seed.
+    The same three texts give the same numbers.
     """
     digest = hashlib.sha256("\0".join(("imugrade", name, seed, purpose)).encode()).digest()
     return np.random.default_rng(np.frombuffer(digest, dtype="<u4").astype(np.uint64))
@@ -92,7 +92,7 @@ def first_line(record: Callable[[Scene], Recording]) -> str:
 
 
 def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
-    """Return random settings for hidden traces. Durations are multiples of the time step, which differs from the model's own."""
+    """Return random settings for hidden traces: durations of whole time steps, and a `dirty_timestep` unlike `usual_timestep`."""
     timestep = float(rng.choice([each for each in (0.001, 0.0025, 0.004) if each != usual_timestep]))
     return Settings(
         push_s=round(0.01 * int(rng.integers(100, 151)), 2),
@@ -107,7 +107,7 @@ def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
 
 
 def paced(settings: Settings, timestep: float) -> Settings:
-    """Return the settings for a robot with this time step: durations of some hundred whole steps, `dirty_timestep` a shorter step.
+    """Return the settings for a robot with this time step: durations of 150 to 2,000 whole steps, a shorter `dirty_timestep`.
 
     A time step that is longer than the robot's own might not be stable.
     """
@@ -169,7 +169,10 @@ def readings(
     states: Sequence[tuple[FloatArray, FloatArray]],
     pairs: Sequence[tuple[str, str]],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return two dicts, arrays and scalars: what sensors and bodies hold in the k `states`, and the sensor ids of IMU `pairs`."""
+    """Return arrays and scalars by name: sensor values and motion of bodies in the k `states`, and the model's sensors.
+
+    `states` are pairs (qpos, qvel); `pairs` name the accelerometer and gyroscope of each IMU whose site and body are recorded.
+    """
     ids = np.array([[sensor_id(model, sensor) for sensor in pair] for pair in pairs], dtype=np.int64)
     sites = model.sensor_objid[ids[:, 0]]
     bodies = model.site_bodyid[sites]

@@ -51,7 +51,7 @@ FRAMES = {
 
 
 def fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any]) -> str:
-    """Return a hash of the traces: names, types, shapes and bytes of the arrays, then the manifest but for versions and hash."""
+    """Return a hash of the traces: names, types, shapes and bytes of arrays, then the manifest without `versions` and `sha256`."""
     digest = hashlib.sha256()
     for key in sorted(arrays):
         array = arrays[key]

@@ -42,7 +42,7 @@ _SWAPS = 1000
 
 
 def vary(xml: str, rng: np.random.Generator) -> str:
-    """Return a random variant of a model, for hidden traces.
+    """Return a model with random changes of masses, springs, friction, IMUs, sensors and time step, for hidden traces.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class Robot:
             yield from world.iter("body")
 
     def parts(self, *tags: str) -> Iterator[ET.Element]:
-        """Yield the elements with these tags that belong to the world and to each body, body by body."""
+        """Yield the elements with these tags that belong directly to the world or a body: the world's, then body by body."""
         for owner in (*self.root.findall("worldbody"), *self.bodies()):
             yield from (part for part in _hanging_on(owner) if part.tag in tags)
 

@@ -86,7 +86,7 @@ def lab() -> str:
 
 
 def imu_addresses(model: mujoco.MjModel) -> frozenset[int]:
-    """Return where each IMU sensor of the lab model or a variant begins in `sensordata`, so that other models can avoid this."""
+    """Return where the IMU sensors of the lab model or a variant begin in `sensordata`, so that generated models put none there."""
     names = (f"{place}_{kind}" for place in LAB_PLACES for kind in ("accelerometer", "gyroscope"))
     return frozenset(int(model.sensor(name).adr[0]) for name in names)
 
@@ -125,9 +125,9 @@ class Many:
 def shuffled(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Shuffled:
     """Return a model of free bodies in space with IMUs mounted at random, their sensors renamed and in random order.
 
-    No wrong address in sensordata gives right numbers by luck: in no IMU is a sensor's id its address, does the gyroscope follow
-    its accelerometer, or has a sensor an address in `learnt`, those of the lab model. No wrong address is out of range, nor is
-    three times an id: beyond the end, a slice would be cut short without a word where a list of indices raises.
+    Code that uses a wrong address in sensordata never gets right numbers by luck: no address of an IMU sensor is its id, three
+    times its id or in `learnt` (addresses of the lab model), and no gyroscope is next to its accelerometer. These wrong addresses
+    are in range: beyond the end, a slice would be cut short without a word where a list of indices raises.
     """
     bodies = int(rng.integers(3, 5))
     imus = _imu_names(rng, bodies)
@@ -238,7 +238,7 @@ def _sensors(imus: tuple[tuple[str, str], ...]) -> list[Sensor]:
 def many_imus(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Many:
     """Return a model of free bodies with an IMU each, whose sensors are named as in the lab model but have other addresses.
 
-    Some places have a magnetometer too, and one has an accelerometer alone: that is no IMU.
+    Some places have a magnetometer too, and one has an accelerometer alone: that is no IMU. `learnt` is as in `shuffled`.
     """
     bodies = int(rng.integers(4, 7))
     chosen = [_MORE_PLACES[i] for i in rng.permutation(len(_MORE_PLACES))[: bodies + 1]]

@@ -13,7 +13,7 @@ class IsolationLevel:
     Attributes
     ----------
     name
-        Its name in `provenance.isolation`, `imugrade doctor` and `--isolation`.
+        Its name in `provenance.isolation` of a result, in `imugrade doctor` and as a value of `--isolation`.
     around, needs
         Texts: what surrounds a worker, and what a machine must allow for this level.
     isolates
@@ -21,7 +21,7 @@ class IsolationLevel:
     own_root
         Whether the sandbox has its own root file system, without the paths of the host.
     own_namespaces
-        Whether each worker has namespaces and a disk of its own, which the zygote (the warm parent) creates for it.
+        Whether each worker has namespaces and a disk of its own, which the zygote (the warm parent of all workers) creates.
     program
         Name of an installed program that isolates the zygote; "" if the zygote isolates itself.
     """
@@ -37,7 +37,7 @@ class IsolationLevel:
 
 @dataclass(frozen=True)
 class Promise:
-    """A guarantee that SECURITY.md gives whatever a submission does: its words, and whether an isolation level gives it."""
+    """A guarantee to users that SECURITY.md lists: its `words`, and `kept_on`, which tells whether an isolation level gives it."""
 
     words: str
     kept_on: Callable[[IsolationLevel], bool]

@@ -30,7 +30,7 @@ _GIVE_VERSION = 1
 
 
 def abi() -> int:
-    """Return the version of Landlock in this kernel, on which the known rights depend; 0 without Landlock."""
+    """Return the version of Landlock in this kernel, for `ruleset`, as older ones know fewer access rights; 0 without Landlock."""
     try:
         return linux.syscall("landlock_create_ruleset", None, 0, _GIVE_VERSION)
     except (OSError, KeyError):
@@ -38,10 +38,10 @@ def abi() -> int:
 
 
 def ruleset(version: int, readable: Iterable[str], listed: Iterable[str], writable: Iterable[str]) -> int:
-    """Make a rule set for `enforce`, and return its file descriptor.
+    """Make a rule set for `enforce`, and return its file descriptor; raise OSError if the kernel refuses.
 
-    It allows reading below `readable`, listing names below `listed`, and below `writable` all but special files and execution;
-    devices such as /dev/null may be written. `version` is that of `abi`: an older kernel guards fewer rights.
+    It allows reading below the paths `readable`, listing folders below `listed`, and below `writable` all but special files and
+    execution; devices such as /dev/null may be written. Missing paths are left out. An older `version` (of `abi`) restricts less.
     """
     known = (1 << _RIGHTS_BY_ABI[min(version, len(_RIGHTS_BY_ABI) - 1)]) - 1
     network = _NETWORK if version >= 4 else 0
@@ -75,5 +75,5 @@ def _allow(rules: int, path: str, rights: int) -> None:
 
 
 def enforce(rules: int) -> None:
-    """Restrict this process to a Landlock rule set for ever; `no_new_privs` must have been set, or the kernel refuses."""
+    """Restrict this process for ever to a rule set, the descriptor from `ruleset`; raise OSError unless `no_new_privs` is set."""
     linux.syscall("landlock_restrict_self", rules, 0)

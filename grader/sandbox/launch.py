@@ -41,7 +41,7 @@ _UCRED = struct.Struct("3i")
 
 
 class Zygote:
-    """Handle of a running, isolated zygote (the warm parent of workers), as the grader holds it; its imports may still go on.
+    """Handle of a zygote (the warm parent of workers), which starts and isolates the zygote; `await_ready` waits for its imports.
 
     Raises
     ------
@@ -222,7 +222,7 @@ class Zygote:
                 self._refused[message["failed"]] = message["reason"]
 
     def spawn(self, printed: Printed, warm: Sequence[str]) -> Sandboxed:
-        """Let the zygote import the modules `warm`, fork a worker that prints to `printed`, and return the worker's handle.
+        """Let the zygote import new modules of `warm`, then fork a worker with its output in `printed`; return the worker's handle.
 
         Raises
         ------
@@ -253,9 +253,9 @@ class Zygote:
             raise ZygoteGoneError(self._log_tail()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
-        """Wait for the end of the worker that was spawned as `number`; return its exit code and the CPU seconds that it used.
+        """Wait for the end of worker `number`, as `spawn` counts them; return its exit code and the CPU seconds that it used.
 
-        Raise ZygoteGoneError if the zygote reports no end in time.
+        Raise ZygoteGoneError if the zygote reports no end within 30 s.
         """
         with self._lock:
             self._await_report(self._ended, number, _END_WITHIN_S)
@@ -282,7 +282,7 @@ class Zygote:
 
 
 class Sandboxed:
-    """Handle of a worker that the zygote (the warm parent) forked; its methods are those of `process.Process`."""
+    """Handle of a worker that the zygote (the warm parent) forked, to measure and end the worker as `process.Process` describes."""
 
     def __init__(self, zygote: Zygote, number: int, pidfd: int, line: socket.socket) -> None:
         self.line = line

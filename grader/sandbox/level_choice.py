@@ -43,7 +43,7 @@ def _try_level(isolation_level: IsolationLevel) -> LevelResult:
 
 
 def caveat(zygote: Zygote) -> str:
-    """Return what a working isolation level lacks on this kernel, for reports; "" if it is complete."""
+    """Return what a zygote's isolation lacks on this kernel, which may have no Landlock, as a text for reports; "" if nothing."""
     return "this kernel has no Landlock; the other layers hold" if zygote.without_landlock else ""
 
 
@@ -67,7 +67,10 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 
 
 def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
-    """Return a zygote (the warm parent) on the best level that works, None if none isolates, and why no better level works."""
+    """Return a zygote (the warm parent) on the best level that works here, None if no level isolates, and a text for reports.
+
+    The text says why no better level works, and what the level in use lacks on this kernel; "" if there is nothing to say.
+    """
     refused: list[str] = []
     for isolation_level in filter(lambda each: each.isolates, LEVELS):
         try:

@@ -24,7 +24,7 @@ _LIMITS = (
 
 
 def enforce(*, leave_out: tuple[str, ...] = ()) -> None:
-    """Lower the rlimits of this process to a worker's, except those named in `leave_out` and those that the system refuses."""
+    """Lower this process's resource limits to those of a worker, except `leave_out` (such as "RLIMIT_AS") and any refused ones."""
     for name, value in _LIMITS:
         if name not in leave_out and hasattr(resource, name):
             _lower(getattr(resource, name), value)

@@ -21,7 +21,7 @@ _WORKER = linux.CLONE_NEWUSER | linux.CLONE_NEWNS | linux.CLONE_NEWIPC | linux.C
 def may_drop_root() -> bool:
     """Return whether this process is root and may become another user; some containers map root alone or lack CAP_SETUID.
 
-    Such a root builds the sandbox before it gives up its rights, because only root can read a Python below /root (mode 700).
+    If so, the sandbox is built as root, which alone can read a Python below /root (mode 700); if not, in a user namespace.
     """
     if os.geteuid() != 0:
         return False
@@ -44,7 +44,7 @@ def _may_set_ids() -> bool:
 
 
 def enter_as_root() -> None:
-    """Give up root for ever, then enter the namespaces of a zygote (the warm parent); its mounts can then no longer be undone."""
+    """Give up root for ever, then enter the namespaces of a zygote (the warm parent), which cannot undo mounts that root made."""
     give_up_root()
     linux.unshare(linux.CLONE_NEWUSER | linux.CLONE_NEWNS | _ZYGOTE)
 
@@ -75,7 +75,7 @@ def write_maps(proc: int, uid: int, gid: int) -> None:
 
 
 def enter_as_worker(proc: int) -> None:
-    """Enter namespaces of this worker's own, so that its threads do not count against the limit of other workers."""
+    """Enter namespaces of this worker's own, so that each worker has its own limit of threads; `proc` is a descriptor of /proc."""
     uid, gid = os.geteuid(), os.getegid()
     linux.unshare(_WORKER)
     write_maps(proc, uid, gid)

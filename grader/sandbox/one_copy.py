@@ -21,16 +21,17 @@ _WITHIN_CPU_S = 300.0
 
 @dataclass(frozen=True)
 class Search:
-    """Result of a search: the number of files that could be opened in a sandbox, and those that are the grader's (at most 100)."""
+    """Result of `search`: how many files could be opened, and up to 100 paths of the grader's among them, best none."""
 
     opened: int
     found: tuple[str, ...]
 
 
 def search(isolation_level: IsolationLevel, libraries: tuple[str, ...] = ()) -> Search:
-    """Open every file that a submission could open on this isolation level, and search it for names and lines of the grader.
+    """Find out which files a submission could open on this isolation level, and whether copies of the grader are among them.
 
-    `libraries` are the lab's packages, which a sandbox shows. Raise GraderError if the isolation level cannot be had here.
+    This is for `imugrade doctor`. `libraries` are the lab's packages, which a sandbox shows. Raise GraderError if the isolation
+    level cannot be had here.
     """
     # On an isolation level with the host's root, / itself cannot be listed.
     roots = ["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *surroundings.visible((), libraries)]

@@ -50,7 +50,7 @@ class Installed:
 
 
 def folders() -> tuple[str, ...]:
-    """Return the folders of installed packages that this Python uses, also a user's own, and the one where numpy lies."""
+    """Return the package folders (site-packages) of this Python, a user's own, too, and the one with numpy, whatever its name."""
     found = [os.path.abspath(path) for path in sys.path if os.path.basename(path) in FOLDER_NAMES]
     spec = importlib.util.find_spec("numpy")
     if spec and spec.origin:
@@ -60,7 +60,7 @@ def folders() -> tuple[str, ...]:
 
 @lru_cache(maxsize=8)
 def shown(folders: tuple[str, ...], libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the paths in package `folders` that a sandbox shows: of packages that `for_students` returns, none of the grader's."""
+    """Return the paths in package `folders` that a sandbox shows: packages for students and the lab's `libraries`, no grader."""
     kept = for_students([one for folder in folders for one in installed(folder)], libraries)
     entries = (entries_of(one) for one in kept)
     return tuple(path for own in entries if OWN_FOLDERS.isdisjoint(map(os.path.basename, own)) for path in own)

@@ -12,7 +12,7 @@ Link = tuple[str, str]  # where it is, what it says
 
 
 class Step(NamedTuple):
-    """One step of building a sandbox's root: "show" a path, "hide" a path, or copy a symbolic "link" to `target`."""
+    """One step of building a sandbox's root: `kind` is "show", "hide" or "link", `place` its path, `target` where a link leads."""
 
     kind: str
     place: str
@@ -25,9 +25,10 @@ def is_below(path: str, folders: Iterable[str]) -> bool:
 
 
 def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
-    """Return where a path of the system below `root` ends, and pairs of each link on the way and its target, for a sandbox.
+    """Resolve a path's symbolic links: return the path that it leads to, and a pair (link, target) for each link on the way.
 
-    The end is a path without `root`, None if nothing exists there. A sandbox repeats the links, such as /lib to usr/lib.
+    Paths count from the folder `root`, where the host's files lie. The first is None if nothing exists there. A sandbox repeats
+    the links, such as /lib to usr/lib.
     """
     place, waiting = "/", list(PurePosixPath(path).parts[1:])
     links: list[Link] = []
@@ -52,7 +53,7 @@ def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
 def mount_steps(visible: Iterable[str], hidden: Iterable[str], root: str = "") -> list[Step]:
     """Return the steps by which a sandbox's root shows `visible` without `hidden`, outer folders first.
 
-    A visible path below a hidden one is shown. Paths that do not exist below `root` are left out.
+    A visible path below a hidden one is shown. Paths that do not exist below `root`, where the host's files lie, are left out.
     """
     wanted = [("hide", path) for path in hidden] + [("show", path) for path in visible]
     done: dict[str, str] = {}
@@ -75,7 +76,7 @@ def _kind_over(path: str, done: Mapping[str, str]) -> str:
 
 
 def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
-    """Return the paths that a sandbox shows whole, and the folders around hidden ones, which it may only list.
+    """Return the paths that a sandbox shows whole, and the folders that it may only list, as hidden paths lie below them.
 
     Landlock needs both lists, because its rules allow paths and cannot exclude any.
     """
@@ -97,7 +98,7 @@ def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
 
 
 def empty_folder(folder: str) -> None:
-    """Remove all that a hostile program left in `folder`, however deep and whatever its modes; links are never followed."""
+    """Empty `folder` of what a hostile program left, however deep and whatever its modes; follow no links. May raise OSError."""
     fresh = 0
     while entries := list(os.scandir(folder)):
         for entry in entries:

@@ -31,7 +31,7 @@ _READY_WITHIN_S = 300.0
 class PlainProcess:
     """Handle of a worker process of the level `none`, which has limits only; its methods are those of `process.Process`.
 
-    Raise GraderError if the worker code does not start.
+    Making a handle starts the process; GraderError is raised if the worker code does not start.
     """
 
     def __init__(self, contents: Contents, printed: Printed) -> None:

@@ -20,11 +20,11 @@ class Contents:
     worker_code
         A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
     questions
-        The folder of a lab's own package of requests, if it has one; the worker code gets it as the second argument of `warm_up`.
+        The folder of the lab's Python package that answers its own requests, passed as second argument to `warm_up`; None without.
     readable
         Further paths that the sandbox shows read-only.
     packages
-        Distributions that the sandbox shows, with what they need, although they are needed by the grader, too.
+        Names of distributions that the sandbox shows, with what they need; others that only the grader needs stay hidden.
     warm
         Modules that are imported once for all workers; `Sandbox.warm` adds some later. On the lowest level each worker
         imports what it needs.
@@ -42,7 +42,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class Plan:
-    """Set-up of a zygote (the warm parent), sent by `launch`. Paths are absolute and, but for `visible`, free of links.
+    """Set-up of a zygote (the warm parent), its first message. Paths are absolute and, but for `visible`, free of links.
 
     Attributes
     ----------

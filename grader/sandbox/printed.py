@@ -13,12 +13,12 @@ PLACE_AT, PLACE_BYTES = MAX_BYTES, 1 << 10
 
 
 class Printed:
-    """The output of one worker: its stdout and stderr in the order in which they were written, and which statement it ran last.
+    """Output of one worker: stdout and stderr as one text, and a note of the student's statement that is running, in case it dies.
 
     Attributes
     ----------
     fd
-        What the worker gets as descriptors 1 and 2.
+        Descriptor of the file that the worker gets as stdout and stderr.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class Printed:
         self.fd: int = self._file.fileno()
 
     def read(self) -> str:
-        """Return what student code has printed so far, at most 256 KB, undecodable bytes replaced; "" when closed."""
+        """Return what student code has printed so far, at most 256 KB, undecodable bytes replaced; "" after `close`."""
         if self._file.closed:
             return ""
         # The offset is shared with the worker, which may have moved it: clamped, and never moved here.
@@ -34,7 +34,10 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return which statement the worker says it ran last, as JSON [[file, number]]; "" if closed, or on Windows."""
+        """Return which statement of which file the worker says it is running; "" if closed, or on Windows.
+
+        The text is JSON, [[file, number in the file]] or, between statements, []; before the first one it is no JSON.
+        """
         if self._file.closed or not hasattr(os, "pread"):
             return ""
         return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")

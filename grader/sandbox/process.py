@@ -11,7 +11,7 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Return whether this is the main thread: the kernel can end a child with the thread that made it, and others end earlier."""
+    """Return whether this is the main thread: only then may the kernel end a child with its thread, as others end earlier."""
     return threading.current_thread() is threading.main_thread()
 
 
@@ -52,12 +52,12 @@ def _small_file(path: str) -> bytes:
 
 
 class Process(Protocol):
-    """Handle of a worker process that runs untrusted code, of which `Sandbox` needs no more than this.
+    """Protocol of the handle of a worker process that runs untrusted code: what `Worker` needs, on any isolation level.
 
     Attributes
     ----------
     line
-        Non-blocking socket to the process.
+        Non-blocking socket for requests to the process and its answers.
     """
 
     line: socket.socket

@@ -45,9 +45,9 @@ def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str]
     hidden
         Files and folders below the visible ones that appear empty.
     code
-        Modules of the sandbox, copied to `SANDBOX`.
+        Paths of the sandbox's own modules, copied to `SANDBOX`.
     folders
-        Folders that are copied to a place of their own, `WORKER_CODE` and `QUESTIONS`: the original may be readable by root alone.
+        Folders to copy, by their new path (`WORKER_CODE`, `QUESTIONS`): the original may be readable by root alone.
     """
     _show_all(visible, hidden)
     for device in DEVICES:
@@ -63,12 +63,12 @@ def fill_root(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str]
 
 
 def copies(plan: Plan) -> Mapping[str, str]:
-    """Return the host's folders of worker code by their path in the sandbox; they are copied, as the host is unmounted."""
+    """Return {path in the sandbox: path on the host} of the folders of worker code (ours and the lab's), which are copied there."""
     return {WORKER_CODE: plan.worker_code, **({QUESTIONS: plan.questions} if plan.questions else {})}
 
 
 def close_root() -> None:
-    """Unmount the host and make the root read-only, so that no worker sees the one or changes the other."""
+    """Unmount the host's files and make the root read-only, so that no worker sees those files or changes the root."""
     linux.umount(OLD)
     os.rmdir(OLD)
     linux.mount_setattr("/", _READ_ONLY, recursive=False)
@@ -81,7 +81,7 @@ def _mount_cache() -> None:
 
 
 def freeze_cache() -> None:
-    """Make the cache of matplotlib and fonts read-only: a worker could otherwise leave data there for the next one."""
+    """Make the folder with matplotlib's lists of fonts read-only: a worker could otherwise leave data there for the next one."""
     linux.mount_setattr(CACHE, _READ_ONLY | linux.MS_NOEXEC, recursive=False)
 
 

@@ -48,21 +48,21 @@ class Sandbox:
     Parameters
     ----------
     contents
-        What the sandbox is opened for; its worker code answers the requests.
+        What runs in the sandbox; its worker code answers the requests.
     isolation_level
-        The name of one of `LEVELS`; None for the best that this machine allows.
+        The name of one of `LEVELS`; None for the best that this machine allows, at worst "none".
 
     Attributes
     ----------
     isolation_level
         The isolation level in use.
     why
-        Why no better isolation level is in use; empty on the highest.
+        Why no better isolation level is in use and what this one lacks here, or that it was asked for; "" if there is neither.
 
     Raises
     ------
     GraderError
-        If the isolation level that was asked for cannot be had here.
+        If the isolation level that was asked for is unknown or cannot be had here.
     """
 
     def __init__(self, contents: Contents, *, isolation_level: str | None = None) -> None:
@@ -92,9 +92,9 @@ class Sandbox:
         self.close()
 
     def worker(self) -> Worker:
-        """Return a new worker without any state of the earlier ones. The middle isolation levels allow four at a time.
+        """Return a new worker without any state of the earlier ones. The levels `bubblewrap` and `landlock` allow four at a time.
 
-        Raise GraderError for a fifth there, or if none can be had, even from a new zygote (the warm parent).
+        Raise GraderError for a fifth on these, after `close`, or if none can be had, even from a new zygote (the warm parent).
         """
         if self._closed:
             raise GraderError("the sandbox is closed")
@@ -113,7 +113,7 @@ class Sandbox:
         self._contents = replace(self._contents, warm=(*self._contents.warm, *new))
 
     def close(self) -> None:
-        """End every worker, and the zygote (the warm parent) with its folders."""
+        """End every worker and the zygote (the warm parent), and remove the folders that were made for them."""
         self._closed = True
         for worker in self._workers:
             worker.close()
@@ -158,7 +158,7 @@ class Sandbox:
 
 
 class Worker:
-    """A process in the sandbox that runs untrusted code and answers requests until it fails once or is closed."""
+    """A process in the sandbox that runs untrusted code and answers requests; it is dead after `close` or one failed answer."""
 
     def __init__(self, process: Process, printed: Printed) -> None:
         self._process = process
@@ -204,16 +204,16 @@ class Worker:
         cpu_s
             CPU seconds that the answer may take, all threads together.
         wall_s
-            Seconds on the clock while next to no CPU time is used; by default max(3 * cpu_s, cpu_s + 20).
+            Seconds that may pass with next to no CPU use, as by code that sleeps; by default max(3 * cpu_s, cpu_s + 20).
         most_s
-            Seconds on the clock whatever is used; never more than ten times `wall_s`.
+            Seconds that may pass in all, whatever the code does; ten times `wall_s` if that is less.
 
         Raises
         ------
         TimedOut, Crashed, Malformed
-            What the code in the sandbox may do instead of answering; the worker is dead afterwards.
+            If the code in the sandbox takes too long, dies or sends no valid answer; the worker is dead afterwards.
         GraderError
-            If the request itself cannot be sent, the machine ran out of memory, or the sandbox failed us.
+            If the request itself cannot be sent, the machine ran out of memory, or the sandbox itself failed.
         """
         if not self.alive:
             raise Crashed("the process had already ended")
@@ -246,7 +246,7 @@ class Worker:
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:
-        """Return which statement the worker says it ran last (see `Printed.place`), as it may have killed it; code can forge it."""
+        """Return which statement the worker noted as running (see `Printed.place`), perhaps its last; code can forge this."""
         return self._printed.place()
 
     def close(self) -> None:

@@ -36,9 +36,9 @@ class _GraderGoneError(Exception):
 
 
 def main(control_fd: int) -> Callable[[], None] | None:
-    """Run the zygote: fork workers until the grader closes the socket. In a forked worker, return the function that it runs.
+    """Run the zygote: fork workers until the grader closes the socket, then exit. In a forked worker, return the function to run.
 
-    `control_fd` is the grader's socket. Return None in the zygote if isolation or an import failed; the grader was told why.
+    `control_fd` is the socket to the grader. Return None in the zygote if isolation or an import failed; the grader was told why.
     """
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.unpacked(control.recv(_MAX_MESSAGE))

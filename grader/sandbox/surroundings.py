@@ -77,7 +77,7 @@ def search(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """Return `sys.path` for a sandbox that hides package folders: as `search`, but with the folder `links` (by `link_packages`)."""
+    """Return `sys.path` for the level `landlock`: as `search`, but the folder `links` (by `link_packages`) for package folders."""
     return (*_search_whole(shown), links)
 
 
@@ -88,7 +88,7 @@ def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def link_packages(folder: str, libraries: tuple[str, ...]) -> None:
-    """Make a folder of links to the packages that a sandbox shows (see `visible`) although it hides the package folders."""
+    """Make `folder` with links to the packages that a sandbox shows (`libraries`, too), so that imports find them there."""
     os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
     for path in packages.shown(packages.folders(), libraries):
         parent, name = os.path.split(path)
@@ -127,7 +127,7 @@ def decoy() -> str:
 
 
 def code() -> tuple[str, ...]:
-    """Return the paths of the modules of this package that run in a sandbox, where they are shown or copied."""
+    """Return the paths of the modules of this package that run in a sandbox; each sandbox shows them or gets a copy."""
     return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_SANDBOX)
 
 

@@ -199,7 +199,7 @@ _MACHINES = {"x86_64": Machine("x86_64", 0xC000003E), "aarch64": Machine("aarch6
 
 
 def machine() -> Machine:
-    """Return the processor architecture of this process; raise OSError if it has no system call table or Python is 32-bit."""
+    """Return the processor architecture of this process; raise OSError if this module has no table for it or Python is 32-bit."""
     name = os.uname().machine
     if name not in _MACHINES or sys.maxsize < 1 << 32:  # a 32-bit Python has another table on the same machine
         raise OSError(f"no system call table for {name}")

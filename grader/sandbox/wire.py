@@ -75,9 +75,10 @@ def pack(
     caps: Caps = ANSWER,
     errors: str = "strict",
 ) -> bytes:
-    """Return the bytes of a frame (message); `errors` says what becomes of lone surrogates, as for `str.encode`.
+    """Return the bytes of a frame (message). `nonce`, 16 bytes, tells which request it belongs to: an answer repeats the request's.
 
-    Raise WireError if a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or the frame is larger than `caps` allow.
+    `errors` says what becomes of lone surrogates, as for `str.encode`. Raise WireError if a value is no JSON, an array's dtype is
+    not in `arrays.DTYPES`, or the frame is larger than `caps` allow.
     """
     try:
         layout, chunks = _arrays().pack(arrays, caps.body)
@@ -111,7 +112,7 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER
 
 
 class Incoming:
-    """Receiver of one frame (message), whose bytes arrive in pieces; it refuses a frame that is too large before it arrives."""
+    """Receiver of one frame (message), whose bytes arrive in pieces; the header is enough to refuse a frame larger than `caps`."""
 
     def __init__(self, caps: Caps = ANSWER) -> None:
         self._caps = caps
@@ -125,7 +126,7 @@ class Incoming:
         return self._total - len(self._data)
 
     def feed(self, chunk: bytes) -> None:
-        """Add bytes; raise WireError if they are more than `wanted`, or as soon as the header announces a frame above the caps."""
+        """Add bytes; raise WireError if they are more than `wanted`, or the header announces a frame larger than `caps` allow."""
         if len(chunk) > self.wanted:
             raise WireError("more bytes than the frame announced")
         self._data += chunk

@@ -23,7 +23,10 @@ _CHUNK_BYTES = 1 << 18
 
 
 def run(line: socket.socket, answer: Answer) -> None:
-    """Report that the worker is ready, then answer requests until the grader closes the socket."""
+    """Report that the worker is ready, then send what `answer` returns for each request, until the grader closes the socket `line`.
+
+    An exception in `answer` is sent as a text in place of the reply.
+    """
     line.sendall(wire.pack(NO_NONCE, {"ready": True}, {}))
     while (question := _receive(line)) is not None:
         nonce, frame = question
@@ -31,7 +34,7 @@ def run(line: socket.socket, answer: Answer) -> None:
 
 
 def refuse_questions(line: socket.socket, reason: str) -> None:
-    """Tell the grader why the worker could not be set up; called in place of `run`."""
+    """Tell the grader through the socket `line` the reason why the worker could not be set up; called in place of `run`."""
     line.sendall(wire.pack(NO_NONCE, {"ready": False, "reason": reason}, {}))
 
 

@@ -51,7 +51,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
 
 def answer(op: str, fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the reply (data, arrays) to request `op` with its data and arrays; raise ChangedError if our code was replaced."""
+    """Return the reply (data, arrays) to request `op`, KeyError if unknown; raise ChangedError if student code replaced ours."""
     reply = _HANDLERS[op](fields, arrays)
     if _guard is not None:
         _guard.check()

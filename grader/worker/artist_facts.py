@@ -44,7 +44,7 @@ def remember_classes() -> None:
 
 
 def remember(*kinds: type) -> None:
-    """Record the present members of these classes anew, so that `original_classes` keeps what our own code replaced in them."""
+    """Record the present members of these classes anew, after we replaced some, so that `original_classes` keeps our versions."""
     _CLASSES.update((kind, dict(vars(kind))) for kind in kinds)
 
 
@@ -89,7 +89,7 @@ def _generated(kind: type) -> bool:
 
 
 def place(axes: Any) -> Any:
-    """Return a panel's position (a `Bbox`) as fractions of the whole figure, as a reader sees it, also for one in a subfigure."""
+    """Return a panel's position (a `Bbox`) in fractions of the whole figure, even if the panel lies in a subfigure."""
     return axes.bbox.transformed(axes.get_figure().canvas.figure.transFigure.inverted())
 
 

@@ -26,9 +26,9 @@ class Slot:
     meaning : regular expression, searched in a parameter's name, for other names that mean the same
     passed : ``position``, as on the sheet; ``option``: by keyword, left out if no parameter takes it; ``spare``: not on the sheet,
         passed only if a parameter asks for it
-    replaces : a spare is also passed to a parameter whose default is of one of these types
-    free : whether a function may differ from the sheet in this argument without a fault
-    anywhere : whether the argument may go to any parameter that is left over
+    replaces : types of default values in whose place a spare is passed; a parameter with any other default keeps its own
+    free : whether it is no fault if the function takes this argument otherwise than on the sheet
+    anywhere : whether a positional parameter that is left over may get this argument, whatever its name
     """
 
     name: str
@@ -54,8 +54,8 @@ class CallPlan:
     ----------
     positions : names of the slots that are passed by position, in order
     names : parameter name -> name of the slot passed to it by keyword
-    departs : names of the slots in which the function differs from the lab sheet
-    as_promised : whether the function is called exactly as on the sheet
+    departs : names of the slots that the function takes out of order, by another keyword, beyond the lab sheet or not at all
+    as_promised : whether the function is called exactly as on the sheet, also where no call fits it
     """
 
     positions: tuple[str, ...]
@@ -95,7 +95,7 @@ def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
 
 
 def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
-    """Return whether a function has a parameter for a slot (argument) or takes any keyword; True if its signature is unknown."""
+    """Return whether a function takes a slot (argument), by a fitting parameter or any keyword; True for an unknown signature."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):

@@ -16,7 +16,7 @@ import numpy as np
 
 
 def install() -> None:
-    """Add names of other releases that the installed NumPy, SciPy and matplotlib lack, with what their release notes recommend."""
+    """Add names of other releases that the installed NumPy, SciPy and matplotlib lack, so that code for those releases runs."""
     _restore_numpy_names()
     _restore_matplotlib_names()
     for name in _SCIPY_NAMES:

@@ -43,7 +43,7 @@ def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
 
 
 def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:
-    """Return the top-level statements that parse of a file with syntax errors, to draw its plots; [] if eight or more do not."""
+    """Return those statements of a file with syntax errors that parse, so that its plots are drawn; [] if eight or more do not."""
     own = faults.own_name(path)
     try:
         lines = _decoded(source).splitlines()
@@ -101,7 +101,7 @@ def _decoded(source: bytes) -> str:
 
 
 def defined(path: str) -> set[str]:
-    """Return the names that a file or notebook defines at its top level, and required names that it nearly spells. No code runs.
+    """Return the names that a file or notebook defines at its top level, and required names that it misspells there. No code runs.
 
     Of text that does not parse, these are the names after ``def`` or ``class`` at the start of a line; of an undecodable file,
     none.

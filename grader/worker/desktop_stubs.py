@@ -27,7 +27,8 @@ class Stub(types.ModuleType):
 
     Parameters
     ----------
-    members : attributes that have a value of their own
+    name : the name of what is stubbed
+    members : keyword arguments, the attributes that have a value of their own
     """
 
     def __init__(self, name: str, **members: Any) -> None:
@@ -50,7 +51,10 @@ class Stub(types.ModuleType):
 
 
 def install(run_magic: RunMagic) -> None:
-    """Install the stubs (IPython, debuggers, Windows console), so that code which uses them runs; `run_magic` does ``%run``."""
+    """Install the stubs (IPython, debuggers, Windows console), so that code which uses them runs.
+
+    `run_magic` does what ``%run`` does: it gets the rest of the line, and the namespace to run in.
+    """
     for name in _MODULES:
         sys.modules[name] = Stub(name)
     vars(sys.modules["msvcrt"])["kbhit"] = lambda: False

@@ -49,7 +49,7 @@ class Preview:
 
 
 def reads_pictures_back(sources: Iterable[bytes]) -> bool:
-    """Return whether source files may read a picture that they drew (pixels, file size), so that it must be drawn in full."""
+    """Return whether source files may read a picture that they drew (pixels, file size): pictures must then be drawn in full."""
     return any(_READS_BACK.search(source) for source in sources)
 
 
@@ -218,9 +218,9 @@ def _parse_mathematics(text: Any) -> None:
 
 
 def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> Preview:
-    """Save a figure to `target` as its small picture, and return the picture; raise what saving the figure in full would raise.
+    """Save a canvas's figure to `target` as a small picture, which is returned; raise what saving the figure in full would raise.
 
-    `really` is matplotlib's own method, `asked` the submission's `dpi` (None for the default), `options` its other arguments.
+    `really` is matplotlib's `print_figure`, `asked` the submission's `dpi` (None for the default), `options` its other arguments.
     """
     figure = canvas.figure
     drawn: list[Any] = []

@@ -59,7 +59,7 @@ _INSTEAD: dict[str, str] = {}
 
 
 def redirect_missing(ending: str, place: str) -> None:
-    """Open the submission's file `place` for any missing path that ends with `ending`, such as another folder's lab model."""
+    """Let `open` read the submission's file `place` for a missing path that ends with `ending`, such as another folder's model."""
     _INSTEAD[ending] = place
 
 

@@ -18,7 +18,7 @@ _OWN_PREFIX = "<submission>/"  # the file name that compiled student code carrie
 
 
 def own_name(path: str) -> str:
-    """Return the file name under which student code is compiled: a fixed prefix, by which it is recognised, and its path."""
+    """Return the file name under which student code is compiled: a prefix that marks it, and its path in the submission."""
     return _OWN_PREFIX + path
 
 
@@ -28,7 +28,7 @@ def is_own(name: str) -> bool:
 
 
 def fault_at(path: str, line: int, message: str) -> dict[str, Any]:
-    """Describe a fault at a line that did not raise, such as a merge conflict, in the form of `describe`."""
+    """Return a fault at `line` of file `path` in the form of `describe`, where nothing was raised, as for a merge conflict."""
     return {"type": "", "message": message, "file": path[:200], "line": line, "text": None, "name": None}
 
 

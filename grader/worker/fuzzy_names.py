@@ -10,7 +10,7 @@ from . import statements
 
 
 def misspelled(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield (required name, its misspelling) for each `wanted` name that no node binds and exactly one definition nearly spells."""
+    """Yield (required name, its misspelling) for each `wanted` name that `nodes` lack and just one definition there resembles."""
     missed = set(wanted).difference(*map(statements.bound, nodes))
     for name in sorted(missed):
         kind = ast.ClassDef if name[0].isupper() else ast.FunctionDef
@@ -40,7 +40,7 @@ members_of = type.__dict__["__dict__"].__get__
 
 
 def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:
-    """Give class `own` its required methods under the right names, and add them to `known`, {``Class.method``: own name}.
+    """Give class `own` its required methods under the right names, and add them to `known`, {``Class.method``: student's name}.
 
     A method gets its right name if the class lacks it and exactly one method is nearly called so. `wanted` lists the required
     methods as ``Class.method``; `name` is the class's name in it.

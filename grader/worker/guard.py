@@ -18,7 +18,7 @@ class ChangedError(RuntimeError):
 
 
 class Guard:
-    """Record of the worker code's functions and classes, made before student code runs; `check` compares it before each answer."""
+    """Record of the worker code's functions and classes, made before student code runs; `check` raises if one was replaced."""
 
     def __init__(self, package: str) -> None:
         self._modules = [

@@ -19,7 +19,7 @@ MIN_PIECES = 8
 def joined(
     artists: Iterable[Artist], size: Callable[[Artist], int], look: Callable[[Artist], Hashable]
 ) -> list[list[Artist]]:
-    """Group the artists that are pieces of one curve; any other artist is a group of its own. Groups are in drawing order.
+    """Group artists that are pieces of one curve, such as its points; any other artist is a group of its own. Keep drawing order.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def is_chain(segments: list[Any]) -> bool:
-    """Return whether segments (points (k, 2) each) are one curve of changing shade: eight or more, each from the last one's end."""
+    """Return whether segments (points (k, 2) each) are one curve, as with a gradient: eight or more, joined end to end."""
     if len(segments) < MIN_PIECES or any(len(segment) < 2 for segment in segments):
         return False
     return all(np.array_equal(before[-1], after[0]) for before, after in itertools.pairwise(segments))

@@ -42,8 +42,8 @@ _LEVELS = 1 + _ABOVE.count("/")
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Answer a request: write the submission's files into the scratch folder and prepare the process. Student code runs later.
 
-    ``fields["files"]`` lists path, key in `arrays`, and how many folders further up a copy goes. Return as ``written`` the paths of
-    the files that notebooks write with ``%%writefile``.
+    ``fields["files"]`` lists (path, key in `arrays`, n). If n > 0, a copy goes n folders further up, where programs may look for
+    it. Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
     STATE.stepper = statements.StatementRunner(skipped, tuple(fields["place"]), list(fields["homes"]))

@@ -19,7 +19,7 @@ _BRING_NAMES = ("exec", "globals", "vars", "locals", "setattr", "get_ipython")
 
 
 class MissingImports:
-    """Names that one file or notebook uses and forgot to import; `before`, `after` and `at_end` supply them while the file runs.
+    """Names that one file or notebook uses but does not import, supplied by calls of `before`, `after` and `at_end` while it runs.
 
     A library is supplied before the first statement, or after the last star import, which may bring it along. What another required
     file (a partner) defines is supplied after the last definition, as the partner may import this file.
@@ -72,7 +72,7 @@ class MissingImports:
             self._supply([name for name in self._renamed if name in names], names)
 
     def at_end(self, names: dict[str, Any]) -> None:
-        """Restore required functions and classes that the file defined, and then deleted or replaced by something uncallable.
+        """Restore in `names` the required functions and classes that the file defined, and then deleted or made uncallable.
 
         This is done for every file that parses, whether it misses an import or not. The object that the definition made is put
         back, and reported as a supplied name.

@@ -12,7 +12,7 @@ _PASSED_OVER = frozenset(("annotation", "returns", "type_params", "ctx", "op", "
 
 
 def imported(node: ast.AST) -> list[str]:
-    """Return the names that an import statement binds; an empty list for any other statement."""
+    """Return the names that an import statement binds, "*" for a star import; an empty list for any other statement."""
     if not isinstance(node, ast.Import | ast.ImportFrom):
         return []
     return [(alias.asname or alias.name).split(".")[0] for alias in node.names]

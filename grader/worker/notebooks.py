@@ -17,7 +17,7 @@ _WRITES = re.compile(  # /content is where a notebook is at home in Colab; no pa
 
 
 def code_cells(content: bytes) -> list[str]:
-    """Return the code cells of a notebook as plain Python; raise ValueError if it is no notebook."""
+    """Return the code cells of a notebook as plain Python (see `plain_python`); raise ValueError if it is no notebook."""
     return [plain_python(source) for source in raw_cells(content)]
 
 

@@ -24,7 +24,7 @@ def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     -------
     fields : dict
         ``readable`` and, if so, ``size_px``, ``colours`` (the number of distinct colours of a 160-pixel thumbnail) and ``ink`` (the
-        share of its pixels that have none of the four commonest colours, which are the background); otherwise ``reason``.
+        share of its pixels that have none of the four commonest colours, the background); otherwise ``reason``, an error's type.
     arrays : dict
         If readable, a reduced picture: ``preview`` (h, w) with indices into ``palette`` (256, 3).
     """

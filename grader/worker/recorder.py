@@ -30,9 +30,10 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return facts and arrays of the figures since the last `take`, matched to picture files below `folder`; close all figures.
+        """Return data and arrays of the figures since the last `take`, matched to picture files below `folder`; close all figures.
 
-        With `with_open`, figures that are still open and were never saved are recorded first.
+        The data are {"figures": [one dict of panels, texts, curves and file for each]}. With `with_open`, figures that are still
+        open and were never saved are recorded first.
         """
         import matplotlib.pyplot as plt
 
@@ -59,9 +60,9 @@ class Recorder:
         kind: str = "",
         seen: drawing.Preview | None = None,
     ) -> None:
-        """Record a figure's facts at an `event` such as "saved"; not if it is recorded already, and no more than twelve per `take`.
+        """Record a figure at an `event` such as "saved", if it is not recorded yet; at most twelve figures per `take`.
 
-        A figure that was empty, or is saved again, is recorded again. `target`, `dpi` and `kind` (the format) are those of
+        A figure that was empty then, or is saved again, is recorded once more. `target`, `dpi` and `kind` (the format) are those of
         `savefig`; `seen` is the small picture, if it was drawn already.
         """
         filled = any(axes.has_data() for axes in figure.get_axes())

@@ -28,7 +28,7 @@ with its own full canvas and at most 0.55 with the canvas of another."""
 
 @dataclass
 class RecordedFigure:
-    """A figure as it was saved or shown: facts (plain data), small picture, and the file (bytes, path) that saving wrote."""
+    """A figure as it was saved or shown: its description, small picture, and the bytes and path of the file if saving wrote one."""
 
     facts: dict[str, Any]
     seen: Preview | None
@@ -60,8 +60,8 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
 def match_files_to_figures(drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]) -> None:
     """Correct the ``event`` of recorded figures by the picture files that are there in the end.
 
-    A figure that a picture file shows is "saved", by whatever call. One whose file now holds another picture is "overwritten"; one
-    saved to a buffer that reached no file is "forgotten".
+    A figure that a picture file shows is "saved", whichever call wrote the file. One whose file now holds another picture is
+    "overwritten"; one saved to a buffer that reached no file is "forgotten".
 
     Parameters
     ----------

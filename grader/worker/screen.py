@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Run the event loop for `seconds` (None: no limit), until no timer is left, enough was seen or 2,000 timers fired."""
+        """Fire timers as an event loop does, for `seconds` (None: no limit), until none is left, enough was seen or 2,000 fired."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):

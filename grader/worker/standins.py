@@ -13,7 +13,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Put stand-ins, the grader's definitions in place of a student's broken ones, into `STATE`; `sources`: {name: source text}."""
+    """Keep stand-ins (working definitions for a student's broken ones) in `STATE`, made from `sources`, {name: source text}."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():
@@ -22,7 +22,10 @@ def define(sources: Mapping[str, str]) -> None:
 
 
 def fill(path: str, names: dict[str, Any]) -> None:
-    """Put stand-ins (the grader's definitions) into a file's `names` where a definition failed, was deleted or has no file."""
+    """Put stand-ins (the grader's definitions) into a file's namespace `names` for required names that it should define and lacks.
+
+    These are the names of the file, others whose definition in it failed, and names of required files that were not submitted.
+    """
     lacking = [name for name in STATE.standins if name not in names]
     own = compiling.defined(path) if lacking else set()
     for name in lacking:
@@ -66,7 +69,7 @@ def replace_defined(node: ast.stmt, meant: Mapping[str, str], names: dict[str, A
 
 
 def alias_misspelled(meant: Mapping[str, str], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Define misspelled names under their right names, too; yield (right, misspelled) for the report. `meant`: {misspelled: right}.
+    """Define misspelled names in `names` under their right names, too; yield (right, misspelled). `meant` is {misspelled: right}.
 
     Names that a stand-in (the grader's definition) replaced are left out.
     """

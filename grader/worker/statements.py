@@ -117,7 +117,10 @@ def _in_student_statement(frame: types.FrameType | None) -> bool:
 
 @contextlib.contextmanager
 def time_limit(within_s: float) -> Iterator[None]:
-    """Limit the statements that run in this block to `within_s` seconds; one that uses half of what is left is interrupted."""
+    """Limit the statements that run in this block to `within_s` seconds in all, so that one that never ends leaves time for others.
+
+    A statement that has used half of what was left is interrupted by OutOfTimeError; on Windows, none is.
+    """
     _CLOCK.start(within_s)
     try:
         yield
@@ -129,12 +132,12 @@ def time_limit(within_s: float) -> Iterator[None]:
 
 
 class StatementRunner:
-    """Runs a file's statements one by one, so that a failing one does not cost those after it, and notes the skipped ones.
+    """Runner of a file's statements, one by one, so that a failing one does not cost those after it; `noted` lists skipped ones.
 
     Parameters
     ----------
     skipped : (file, number of a statement that ended an earlier process) -> the reason why it is not run again
-    place : where in the file of descriptor 1 the running statement is noted (offset, size), to find one that kills the worker
+    place : (offset, size) in the file of descriptor 1, where the running statement is noted, to find one that kills the worker
     wanted : the required names; a failed statement is recorded with those that it would have defined
     """
 
@@ -145,7 +148,10 @@ class StatementRunner:
         self.noted: list[dict[str, Any]] = []
 
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
-        """Run file `path`'s statements in the namespace `names`, but for those in `skipped`; call `after` with each, run or not."""
+        """Run file `path`'s statements in the namespace `names`, but for those in `skipped`; call `after` with the node of each.
+
+        Statements that raise, overrun their time or are skipped are added to `noted`.
+        """
         names["__builtins__"] = vars(builtins)  # those that all modules share: the worker's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
             if why := self._skipped.get((path, unit.number)):
@@ -287,7 +293,7 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
     """Return a file's top-level statements, each compiled alone, a cell with `await` whole; SyntaxError if one cannot be.
 
-    `name` is the file name that tracebacks tell, `flags` those of `compile`; one of them says that the text is a cell.
+    `name` is the file name in tracebacks, `flags` those of `compile`: PyCF_ALLOW_TOP_LEVEL_AWAIT says that the text is a cell.
     """
     flags |= _future_flags(tree)
     if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _awaits(tree) and tree.body:

@@ -44,5 +44,5 @@ STATE = _State()
 
 
 def find(name: str, path: str) -> Any:
-    """Return the object that a loaded file defines under a name, such as a student's function; raise KeyError if there is none."""
+    """Return the object that the loaded file `path` defines as `name`, such as a student's function; KeyError if there is none."""
     return vars(STATE.modules[path])[name]

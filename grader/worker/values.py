@@ -66,9 +66,9 @@ def _number(value: Any) -> float:
 
 
 class Packer:
-    """Describes returned values as nodes (dicts with a ``kind``, for JSON), and collects their arrays by name beside them.
+    """Packer of values that student code returned, for an answer: nodes (dicts with a ``kind``, for JSON) and, by name, `arrays`.
 
-    The arrays are called `prefix` and a number, so two packers whose arrays are sent in one message need different prefixes.
+    Arrays are called `prefix` and a number, so two packers whose arrays are sent in one message need different prefixes.
     """
 
     def __init__(self, prefix: str = "a") -> None:

@@ -72,7 +72,7 @@ class Clock:
         return self.passed_s
 
     def wait(self, lock: LockType, seconds: float | None = None) -> bool:
-        """Acquire a lock that another thread releases, by this clock; return False if `seconds` passed before (None: no limit)."""
+        """Wait in virtual time until another thread releases a lock; True if acquired, False after `seconds` (None: no limit)."""
         me = self._me.get(get_ident())
         if me is None:
             return lock.acquire(True, -1 if seconds is None else seconds)
@@ -121,7 +121,7 @@ class Clock:
 
 
 def install(clock: Clock) -> None:
-    """Make the standard library's locks, conditions, threads and event loops wait by the clock, not in real time."""
+    """Make the standard library's locks, conditions, threads and event loops wait by the clock, not in real time, from now on."""
     main = object()
     clock.add(main)
     clock.enter(main)

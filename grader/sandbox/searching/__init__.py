@@ -20,9 +20,10 @@ def warm_up(thorough: bool) -> None:
 
 
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Try to open every file below ``fields["roots"]``; return how many could be opened, and at most 100 that are the grader's.
+    """Answer a request: try to open all files below ``fields["roots"]``; return how many were ``opened``, and ``found`` paths.
 
-    Such a file has a name of the grader's, or is a source that holds one of the ``phrases``. Files in ``own`` are passed over.
+    The ``found`` paths, at most 100, have a name of the grader's or are sources that hold one of ``fields["phrases"]``. Files in
+    ``fields["own"]`` are passed over; `op` and `arrays` are not used.
     """
     del op, arrays
     phrases = [phrase.encode() for phrase in fields["phrases"]]
