@@ -87,7 +87,7 @@ def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
 
 
 def first_line(record: Callable[[Scene], Recording]) -> str:
-    """Return the first line of a scenario's docstring, which is the scenario's description in the traces."""
+    """Return the first docstring line of `record`, a scenario's function: it describes the scenario in the traces."""
     return (record.__doc__ or "").strip().splitlines()[0]
 
 
@@ -126,7 +126,7 @@ _FEWEST_STEPS, _MOST_STEPS = 150, 2000
 
 
 def roll(model: mujoco.MjModel, data: mujoco.MjData, n_steps: int, pair: tuple[str, str]) -> dict[str, FloatArray]:
-    """Step on from the state in `data`, recording one IMU: return `time` (n,), `acceleration`, `angular_velocity` (n, 3)."""
+    """Simulate on from the state in `data`; return the IMU `pair`'s `time` (n,), `acceleration` and `angular_velocity` (n, 3)."""
     accel, gyro = (sensor_id(model, name) for name in pair)
     time, acceleration, angular_velocity = np.zeros(n_steps), np.zeros((n_steps, 3)), np.zeros((n_steps, 3))
     for i in range(n_steps):

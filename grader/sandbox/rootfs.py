@@ -26,7 +26,7 @@ _SCRATCH_OPTIONS = "size=64m,nr_inodes=4096,mode=700"
 
 
 def enter_new_root() -> None:
-    """Make an empty file system in memory the root, with the host's below /old; the process must have its own mount namespace."""
+    """Make an empty file system in memory the root, the host's root now being /old; the process needs its own mount namespace."""
     linux.mount("none", "/", flags=linux.MS_REC | linux.MS_PRIVATE)
     base = "/tmp" if os.path.isdir("/tmp") else "/dev"
     linux.mount("tmpfs", base, "tmpfs", linux.MS_NOSUID | linux.MS_NODEV, "size=16m,mode=755")

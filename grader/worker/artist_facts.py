@@ -66,7 +66,7 @@ def original_classes() -> Iterator[None]:
 
 
 def reject_overrides(*artists: Any) -> None:
-    """Raise OverriddenArtistError if student code overrides a member of `artists` that the grader reads: it may lie."""
+    """Raise OverriddenArtistError if student code overrides a member of `artists` that the grader reads: an artist may then lie."""
     for artist in artists:
         strange = [kind for kind in type(artist).__mro__ if kind not in _CLASSES and kind.__module__ != "builtins"]
         own = [name for kind in strange if not _generated(kind) for name in vars(kind) if _is_asked(name)]

@@ -23,7 +23,7 @@ RunMagic = Callable[[str, dict[str, Any]], None]
 
 
 class Stub(types.ModuleType):
-    """Stub of a module, window or device: it accepts every call, answers with itself and shows nothing, so that its user runs on.
+    """Stub of a module, window or device: it accepts every call, returns itself and shows nothing, so that code using it runs on.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ def joined(
 
 
 def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
-    """Concatenate the points (k, 2) of a curve's pieces; of equal neighbours, as where a piece begins at the last end, keep one."""
+    """Concatenate the points (k, 2) of a curve's pieces; keep one of equal neighbours, as where two pieces meet."""
     points = np.concatenate([np.asarray(part, dtype=float) for part in parts])
     repeated = np.zeros(len(points), dtype=bool)
     repeated[1:] = (points[1:] == points[:-1]).all(axis=1)

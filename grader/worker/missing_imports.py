@@ -62,7 +62,7 @@ class MissingImports:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Put into `names` what is due after statement `node`, libraries or partners' names; note for `at_end` what it defines."""
+        """Put into the namespace `names` the missed names due after statement `node`; note for `at_end` what `node` defines."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:

@@ -106,7 +106,7 @@ RECORDER = Recorder()
 
 
 def watch(*, read_back: bool) -> None:
-    """Record every figure that is saved, shown, closed or cleared from now on; with `read_back`, save pictures in full size."""
+    """Record every figure that is saved, shown, closed or cleared from now on; save pictures in full if `read_back`, else small."""
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backend_bases import FigureCanvasBase

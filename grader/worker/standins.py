@@ -35,7 +35,7 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return {name: stand-in}, the grader's definitions of a module's names, for a submission that lacks its file or broke it."""
+    """Return {name: stand-in}, the grader's definitions of a module's names, where that module's file is missing or broken."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 

@@ -81,7 +81,7 @@ class Packer:
         return key
 
     def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
-        """Describe a value as a node. Student code may run here (``__len__``, ``__array__``), so callers catch its errors.
+        """Describe a value as a node, a dict with a ``kind``. Student code (``__len__``, ``__array__``) may run here and raise.
 
         `depth` counts the containers around the value; at four, a container is described as an array or by its type alone.
         """
