@@ -96,6 +96,7 @@ def _supplied(text: str) -> list[str]:
         ("def reader(): return np", ["np"]),
         ("from a import *\ndef reader(): return np", ["np"]),
         ("from brings_it import *\ndef reader(): return np", []),
+        ("from a import *\nfrom brings_it import *\ndef reader(): return np", []),
         ("np = 1\ndef reader(): return np", []),
         ("def reader():\n    import numpy as np\n    return np", []),
         ("exec('np = 1')\ndef reader(): return np", []),
