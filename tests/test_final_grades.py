@@ -139,8 +139,8 @@ def test_what_stands_beside_has_columns_after_the_total() -> None:
     assert table == (
         "id,name,section,sensor_access,total,adjusted,submitted,late,late_deduction,final,status\n"
         'a,"Müller, J.",\'=B,20,20,18,2026-11-21T23:00:01+00:00,2,4,14,graded\n'
-        "b,alice,,20,20,20,,0,0,20,graded\n"
-        "c,Z,,,,,,0,,,empty\n"
+        "b,alice,,20,20,20,,unknown,0,20,graded\n"
+        "c,Z,,,,,,unknown,,,empty\n"
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from grader.base.errors import RequestError
-from grader.course.publishing.contradictions import Contradiction, untimed
+from grader.course.publishing.contradictions import Contradiction
 from grader.course.regrading.groups import decisions, groups
 from grader.desk import drafts, regrade_requests, review_queue
 from grader.desk.similarity_groups import SimilarityGroup
@@ -26,7 +26,7 @@ from grader.engine.rubric import LatePolicy
 from grader.intake.downloads import Download
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
+from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, untimed
 from grader.people.late_policy import judged
 from grader.platforms import canvas
 from grader.platforms.found import AMBIGUOUS, at_least_half
@@ -83,14 +83,12 @@ def test_half_of_the_names_make_a_download_and_nothing_makes_none(answers: list[
 
 def test_a_late_mark_beside_a_time_vouches_for_those_without_both() -> None:
     late, other = HandIn(submitted="2026-11-21T12:00+00:00", marked_late=True), HandIn()
-    settings: Any = SimpleNamespace(has_late_policy=True)
     for hand_in, unknown in (
         (late, []),
         (replace(late, marked_late=False), ["b"]),
         (replace(late, submitted=""), ["a"]),
     ):
-        final_grades = {"a": FinalGrade("a", result(), hand_in), "b": FinalGrade("b", result(), other)}
-        assert untimed(final_grades, settings) == unknown
+        assert untimed([FinalGrade("a", result(), hand_in), FinalGrade("b", result(), other)]) == unknown
 
 
 def _queue(

@@ -287,6 +287,18 @@ def _sum_of(terms: Iterable[Term]) -> float:
     return round(sum(each.points for each in terms), 2)
 
 
+def untimed(final_grades: Iterable[FinalGrade]) -> list[str]:
+    """Return the ids of submissions of unknown time, from which a late policy can deduct nothing.
+
+    A submission whose total a person has set is left out: that settles its lateness. If the platform marks late submissions,
+    unmarked ones are in time, so only marked ones are returned.
+    """
+    handed_in = [each for each in final_grades if not each.has_no_submission]
+    open_ = [each for each in handed_in if not each.hand_in.submitted and not each.total_is_set]
+    only_marked = any(each.hand_in.marked_late for each in handed_in)
+    return [each.id for each in open_ if each.hand_in.marked_late or not only_marked]
+
+
 def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
     """Return the final grades that are known, without empty and unreadable submissions, for the means and charts of a class."""
     return [each.final for each in final_grades if each.result.status == "graded" and each.final is not None]

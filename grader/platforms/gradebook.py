@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from grader.base import tables
 from grader.base.text import printable
 from grader.engine.results import CriterionResult
-from grader.people.final_grade import FinalGrade, Person
+from grader.people.final_grade import FinalGrade, Person, untimed
 from grader.platforms.platform import Help, Platform
 from grader.report import words
 
@@ -15,7 +15,7 @@ Cell = Callable[[FinalGrade], str]
 
 
 def gradebook(
-    final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), untimed: Collection[str] | None = None
+    final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), *, has_late_policy: bool = False
 ) -> str:
     """Return a class's points as CSV: a row for each submission, in the order of `final_grades`, and each person in `absent`.
 
@@ -29,10 +29,10 @@ def gradebook(
         The final grade of each submission, by its id.
     absent
         The people of the roster who did not hand in.
-    untimed
-        Ids of the submissions whose lateness is unknown; None for a class without a late policy.
+    has_late_policy
+        Whether the class has a late policy: columns of lateness then, even if nobody is late.
     """
-    columns = _columns(list(final_grades.values()), absent, untimed)
+    columns = _columns(list(final_grades.values()), absent, has_late_policy)
     handed_in = [{title: cell(final_grade) for title, cell in columns.items()} for final_grade in final_grades.values()]
     return _table([*handed_in, *_absentees(final_grades, absent, "")], list(columns))
 
@@ -74,7 +74,7 @@ def _table(rows: Iterable[Mapping[str, str]], titles: Sequence[str]) -> str:
 
 
 def _columns(
-    final_grades: list[FinalGrade], absent: Sequence[Person], untimed: Collection[str] | None = None
+    final_grades: list[FinalGrade], absent: Sequence[Person], has_late_policy: bool = False
 ) -> dict[str, Cell]:
     """Return the title and the function of each column; criteria in the order in which they first occur.
 
@@ -94,8 +94,9 @@ def _columns(
         columns["adjusted"] = lambda s: _points(s.adjusted)
     if any(s.hand_in.submitted for s in final_grades):
         columns["submitted"] = lambda s: _text(s.hand_in.submitted)
-    if untimed is not None or any(s.late for s in final_grades):
-        columns["late"] = lambda s: "unknown" if s.id in (untimed or ()) else _late_days(s)
+    if has_late_policy or any(s.late for s in final_grades):
+        unknown = untimed(final_grades)
+        columns["late"] = lambda s: "unknown" if s.id in unknown else _late_days(s)
         columns["late_deduction"] = lambda s: "" if s.final is None else words.number(s.deduction)
     if any(s.late and s.late.grace_days for s in final_grades):
         columns["grace_days_used"] = lambda s: str(s.late.grace_days if s.late else 0)

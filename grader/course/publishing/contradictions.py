@@ -8,7 +8,7 @@ from typing import Literal
 
 from grader.base.text import printable, some
 from grader.course.record.class_settings import ClassSettings
-from grader.people.final_grade import Adjustment, FinalGrade, maximum_points
+from grader.people.final_grade import Adjustment, FinalGrade, maximum_points, untimed
 from grader.people.identity import Directory, PersonRow
 from grader.report import words
 from grader.report.adjusted import explained
@@ -100,25 +100,11 @@ def _above_its_maximum(final_grade: FinalGrade, override: Adjustment) -> str:
     )
 
 
-def untimed(final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None) -> list[str]:
-    """Return the ids of submissions whose time is unknown, so that the late policy deducts nothing, to tell the instructor.
-
-    Empty without a late policy. A submission whose total a person has set is left out: that settles its lateness. If the platform
-    marks late submissions, unmarked ones are in time, so only marked ones are returned.
-    """
-    if settings is None or not settings.has_late_policy:
-        return []
-    handed_in = {id_: each for id_, each in final_grades.items() if not each.has_no_submission}
-    open_ = {id_: each for id_, each in handed_in.items() if not each.hand_in.submitted and not each.total_is_set}
-    marked = [id_ for id_, each in open_.items() if each.hand_in.marked_late]
-    return marked if any(each.hand_in.marked_late for each in final_grades.values()) else list(open_)
-
-
 def _unknown_lateness(
     final_grades: Mapping[str, FinalGrade], settings: ClassSettings | None
 ) -> Iterator[Contradiction]:
-    ids = untimed(final_grades, settings)
-    if not ids:
+    ids = untimed(final_grades.values())
+    if settings is None or not settings.has_late_policy or not ids:
         return
     marked = [id_ for id_ in ids if final_grades[id_].hand_in.marked_late]
     late = f"{some(marked, _A_FEW, '; ')}, which the platform marks as late" if marked else ""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from grader.base.files import write_whole
-from grader.course.publishing.contradictions import contradictions, untimed
+from grader.course.publishing.contradictions import contradictions
 from grader.course.record import class_settings
 from grader.course.record.store import Store
 from grader.engine.faults import catalogue
@@ -34,8 +34,7 @@ def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store,
     settings = store.settings()
     absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
     has_policy = settings is not None and settings.has_late_policy
-    unknown = untimed(final_grades, settings) if has_policy else None
-    write_whole(out / "gradebook.csv", gradebook(final_grades, absent, unknown))
+    write_whole(out / "gradebook.csv", gradebook(final_grades, absent, has_late_policy=has_policy))
     unjudged = "not judged"  # the page names these in a sentence of its own
     found = [each.text for each in contradictions(final_grades, settings) if each.kind != unjudged]
     write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab), absent, found))
