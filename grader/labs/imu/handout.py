@@ -13,7 +13,7 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(lab: Lab, model: Model) -> LabFile | None:
-    """Return the instructor's own robot as a file for students' kits, with its public traces; None if `model` is the lab's."""
+    """Return the robot model that the instructor brought, with public traces, for students' kits; None if `model` is the lab's."""
     if model.is_lab:
         return None
     traces = obtain(lab, None, model=model)
@@ -22,9 +22,9 @@ def brought(lab: Lab, model: Model) -> LabFile | None:
 
 
 def handout(lab: Lab, own: LabFile | None) -> Handout:
-    """Return the files of a robot for a kit (the folder for students), and the names to put for the lab robot's in starter files.
+    """Return what a kit (the folder for students) gets for a robot: model, tables of motions, and its names in the starter files.
 
-    `own` is the instructor's robot; None stands for the lab's.
+    `own` is the instructor's robot, whose path and sensors replace the lab's in these files; None stands for the lab's robot.
     """
     traces = own.traces if own else shipped()
     robot = robot_of(traces)

@@ -13,21 +13,21 @@ STUDENTS_TIMESTEP = 0.002
 
 
 def learnt_ids(truth: Traces) -> tuple[int, int]:
-    """Return the ids of the IMU's two sensors in the students' model, which code may hold as constants, to explain wrong rows."""
+    """Return the ids of the IMU's two sensors in the students' model, to recognise code that holds these ids as constants."""
     first, second = truth.manifest.get("robot", {}).get("ids", STUDENTS_IDS)
     return int(first), int(second)
 
 
 def learnt_timestep(truth: Traces) -> float:
-    """Return the time step (s) of the students' model, which their code may hold as a constant, to explain wrong times."""
+    """Return the time step (s) of the students' model, to recognise code that holds it as a constant."""
     return float(truth.manifest.get("robot", {}).get("timestep", STUDENTS_TIMESTEP))
 
 
 def with_graded_robot(files: Mapping[str, bytes], robot: str, copy: str | None = None) -> dict[str, bytes]:
-    """Return a submission's files with the MJCF text `robot`, the graded model, in place of every copy of the students' model.
+    """Return a submission's files with the graded model (`robot`, MJCF text) in place of each copy of the model that students have.
 
     The graded model may have its sensors in another order, so that sensor ids looked up in a handed-in copy would be wrong. `copy`
-    is the students' model, None for the lab's. A file that differs from it in more than white space is the student's own.
+    is the text that students have; None stands for the lab's model. A file with other differences than white space is kept.
     """
     ours = (shipped().models["lab"] if copy is None else copy).encode().split()
     return {path: robot.encode() if _is_copy(path, content, ours) else content for path, content in files.items()}

@@ -18,7 +18,7 @@ _PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Ang
 
 
 class Series(Protocol):
-    """A recording by a student's `simulate_and_collect`: the series that `plot` draws over the true motion, None if missing."""
+    """Protocol of a recording by `simulate_and_collect` that `plot` draws over the true motion; None for a missing series."""
 
     @property
     def time(self) -> Array | None: ...
@@ -51,7 +51,7 @@ def plot(traces: Traces, out: Path, mine: Mapping[str, Series] | None = None) ->
 
 
 def tables(traces: Traces, names: Collection[str]) -> dict[str, bytes]:
-    """Return files for the students' folder by name: of each named motion a CSV table (time, both sensors), and a picture."""
+    """Return files for the students' folder by name: for each motion in `names`, a CSV table (time, both sensors) and a picture."""
     chosen = [scenario for scenario in _moving(traces) if scenario.name in names]
     tables = {f"{scenario.name}.csv": _table(scenario) for scenario in chosen}
     return tables | {f"{scenario.name}.png": _picture(scenario) for scenario in chosen}

@@ -13,7 +13,7 @@ Facts = TypeVar("Facts")
 
 
 class Departure(TypedDict):
-    """Texts for a fault's message: `name` of the function or class, and the lab sheet's names of what differs in its call."""
+    """Texts for a fault's message: `name` of the function or class, and `departs`, the sheet's parameters or method it lacks."""
 
     name: str
     departs: str
@@ -26,10 +26,10 @@ CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: 
 def departures(
     name: str, departs_of: Callable[[Facts], Sequence[str]]
 ) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
-    """Return, by fault id, a function that tells how calls of the function or class `name` differ from those in the lab sheet.
+    """Return, for the id of each fault in `FAULTS`, a function that finds it in the calls of the function or class `name`.
 
-    It gets a criterion's facts, from which `departs_of` takes the sheet's names of what differs; it returns None if its fault is
-    absent.
+    That function gets a criterion's facts, from which `departs_of` takes the lab sheet's names of what had to be called otherwise.
+    It returns a `Deviation` that names those of its fault, or None if there are none.
     """
 
     def measure_of(fault: str) -> Callable[[Facts], Deviation[Departure] | None]:

@@ -35,7 +35,7 @@ _FURTHER = 3  # programs that are run to see what they draw
 
 
 class Plotting(SubmissionSession):
-    """Session with the sandbox that asks a submission what it draws, for the checks of the criterion *Visualization*.
+    """Session with the sandbox that runs a submission's plotting code and returns what it draws, for the criterion *Visualization*.
 
     `truth` holds the model that is graded; scripts find that model at the path from which the lab sheet loads it.
     """
@@ -67,14 +67,14 @@ class Plotting(SubmissionSession):
         called: str = "",
         own_form: bool = False,
     ) -> Drawing:
-        """Return what `plot_imu_data` draws and saves of a recording, with whichever form of the recording it accepts.
+        """Return what `plot_imu_data` draws and saves of a recording, in the first form of the recording that it accepts.
 
-        It gets `data`, which has the submission's own keys. If it raises, it gets what the submission's own `simulate_and_collect`
-        returns, such as an object or a dictionary with settings beside the numbers. If it raises again, it gets `sheet`, the data
-        under the lab sheet's keys, because a key that is misspelled in the recording is no fault of the plot.
+        The function gets `data`, with the submission's own keys. If it raises, it gets what the submission's `simulate_and_collect`
+        returns for the sensors `ids`, such as an object. If it raises again, it gets `sheet`, the data under the lab sheet's keys,
+        because a key that is misspelled in the recording is no fault of the plot. If that raises, too, the first drawing counts.
 
-        `ids` are those of accelerometer and gyroscope; charts find the drawing by the name `called`. `own_form` is whether the
-        submission records in another form than the sheet's: its plot may be made for that, so a drawing of all data is looked for.
+        If `own_form`, the submission records in another form than the sheet's, which its plot may need: then the next form is also
+        tried if a drawing of `data` lacks a channel. Charts find the drawing by the name `called`.
         """
         key = (key_of("plot", {"ids": ids, "own_form": own_form}, data), key_of("plot", {}, sheet))
         return self.once_named(called, key, lambda: self._plot(data, sheet, ids, own_form))
@@ -131,9 +131,9 @@ class Plotting(SubmissionSession):
         return drawing_of(self.ask("plot", place | {"keys": keys, "recorder": recorder}, arrays))
 
     def scripts(self) -> Iterator[Drawing]:
-        """Yield what the submission's files draw when they are run as scripts, file by file, until the caller has seen enough.
+        """Yield what the submission's files draw when they are run as scripts, one by one; a caller may stop early to save runs.
 
-        What a file drew when it was imported comes first, because that costs no further run.
+        For each file, what it drew when it was imported comes first, because that takes no further run.
         """
         beside = sorted(self.broken)
         for path in self._runnable():

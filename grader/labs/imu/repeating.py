@@ -42,8 +42,8 @@ def compare(name, mine, expected):
 class Asked:
     """A call of the student's code (a question) that a failed check asked for, as `imugrade repro` writes it down.
 
-    `op` is the kind of call, and `fields` and `arrays` are its inputs. The arrays go into ``repro.npz`` as ``<name>_<number>``.
-    `expected` holds the correct answer; it is empty if several answers are correct.
+    `op` is the kind of call, such as ``filter``; `fields` and `arrays` are its inputs. The arrays go into ``repro.npz`` as
+    ``<name>_<number>``; `number` counts the check's calls. `expected` is the correct answer, empty if several are correct.
     """
 
     number: int
@@ -53,7 +53,7 @@ class Asked:
     expected: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def given(self, name: str) -> str:
-        """Return the Python expression with which the generated program reads one of this call's arrays."""
+        """Return the Python expression with which the generated program reads the array `name` of this call."""
         return f'given["{name}_{self.number}"]'
 
     @property
@@ -98,7 +98,7 @@ class Recorder(Student):
         self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Return the answer to a call that is made once; record the call under the check, or the other call, that asks for it."""
+        """Return the answer to the call `key`, which `ask` makes only the first time; note which check, or other call, needs it."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)
@@ -126,7 +126,7 @@ class Recorder(Student):
 
 
 class Watched(CheckRun):
-    """Run of the checks that tells the `Recorder` which check asks for the next calls."""
+    """Run of the checks that tells the session, a `Recorder`, when a check begins, so that it knows who asks for a call."""
 
     def begin(self, this: Check) -> None:
         self.student.now = this.id  # type: ignore[attr-defined] # a Recorder

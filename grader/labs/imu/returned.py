@@ -21,7 +21,7 @@ RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """Return the numbers of a value that `node` describes and `arrays` hold, as one array; None without any or for unequal rows."""
+    """Return as one array the numbers of a value that `node` describes by keys of `arrays`; None if absent or of unequal shapes."""
     if node is None:
         return None
     if "key" in node:
@@ -59,7 +59,7 @@ def shape_in_words(node: Node | None, arrays: Arrays) -> str:
 
 
 def if_nothing(got: str) -> str:
-    """Return a hint for a function that returned None; "" if `got`, the description of the value, names any other."""
+    """Return a hint for a function that returned None; "" if `got`, a returned value described in words, is another value."""
     return _NOTHING_RETURNED if got.removeprefix("got ").startswith("None") else ""
 
 

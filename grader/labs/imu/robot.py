@@ -24,7 +24,7 @@ LAB_IMU = ("torso_accelerometer", "torso_gyroscope")
 class Model:
     """The rubric's choice of a robot: the path of its model (None: the lab's) and the names of the two sensors of its IMU.
 
-    `source` names the rubric in messages. `lines` has the line in the rubric of each key: `path`, `accelerometer`, `gyroscope`.
+    `source` is the rubric's file name, for messages. `lines` holds the rubric's line number of each key, such as `path`.
     """
 
     path: Path | None = None
@@ -66,7 +66,7 @@ class Robot:
         return (self.file, self.xml, *self.imu)
 
     def options(self, folder: Path) -> list[str]:
-        """Write the robot's model into `folder`; return the options by which the reference solution's command finds it there."""
+        """Write the robot's model into `folder`; return the options of the reference solution's command for model and sensors."""
         path = folder / self.file
         path.write_text(self.xml, encoding="utf-8", newline="")
         return ["--model", str(path), "--accelerometer", self.imu[0], "--gyroscope", self.imu[1]]
@@ -76,7 +76,10 @@ LAB_MODEL = Model()
 
 
 def read_model(reader: NodeReader, node: yaml.Node | None, folder: Path) -> Model:
-    """Read the entry `model` of a rubric, with paths relative to `folder`; None gives the lab's. `reader` notes what is wrong."""
+    """Return the robot that `node`, the entry `model` of a rubric, names; the lab's for None. Its path is relative to `folder`.
+
+    What is wrong is added to the problems of `reader`, which its caller reports together.
+    """
     keys = reader.fields(node, "model", (), ("path", "sensors"))
     sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
     names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}
@@ -115,6 +118,6 @@ def match_robot(model: Model, traces: Traces) -> None:
 
 
 def torso_ids(truth: Traces) -> tuple[int, int]:
-    """Ids of the accelerometer and gyroscope that student code is called with: those of the torso in the lab's model."""
+    """Return the ids (accelerometer, gyroscope) with which student code is called: those of the torso's IMU in the graded model."""
     accel, gyro = (int(i) for i in truth["reading_lab"]["pairs"][0])
     return accel, gyro

@@ -34,10 +34,10 @@ READS = 1250
 
 
 def spread_bounds(values: int, estimated_means: int) -> tuple[float, float]:
-    """Return the bounds within which chance leaves sample standard deviation / sigma of normal samples (chi-squared).
+    """Return (low, high), within which chance keeps sample standard deviation / sigma of normal samples (chi-squared).
 
-    `estimated_means` is the number of means taken from the `values` numbers. With 7,500 values the bounds are 0.945 and 1.056: a
-    standard deviation wrong by 10 % is outside with probability > 0.9999.
+    `values` is the size of the sample, `estimated_means` the number of means subtracted from its parts. With 7,500 values the
+    bounds are 0.945 and 1.056: a standard deviation wrong by 10 % is outside with probability > 0.9999.
     """
     freedom = values - estimated_means
     low, high = (2.0 * special.gammaincinv(freedom / 2.0, p) for p in (ALPHA / 2, 1 - ALPHA / 2))
@@ -67,7 +67,7 @@ def geary(standardised: Array) -> float:
 
 
 def geary_bounds(values: int) -> tuple[float, float]:
-    """Return the bounds within which chance leaves Geary's ratio (see `geary`) of normal samples: nine standard errors.
+    """Return (low, high), within which chance keeps Geary's ratio (see `geary`) of normal samples: nine standard errors each way.
 
     The normal approximation would allow 6.8; nine leave six orders of magnitude for its error in the far tail. With 7,500 values
     the bounds are 0.798 ± 0.022: a uniform (0.866), a Laplace (0.707), an exponential (0.736) and a two-point law (1) are outside
@@ -78,7 +78,7 @@ def geary_bounds(values: int) -> tuple[float, float]:
 
 
 def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return (standard, mean absolute) deviation of standard normal noise clipped to ± `cut`, and of noise redrawn beyond it.
+    """Return two pairs (standard deviation, mean absolute deviation): of unit normal noise clipped to ± `cut`, and redrawn outside.
 
     Clipped: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; redrawn: without Q and divided by P, where p is the
     density, P the probability of ± c and Q that of more than c (by parts).
@@ -91,7 +91,7 @@ def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float
 
 
 def allan_deviation(samples: Array, m: int) -> float:
-    """Return the overlapping Allan deviation of samples (n, …) in clusters of m, over all further axes together; NaN if n < 2 m."""
+    """Return the overlapping Allan deviation of samples (n, …) in clusters of m, one number for all channels; NaN if n < 2 m."""
     integral = np.concatenate([np.zeros_like(samples[:1]), np.cumsum(samples, axis=0)])
     sums = integral[m:] - integral[:-m]
     steps = sums[m:] - sums[:-m]

@@ -48,7 +48,7 @@ class Student(Plotting):
     """
 
     def read(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        """Return what `get_imu_readings` reads, for every pair of sensors in every state of a model.
+        """Return what `get_imu_readings` reads for every pair of sensors in every state of a model; in `error`, what it raises.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class Student(Plotting):
     def simulate(self, *, duration_s: float, ids: tuple[int, int], timestep: float | None = None,
                  dirty: tuple[Array, Array, float] | None = None, gravity: Array | None = None,
                  called: str = "") -> Collection:  # fmt: skip
-        """Return what `simulate_and_collect` records on the robot that is graded.
+        """Return what `simulate_and_collect` records on the robot that is graded; in `error`, what it raises.
 
         Parameters
         ----------
@@ -77,6 +77,7 @@ class Student(Plotting):
         timestep : the model's time step in seconds; None leaves that of the model
         dirty : qpos (nq,), qvel (nv,) and time in seconds that the data hold when they are handed over; None hands over new data
         gravity : (3,) ndarray in m/s², the model's gravity; None leaves that of the model
+        called : name of the recording, by which charts find it; "" for none
         """
         fields = {
             "model": self.robot.xml, "duration_s": duration_s, "timestep": timestep,
@@ -104,7 +105,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return what the student's `get_imu_readings` reads (steps, 6) in a reported run, as in `replay`; None if it fails."""
+        """Return what the student's `get_imu_readings` reads (steps, 6) in the run `course`, as of `replay`; None if it fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -115,7 +116,7 @@ class Student(Plotting):
 
     def noise(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: tuple[float, float],
               biases: tuple[Array, Array] | None, called: str = "") -> NoiseRun:  # fmt: skip
-        """Return many reads of one `NoisyIMU`, in one state after the other.
+        """Return many reads of one `NoisyIMU`, in one state after the other; in `error`, what it raises.
 
         Parameters
         ----------
@@ -124,6 +125,7 @@ class Student(Plotting):
         reads : number of reads in each state
         stds : standard deviations of the noise in m/s² and rad/s
         biases : the (3,) biases in m/s² and rad/s; None leaves out these arguments
+        called : name of the reads, by which charts find them; "" for none
         """
         given = {"accel_bias": biases[0], "gyro_bias": biases[1]} if biases else {}
         arrays = {"qpos": qpos, "qvel": qvel, **given}
@@ -135,8 +137,8 @@ class Student(Plotting):
                     biases: Array | None, states: Sequence[int]) -> NoiseRun:  # fmt: skip
         """Return reads (twins, reads, 3) of several `NoisyIMU`s with one random seed, so that only their arguments differ.
 
-        The instances (twins) differ in their standard deviations `stds`, biases (twins, 2, 3) or state: `states` has for each the
-        row of `qpos` and `qvel`. If `biases` is None, each draws its own.
+        For each instance (twin), `stds` holds the two standard deviations, `biases` (twins, 2, 3) both biases, and `states` the row
+        of its state in `qpos` and `qvel`. If `biases` is None, these arguments are left out. `reads` is the number for each twin.
         """
         fields = self._noise_fields(ids, reads, stds[0])
         fields["twins"] = [{"accel_noise_std": accel, "gyro_noise_std": gyro} for accel, gyro in stds]
@@ -162,7 +164,7 @@ class Student(Plotting):
         }  # fmt: skip
 
     def filter(self, cases: Sequence[FilterCase], called: str = "") -> list[FilterRun]:
-        """Return the output of `LowPassFilter` for each case, in the same order; each case gets a new filter."""
+        """Return the output of a new `LowPassFilter` for each case, in the same order; in `error`, what it raises."""
         arrays: dict[str, np.ndarray] = {}
         rows = []
         for number, case in enumerate(cases):
@@ -175,7 +177,7 @@ class Student(Plotting):
         return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
 
     def filter_alone(self, case: FilterCase) -> FilterRun:
-        """Return the output for one filter case in a new process, in which a state that all filters share is as at the start."""
+        """Return the output for one filter case in a new process, so that no earlier filter has changed a state that all share."""
         self.end_session()
         return self.filter([case])[0]
 

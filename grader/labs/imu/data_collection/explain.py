@@ -41,7 +41,10 @@ _STAMPS = "time stamps; the returned value has none"
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Return two recordings by `simulate_and_collect` with what explains them; ask for more only if the cause stays open."""
+    """Return the facts about two recordings by `simulate_and_collect`, and where the rows of each come from.
+
+    The student's code makes further recordings only if these two leave the cause of a fault open.
+    """
     push = facts_of.run(student, truth, "push")
     if push.series.error is not None:
         raised = Raised(push.series.error, "collecting data")
@@ -69,10 +72,10 @@ def measured(student: Student, truth: Traces) -> Explained:
 
 
 def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
-    """Return where the rows of a student's recording come from (None if unknown), and the run with all simulations that were tried.
+    """Return where the rows of `run`, recorded in scenario `name`, come from (None if unknown), and `run` with simulations added.
 
-    The true run is tried first, then runs simulated from the start that the worker reports: if both explain the rows, the true run
-    counts.
+    The run of right code is tried first, then runs simulated from the start that the worker reports. If both predict the rows, the
+    run of right code counts.
     """
     if not complete(run.series):
         return None, run
@@ -164,7 +167,7 @@ def _from(found: Explained) -> str:
 
 
 def row_fault(found: Explained) -> str:
-    """Return the id of the first fault in `ROW_FAULTS` that the rows show, such as "read-before-step"; "" if they are right."""
+    """Return the id of the first fault in `ROW_FAULTS` that the first recording shows, such as "read-before-step"; "" for none."""
     return next((fault for fault, holds in ROW_FAULTS if holds(found)), "")
 
 

@@ -44,7 +44,7 @@ _LEAN = 1.2
 
 @dataclass(frozen=True)
 class Claim:
-    """Start of a run as the worker reports it. Student code may have falsified it: it counts if a simulation gives the same rows.
+    """Start of a run as the worker reports it. Student code may have falsified it: only a simulation that gives the rows proves it.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Claim:
 
     @property
     def push(self) -> str:
-        """How the start differs from the lab sheet's push, in words; "" if the code sets that push once, at the start."""
+        """How the start differs from the lab sheet's push (``qvel[0] = 0.5``, once, at the start), in words; "" if it does not."""
         pushed = np.flatnonzero(np.abs(self.qvel) > SAME_STATE)
         later = f"before step {self.set_at[0] + 1:.0f}" if len(self.set_at) else ""
         if self.force.any():
@@ -87,7 +87,7 @@ class Claim:
 
 
 def differ(a: Array, b: Array | float) -> bool:
-    """Return whether state `a` differs from `b` (a state, or one number for all) by more than rounding, so that code has set it."""
+    """Return whether state `a` differs from `b` (a state, or one number for all) by more than rounding; if so, code set it."""
     return bool(np.abs(a - b).max(initial=0.0) > SAME_STATE)
 
 
@@ -103,11 +103,11 @@ class Run:
 
     Attributes
     ----------
-    series, recorded : the recording without, and with, rows of earlier runs; left : number of such rows
-    worlds : sensor values in each world: name -> (acceleration, angular velocity), each (rows, 3)
+    series : the recording; recorded : the same with `left` more rows at its start, which the code kept from earlier runs
+    worlds : sensor values in each simulated run: name -> (acceleration, angular velocity), each (rows, 3)
     duration_s, model_timestep : duration and time step (s) that the function was called with
     model_steps : the number of steps in this duration
-    claim : the start from which all worlds but `TRUE_WORLD` were simulated; None if there is no other world
+    claim : the start from which all worlds but `TRUE_WORLD`, the run of right code, were simulated; None if that is the only one
     """
 
     series: Collection
@@ -143,14 +143,14 @@ class Facts:
 
     Attributes
     ----------
-    push : the run with the lab sheet's push
-    later : a run of another length and time step, with data as an earlier run left it; None if it was not recorded
+    push : the run with the lab sheet's push, the first recording
+    later : a second one, of another length and time step, on simulation data that earlier steps left moving; None if it failed
     start : (nq,) pose of the reset robot; gravity : (3,) of the model
-    learnt_timestep : time step (s) of the model that students have
-    left_at : time (s) of the simulation data at the call that recorded `later`
-    follows : whether the rows change as the robot's motion does
+    learnt_timestep : time step (s) of the model that students have, which code may hold as a constant
+    left_at : time (s) in the simulation data when `later` was asked for; code that does not reset it goes on from there
+    follows : whether the rows of `push` change as the robot's motion does; False for rows stored in the file
     velocities : (2, nv) at the start of two runs with the sheet's push; empty if they were not asked for
-    stopped : by check, the exception that kept its property from being measured
+    stopped : by name of a check, the exception that kept its property from being measured
     """
 
     push: Run
@@ -170,7 +170,7 @@ class Facts:
 
 
 def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
-    """Build the facts from the runs `push` and `later`, from the model of the traces, and from more fields of `Facts` (`more`)."""
+    """Return the facts of the runs `push` and `later`, with pose, gravity and times from `truth`; `more` sets other fields."""
     lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
     gravity = np.asarray(lab.scalars["gravity"], float)
     return Facts(push, later, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
@@ -205,7 +205,10 @@ def recordings(student: Student, truth: Traces, tell: Callable[[str], None]) -> 
 
 
 def run(student: Student, truth: Traces, name: str, before: Run | None = None) -> Run:
-    """Ask for the student's recording of a scenario, without the rows that the code kept from the run `before` (None: no run)."""
+    """Return the student's recording of the scenario `name`, without rows that the code kept from the run `before` (None: no run).
+
+    If the code raises, the run has no rows, and the exception is in `series.error`.
+    """
     return _run(asked(student, truth, name), truth[name], before.recorded if before else None)
 
 
@@ -217,11 +220,11 @@ def _run(series: Collection, scenario: Scenario, before: Collection | None = Non
 
 
 def with_claim(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with worlds (simulated runs) that a worker without student code makes from the start that was reported.
+    """Return the run with simulated runs (worlds) from the start that the worker reported, one of which may explain the rows.
 
-    Each world has the readings of a pair of sensors: the right ones, those of each other IMU, the model's last sensor (which an id
-    of -1 reads), and those with the ids of the students' model if this robot has other ids. If no start was reported, or it cannot
-    be simulated, the run is unchanged.
+    They are made without student code. Each has the readings of another pair of sensors: the right ones, those of each other IMU,
+    the model's last sensor (which an id of -1 reads), and those with the ids of the students' model if this robot has other ids. If
+    no start was reported, or it cannot be simulated, the run is unchanged.
     """
     start = run.series.first_step
     if not start:
@@ -242,7 +245,7 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) -> Iterator[Run]:
-    """Yield the run of scenario `name` with the worlds (simulated runs) of one likely wrong start after another.
+    """Yield copies of the run of scenario `name`, each with simulated runs from one likely wrong start, such as one without push.
 
     It is for runs that report no start: `mujoco.rollout`, for example, makes its steps where the worker cannot count them.
     """
@@ -266,9 +269,9 @@ _OTHER_PUSHES = ((0, 0.0), (0, _PUSH / 2), (0, 2 * _PUSH), (0, -_PUSH), (1, _PUS
 
 
 def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with one more world: what the student's own `get_imu_readings` reads in a simulation of the reported start.
+    """Return the run with one more simulated run: what the student's own `get_imu_readings` reads from the reported start on.
 
-    If that fails, the run is unchanged.
+    Rows that match it are no fault of the recording. If the function fails, the run is unchanged.
     """
     steps = len(run.worlds[CLAIMED_WORLD][0])
     rows = student.read_along(run.series.first_step, steps, torso_ids(truth))
@@ -276,9 +279,9 @@ def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
-    """Return whether the rows change with tilted gravity as the grader's own simulation from the same start does.
+    """Ask for a recording with tilted gravity; return whether its rows differ from the run's as the grader's own simulations do.
 
-    Rows that were stored in the file do not. If all rows of the recording are equal, it suffices that the first one differs.
+    Rows that were stored in the file do not. If all rows of the run are equal, it suffices that the first one differs.
     """
     try:
         leaning = _record_leaning(student, truth)
@@ -310,7 +313,7 @@ def _with_simulation(student: Student, truth: Traces, series: Collection) -> tup
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Return the velocities (nv,) at the starts of two runs with the lab's push, to see a random push; () if one is unknown."""
+    """Return the starting velocities (nv,) of `push` and a second run, which differ if the push is random; () if one is unknown."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()
@@ -361,11 +364,11 @@ def _alike(series: Collection, other: Collection, rows: slice, others: slice) ->
 
 
 def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> bool:
-    """Return whether rows (n, 3) change with the simulation (`true`), whatever linear map and offset code applies to them.
+    """Return whether recorded rows (n, 3) change with the simulation, whatever linear map and offset code applies to them.
 
-    A least-squares fit to the first run gives this map. It has to predict the rows of the other run with an error below half of the
-    change between the runs. Stored rows do not change, so they fail. Rows in any order, late or repeated, pass if nearly all their
-    numbers occur in the other simulation.
+    `rows` were recorded and `true` simulated in one run, `other_rows` and `other_true` in another. A least-squares fit to the first
+    run gives the map. It has to predict the rows of the other run with an error below half of the change between the runs. Stored
+    rows do not change, so they fail. Rows in any order, late or repeated, pass if nearly all their numbers occur in `other_true`.
     """
     n, m = min(len(rows), len(true)), min(len(other_rows), len(other_true), len(rows), len(true))
     if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):

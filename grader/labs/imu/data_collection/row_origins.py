@@ -37,14 +37,14 @@ class RowOrigin:
 
     Attributes
     ----------
-    world : name of the simulated run that the rows come from
+    world : name of the simulated run (a key of `Run.worlds`) that the rows come from
     lag : number of samples by which rows are late; negative if the first samples are missing
-    skip : number of steps per row; first : which of the `skip` steps of a row is stored, counted from 0
+    skip : number of time steps per row; first : which of the `skip` steps of a row is stored, counted from 0
     exchanged : whether acceleration and angular velocity are in each other's place
     aliased : whether all rows are references to one array, so that each shows the last reading
-    at : the step, counted from 0, after which each row was stored, if rows are not equally far apart
-    altered : sensors whose numbers the code changed. If one sensor is altered, the rows of the other identify the run. If both
-        are, rounding or one linear map has to predict all rows of each.
+    at : for rows that are not equally far apart, the step, counted from 0, after which each was stored; else empty
+    altered : sensors whose numbers the code changed. If one is altered, the other sensor's rows have to match the simulated run.
+        If both are, rounding or one linear map for each sensor has to predict all its rows.
     """
 
     world: str = TRUE_WORLD
@@ -62,12 +62,12 @@ class RowOrigin:
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:
-        """Return whether `rows` rows that leave out steps reach the end of a run of `steps` steps."""
+        """Return whether `rows` rows, one every `skip` steps or stored after the steps `at`, reach the end of a run of `steps`."""
         reached = self.at[-1] + 1 if self.at else rows * self.skip
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether this origin predicts each filled row that its simulated run has a sample for; False for too few rows."""
+        """Return whether this origin predicts all rows that code filled, as far as `world` lasts; False for too few rows."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -116,12 +116,12 @@ def _rows(origin: RowOrigin, n: int, available: int) -> tuple[Rows, Rows]:
 
 
 def moves(true: Array, atol: float, rows: Rows) -> bool:
-    """Return whether a sensor's `true` values vary by more than `atol` in these rows; if not, right numbers identify no run."""
+    """Return whether a sensor's `true` values vary by more than `atol` over these `rows`; if not, equal numbers prove nothing."""
     return bool(np.ptp(true[rows], axis=0).max() > atol) if len(true[rows]) else False
 
 
 def explain(run: Run) -> RowOrigin | None:
-    """Return the simplest origin that predicts a run's rows; None if none does, or if equally simple ones disagree on the cause."""
+    """Return the simplest `RowOrigin` that predicts a run's rows; None if none does, or if equally simple ones differ in cause."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 
@@ -133,7 +133,7 @@ def _by_cost(run: Run) -> Iterator[Iterable[RowOrigin]]:
 
 
 def explain_altered(run: Run) -> RowOrigin | None:
-    """Return the origin of rows that code altered: one sensor's anyhow, or both by rounding or a linear map; None if none fits."""
+    """Return the origin of rows that code altered: one sensor's in any way, or both by rounding or a linear map; None without."""
     known = [RowOrigin(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
     changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
     return hypothesis.explain((replace(origin, altered=keys) for keys in changed for origin in known), run)
@@ -187,7 +187,10 @@ def _missing_at_first(run: Run, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """Return how code made `got` (n, 3) of the true rows of the sensor `key`: "rounded", "treated" (a linear map) or else None."""
+    """Return how code made `got` of a sensor's rows `true`: "rounded" (or unchanged), "treated" (by a linear map), else None.
+
+    `key` names the sensor, "acceleration" or "angular_velocity", and so the tolerance.
+    """
     n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
     got, true = got[:n], true[:n]
     coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))
@@ -207,10 +210,10 @@ def affine(got: Array, true: Array) -> Array | None:
 
 
 def time_error(time: Array, timestep: float, origin: RowOrigin) -> Array:
-    """Return the distance (n,), in seconds, of time stamps from the nearest right series, which starts at 0 or at one time step.
+    """Return the error (n,), in seconds, of each time stamp against the right series, which starts at 0 or at one time step.
 
-    With several steps per row, a right series may start at any step of the first row; if the first samples are missing, after
-    these, too. If rows are not equally far apart (`origin.at`), each row's right stamp is the time after its step.
+    With several steps per row, it may start at any step of the first row; if the first samples are missing, also after these. The
+    nearest start counts. If rows are not equally far apart (`origin.at`), each row's right stamp is the time after its step.
     """
     if origin.at:
         return np.abs(time - timestep * (np.array(origin.at) + 1.0)[: len(time)])

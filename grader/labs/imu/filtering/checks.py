@@ -21,7 +21,7 @@ class Output(TypedDict):
 
 
 class Step(Output):
-    """Values for the message on an output after the first one: also the measurement `x`, the output `before`, and `alpha`."""
+    """Values for the message on a wrong output after the first: those of `Output`, measurement `x`, output `before` it, `alpha`."""
 
     x: str
     before: str
@@ -29,7 +29,7 @@ class Step(Output):
 
 
 class Constant(Output):
-    """Values for the message on a constant input that comes out changed: also the number of equal measurements."""
+    """Values for the message on a constant input that comes out changed: those of `Output`, and how many measurements went in."""
 
     samples: int
 

@@ -226,9 +226,9 @@ def _from_zero(facts: Facts) -> bool:
 
 
 def ignores_initial(run: Run) -> bool:
-    """Return whether a first output is made of the first measurement alone, or of zero in place of the initial value.
+    """Return whether the first output shows that the initial value was ignored: the measurement itself, or one filtered from zero.
 
-    False if the run was given no initial value, or is no recursion on its last output.
+    False if the run was given no initial value, or if its outputs do not depend on the output before.
     """
     if run.weights is None or run.initial is None or abs(run.weights[1]) <= ATOL:
         return False

@@ -45,27 +45,30 @@ class Run:
     initial: Array | None = None
 
     def made_of(self, now: float, last: float, before: float) -> Array:
-        """Return sums (n - 1, 3): `now` times the measurement, `last` times the one before, `before` times the last output."""
+        """Return ``now x[k] + last x[k-1] + before y[k-1]`` for k = 1 … n - 1, shape (n - 1, 3), to compare with ``y[k]``."""
         return np.asarray(now * self.x[1:] + last * self.x[:-1] + before * self.y[:-1])
 
     @cached_property
     def wanted(self) -> Array:
-        """Outputs (n - 1, 3), from the second on, that the sheet's recursion makes of the filter's own output before."""
+        """Right outputs (n - 1, 3), from the second on: the lab sheet's recursion, applied to the output that the filter gave."""
         return self.made_of(self.alpha, 0.0, 1 - self.alpha)
 
     @cached_property
     def off(self) -> Array:
-        """Largest error (n - 1,) of each output on any axis, from the second output on, in m/s²."""
+        """Error (n - 1,) of each output from the second on against `wanted`, in m/s²: the largest of the three axes."""
         return np.asarray(np.abs(self.y[1:] - self.wanted).max(axis=1))
 
     @property
     def obeys(self) -> bool:
-        """Return whether every output follows from the one before as in the sheet; infinity and NaN do not."""
+        """Return whether every output follows from the one before as in the sheet; False if one is infinite or NaN."""
         return bool(np.all(self.off <= ATOL))
 
     @cached_property
     def weights(self) -> tuple[float, float] | None:
-        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all outputs until one exceeds 1e4 m/s² obey; None if none do."""
+        """Weights (a, b) with which all outputs obey ``y[n] = a x[n] + b y[n-1]``; None if no weights do.
+
+        If an output exceeds 1e4 m/s², as of a filter that diverges, only those before it count; fewer than six give None.
+        """
         away = np.abs(self.y).max(axis=1) > _AWAY
         end = int(away.argmax()) if away.any() else len(self.y)
         x, y = self.x[:end], self.y[:end]
@@ -88,18 +91,16 @@ class Run:
 
 @dataclass(frozen=True)
 class Ownership:
-    """Outputs (60, 3) of six filters for equal measurements (alpha 0.3), which show who can change the state of a filter.
-
-    The six differ in what other code does in the meantime.
+    """Outputs (60, 3) of six filters with alpha 0.3 (`alone` to `another_past`), which show who can change the state of a filter.
 
     Attributes
     ----------
-    alone, again : no other code ran
-    beside : a second filter ran on other data
-    spoilt_input, spoilt_output : the caller wrote into the array that went in, or that came out
+    alone, again : the same measurements twice, while no other code ran
+    beside : the same, while a second filter ran on other data
+    spoilt_input, spoilt_output : the same, but the caller overwrote each array that went in, or that came out
     another_past : measurements 2 to 40 are larger by 3 m/s²; the first one and the others are the same
-    stumbles : what a filter raises if another one existed before it; None if it raises nothing
-    input_changed, output_changed : whether a filter wrote into what it was given, or later into what it had returned
+    stumbles : the exception that a filter raises only if another filter existed before it; None if it raises none
+    input_changed, output_changed : whether a filter wrote into an array that it was given, or later into one that it had returned
     """
 
     alone: Array
@@ -114,7 +115,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Return whether earlier measurements change later outputs, beyond chance, as a filter's must; True if unknown."""
+        """Return whether earlier measurements change later outputs, more than a repetition does; True if outputs are not finite."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()
@@ -125,7 +126,7 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Return whether another run ends as `alone` does: then only the start of its state differs, not the filter."""
+        """Return whether the outputs `other` end as `alone` does: then only their start differs, as by a state left over."""
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 
@@ -136,15 +137,15 @@ class Facts:
 
     Attributes
     ----------
-    runs : a noisy signal with each alpha of the scenario, and the last one without (taken for 0.1)
-    from_initial : runs of the same signal from an initial value, and from zeros
+    runs : of a noisy signal, one with each alpha of the scenario, and last one without alpha (default 0.1) if that is possible
+    from_initial : runs of the same signal with an initial value given, and with zeros given as the initial value
     noise, slow, constant : runs of noise, of slow waves and of a constant (alpha 0.2)
     own : outputs that show whether other code can change the filter's state
-    odd : in words, what was returned in place of a vector; "" if nothing was
-    nothing_at_first : whether only the first output was missing
+    odd : in words, what `update` returned in place of a vector; "" if it always returned one
+    nothing_at_first : whether `update` returned no vector for the first measurement alone
     needs_alpha : the exception that the filter raises if no alpha is given; None if it raises none
-    departs : how calls must differ from the sheet: names of parameters, "method …", "global …"; `CALL_REASONS` deduct for it
-    stopped : by check, the exception that is raised in its place because its property could not be measured
+    departs : the sheet's names of what had to be called otherwise: parameters, "method …", "global …"; `CALL_REASONS` deduct for it
+    stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 
     runs: tuple[Run, ...]
@@ -189,7 +190,7 @@ class Facts:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Run all signals of `asked` through the filter, in new processes if an earlier filter makes it raise; return the `Facts`."""
+    """Run all signals of `asked` through the filter, in new processes if it raises only after an earlier filter; return the `Facts`."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:
@@ -222,7 +223,7 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
 
 
 def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: StudentError | None = None) -> Facts:
-    """Return the facts of a filter from its answers, one a case in order, and what it raised after an earlier one (`stumbles`)."""
+    """Return the facts of a filter from its answers to `cases`, in order; `stumbles`: what it raised after an earlier filter."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}

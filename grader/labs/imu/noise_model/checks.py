@@ -21,7 +21,7 @@ CHANNELS = [f"{name} {axis}" for name in SENSOR_NAMES for axis in "xyz"]
 
 
 class Bias(TypedDict):
-    """Values for the message on a default bias: the sensor, its unit, and `came`, what was measured in place of it."""
+    """Values for the message on a wrong default bias: the sensor, its unit, and `came`, what was measured."""
 
     sensor: str
     unit: str
@@ -29,7 +29,10 @@ class Bias(TypedDict):
 
 
 class Spread(Bias):
-    """Values for the message on noise of a wrong size: also the `std` asked for, how many reads, and the rounding step `grain`."""
+    """Values for the message on noise of a wrong size: those of `Bias`, the `std` asked for, the number of reads, the step `grain`.
+
+    The standard deviation was estimated from these reads; `grain` is the step of rounding, 0 without.
+    """
 
     std: float
     reads: int
@@ -37,9 +40,10 @@ class Spread(Bias):
 
 
 class GivenBias(Bias):
-    """Values for the message on a given bias that is not added: also the bias `wanted`, and what tells the fault.
+    """Values for the message on a given bias that is not added: those of `Bias`, the bias `wanted`, and others for the hint.
 
-    `beside` is the bias beside the given one, `silent` that of an instance without noise, `grain` the step of rounding.
+    `beside` is the mean error minus the given bias, `silent` the mean error if no noise and a bias of zero are asked for, `grain`
+    the step of rounding.
     """
 
     wanted: str
@@ -49,10 +53,10 @@ class GivenBias(Bias):
 
 
 class Law(TypedDict):
-    """Values for the message on noise that is not white and normal, of which each fault quotes some.
+    """Values for the message on noise that is not white and normal; the message of each fault uses some of them.
 
-    `beside` is the mean without the bias, `grain` the step of rounding, `memory` the correlation with earlier reads, `most` the
-    largest value, `ratio` Geary's ratio, a test of normality.
+    `beside` is the mean error minus the given bias, `grain` the step of rounding, `memory` the correlation with earlier reads,
+    `most` the largest error in standard deviations, `ratio` Geary's ratio, a test of normality.
     """
 
     sensor: str

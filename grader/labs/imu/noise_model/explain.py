@@ -34,7 +34,7 @@ Holds = Callable[[Facts], bool]
 
 
 def sensors_that(facts: Facts, holds: Callable[[Sensor], bool]) -> list[int]:
-    """Return the indices of the sensors (0 accelerometer, 1 gyroscope) that pass a test, for the message; both, one or none."""
+    """Return the indices of the sensors (0 accelerometer, 1 gyroscope) for which the test `holds` is true: both, one or none."""
     return [i for i in BOTH if holds(facts.sensors[i])]
 
 
@@ -47,9 +47,10 @@ def _diagnosed_by(find: Callable[[Facts], str], fault: str) -> Holds:
 
 
 def sizes_off(facts: Facts) -> list[int]:
-    """Return the sensors whose noise does not have the standard deviation that was asked for, whatever its distribution.
+    """Return the sensors (0 or 1) whose noise does not have the standard deviation that was asked for, whatever its distribution.
 
-    Both, if the noise of one is not white and normal and a fault such as swapped standard deviations predicts both sizes.
+    Both, if a fault such as swapped standard deviations predicts both sizes, and the noise of one is not white and normal: a size
+    that is right by its own distribution then proves nothing.
     """
     another = any(_spread_is(fault)(facts, BOTH) for fault in _SPREADS) and any(s.law_is_off for s in facts.sensors)
     return [*BOTH] if another else sensors_that(facts, lambda sensor: not sensor.has_size)
@@ -67,10 +68,10 @@ def _lost_in_rounding(facts: Facts) -> bool:
 
 
 def no_draw(facts: Facts) -> bool:
-    """Return whether reads hold nothing random: they count up, or are all equal and do not depend on a draw.
+    """Return whether reads hold no random draw: they count up, or are all equal for another reason than one draw that is repeated.
 
-    Equal reads hold no draw if the standard deviation does not change them, if the same multiple of it is added on all axes, or if
-    instances start alike and draw no bias, either. Another multiple on each axis may be one draw from a fixed seed.
+    Equal reads hold no draw if a larger standard deviation does not change them, if the same multiple of it is added on all axes,
+    or if instances start alike and draw no default bias. A different multiple on each axis may be one draw from a fixed seed.
     """
     if counts(facts) or (facts.still and _is_reseeded(facts) and len(none_drawn(facts)) == len(BOTH)):
         return True
@@ -83,7 +84,7 @@ def no_draw(facts: Facts) -> bool:
 
 
 def counts(facts: Facts) -> bool:
-    """Return whether reads change without noise: by a counter, or by rare events; False if they are all equal."""
+    """Return whether reads change although neither sensor has noise, as with a counter or rare events; False if all are equal."""
     return facts.noiseless and not all(sensor.reads.still for sensor in facts.sensors)
 
 
@@ -131,7 +132,7 @@ class Offset:
     ----------
     cost : how unlikely the fault is; the cheapest that fits is reported
     cause : the id of the fault
-    predict : returns the mean errors that the fault may cause, from a sensor's reads and the other sensor's
+    predict : function of a sensor's reads and the other sensor's reads; returns the mean errors that the fault may cause
     together : whether the fault always affects both sensors
     """
 
@@ -141,7 +142,7 @@ class Offset:
     together: bool = False
 
     def fits(self, seen: Sequence[tuple[Reads, Reads]], /) -> bool:
-        """Return whether the fault predicts the mean error of each wrong sensor, given as its reads and the other sensor's."""
+        """Return whether the fault predicts each mean error in `seen`: pairs of a wrong sensor's reads and the other's reads."""
         enough = len(seen) == len(BOTH) or not self.together
         return enough and all(any(map(reads.offset_is, self.predict(reads, other))) for reads, other in seen)
 
@@ -170,7 +171,7 @@ _UNUSED = ("no-bias", "bias-argument-ignored")
 
 
 def offset_fault(facts: Facts) -> str:
-    """Return the likeliest of `OFFSETS` that predicts each mean that is not the given bias; "" if none does or no mean is wrong."""
+    """Return the id of the likeliest fault in `OFFSETS` that predicts each wrong mean error; "" if none does or all are right."""
     reads = [sensor.reads for sensor in facts.sensors]
     wrong = [(reads[i], reads[1 - i]) for i in BOTH if not reads[i].bias_is_right]
     used = any(s.twins.seeded and not s.twins.ignores_bias() for s in facts.sensors)
@@ -202,7 +203,7 @@ def missing_bias(facts: Facts) -> list[int]:
 
 
 def bias_beside(facts: Facts) -> list[int]:
-    """Return the sensors whose readings have a bias of their own although they were given one of zero."""
+    """Return the sensors whose readings have a bias of their own although a bias of zero was given."""
     return sensors_that(facts, _has_another)
 
 
@@ -227,7 +228,7 @@ def moves(facts: Facts) -> list[int]:
 
 
 def hidden(facts: Facts) -> list[int]:
-    """Return the sensors whose default bias cannot be measured: reads differ even without noise and with the same draws."""
+    """Return the sensors whose default bias cannot be measured: reads of one instance differ even with the same random draws."""
     return sensors_that(facts, lambda s: bool(np.isnan(s.default).any()))
 
 
@@ -283,7 +284,7 @@ def _is_shared(facts: Facts) -> bool:
 
 
 def odd_laws(facts: Facts) -> list[int]:
-    """Return the sensors whose noise is not white and normal with zero mean; both if there is no noise or readings are rounded."""
+    """Return the sensors whose noise is not white and normal with zero mean; if none, both where noise is rounded or absent."""
     odd = sensors_that(facts, lambda s: s.law_is_off) or off_centre(facts)
     return odd or ([*BOTH] if grain(facts) or facts.noiseless else [])
 
@@ -291,7 +292,7 @@ def odd_laws(facts: Facts) -> list[int]:
 def off_centre(facts: Facts) -> list[int]:
     """Return the sensors whose mean is wrong although the given bias is added, such as by noise with a mean that is not zero.
 
-    A sensor without noise is left out: `normal(std, 0, 3)` adds the standard deviation itself, and loses points as no noise.
+    A sensor without noise is left out: swapped arguments, as in `normal(std, 0, 3)`, add a constant, which another check deducts.
     """
     off = sensors_that(facts, lambda s: s.noise.is_noise and not (s.reads.bias_is_right or s.reads.is_centred))
     if not off or drifts(facts) or not all(_is_added(facts.sensors[i]) for i in off):
@@ -304,7 +305,7 @@ def _any(holds: Callable[[Reads], bool]) -> Holds:
 
 
 def columns(facts: Facts) -> Array:
-    """Return the noise of all six channels (reads, 6) in units of its standard deviation, for the test that none depend on another.
+    """Return the noise of all six channels (reads, 6) in units of their standard deviations, to test if one depends on another.
 
     Noise that changes slowly is replaced by the differences of neighbouring reads: slow channels correlate by chance.
     """
@@ -313,7 +314,7 @@ def columns(facts: Facts) -> Array:
 
 
 def most_correlated(values: Array) -> tuple[float, int, int]:
-    """Return the largest absolute correlation of two of six columns, and their indices; of those equal to two digits, the first."""
+    """Return the largest absolute correlation of two of six columns, and their indices; of pairs equal to two digits, the first."""
     matrix = st.correlations(values)
     pairs = [(abs(float(matrix[i, j])), i, j) for i, j in itertools.combinations(range(6), 2)]
     return max(pairs, key=lambda pair: round(pair[0], 2))

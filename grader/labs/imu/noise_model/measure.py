@@ -52,10 +52,10 @@ class Sensor:
     ----------
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and with a given bias of zero
-    default : (instances, reads, 3) reading minus truth, without noise and without a given bias. If reads without noise vary or have
-        no default bias: reads with noise whose generators start anew before each read, minus the first; NaN if such reads vary, too
+    default : (instances, reads, 3) biases of instances that were given none: reading minus truth, with noise of zero. If such reads
+        vary or show no bias: reads with noise, each from the same random draws, minus the very first; NaN if those vary, too
     drifts : whether the bias moves slowly from read to read
-    twins : reads of instances with the same seed; `UNSEEDED` if nothing is wrong, as they were not asked for then
+    twins : reads of instances with the same seed and one argument changed; `UNSEEDED` (none) if size and bias are right
     """
 
     reads: Reads
@@ -66,7 +66,7 @@ class Sensor:
 
     @cached_property
     def noise(self) -> Reads:
-        """The reads that judge the noise: `reads`, or their `paired` differences if the bias drifts or the noise accumulates."""
+        """Reads by which noise is judged: `reads`, or their `paired` differences if the bias drifts or the noise accumulates."""
         return self.reads.paired if self.drifts or self.reads.accumulates else self.reads
 
     @cached_property
@@ -79,10 +79,10 @@ class Sensor:
 
     @cached_property
     def has_size(self) -> bool:
-        """Return whether the noise has the size that was asked for, also beside a bias that drifts.
+        """Return whether the noise has the standard deviation that was asked for, also if the bias drifts.
 
-        Noise of another distribution passes if it grows with the standard deviation: a check of its own deducts for the
-        distribution.
+        Noise that is not normal passes if it grows in proportion to that standard deviation, and is about as large: another check
+        deducts for its distribution.
         """
         noise, twins = self.noise, self.twins
         if noise.size_is_right or not noise.is_noise:
@@ -94,7 +94,7 @@ class Sensor:
 
     @cached_property
     def means(self) -> Array:
-        """Default bias (instances, 3) of each instance, for the check that instances differ: the mean over its reads."""
+        """Default bias (instances, 3) of each instance, the mean of its reads, by which the check sees that instances differ."""
         return np.asarray(self.default.mean(axis=1))
 
     @cached_property
@@ -111,12 +111,12 @@ class Facts:
     sensors : the accelerometer and the gyroscope
     follows : whether the readings change with the robot's state
     exchanged : whether each sensor's readings are returned as the other's
-    one_twice : whether both vectors are those of one sensor
-    disturbance : (4,) ndarray, largest change of time, qpos, qvel and sensordata in a read
+    one_twice : whether both returned vectors are the readings of one sensor
+    disturbance : (4,) ndarray, largest change that a read makes in the simulator's time, qpos, qvel and sensordata
     timestep : time step of the robot's model, in seconds
     odd : the form in which the vectors were returned, in words; "" if it is the sheet's
-    departs : how calls must differ from the sheet: names of parameters, "method …", "global …"; `CALL_REASONS` deduct for it
-    stopped : by check, the exception that is raised in its place because its property could not be measured
+    departs : the sheet's names of what had to be called otherwise: parameters, "method …", "global …"; `CALL_REASONS` deduct for it
+    stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 
     sensors: tuple[Sensor, Sensor]
@@ -141,7 +141,7 @@ class Facts:
 
     @cached_property
     def redrawn(self) -> bool:
-        """Return whether the code draws a new default bias at every read, not once for each instance; False if it drifts."""
+        """Return whether the code draws a new default bias at every read, not once for each instance; False if a bias drifts."""
         pairs = [(sensor.reads, sensor.silent) for sensor in self.sensors]
         return _is_redrawn(*zip(*pairs, strict=True)) and not any(sensor.drifts for sensor in self.sensors)
 

@@ -22,7 +22,7 @@ class Reading(TypedDict):
 
 
 class Values(Reading, Form):
-    """Texts for a message as in `Reading`, with the form of the answer, and `grain`, the smallest gap between its numbers.
+    """Texts for a message: those of `Reading` and `Form`, and `grain`, the smallest gap between the numbers that were returned.
 
     A large gap shows that the student's code rounds. It is infinite if all numbers are equal.
     """

@@ -66,7 +66,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """The faults (ids) of the addresses read: those of the hypotheses, else `hard-coded-address` if other IMUs show it."""
+        """Ids of the faults of the addresses that are read: by the hypotheses, else `hard-coded-address` if other IMUs show it."""
         known = _named_places([each for each in self.sensors if each])
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
@@ -86,18 +86,18 @@ class Explained:
 
     @property
     def wrong_on_torso(self) -> list[int]:
-        """The sensors (0 accelerometer, 1 gyroscope) of the robot's own IMU whose numbers are not those at the address read."""
+        """The sensors (0 accelerometer, 1 gyroscope) of the robot's own IMU whose values are altered, missing or unexplained."""
         return [i for i in BOTH if (known := self.sensors[i]) is None or known.values or self.lacks_numbers(i)]
 
     @property
     def share_altered(self) -> float:
-        """Share of `matches_truth`'s points that altered values cost: all, or a part if only one sensor is and gravity is kept."""
+        """Share of the check `matches_truth` lost to altered values: 1, or less if one sensor alone is wrong and keeps gravity."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 
     @property
     def share_misplaced(self) -> float:
-        """Share of `follows_address`'s points that wrong addresses cost: half for each sensor so read, all if ids are ignored."""
+        """Share of the check `follows_address` lost to wrong addresses: half for each sensor with one, all if ids are ignored."""
         faults = {fault for each in self.sensors if each for fault in each.place}
         computed = faults - {"hard-coded-address", "wrong-fixed-address"}
         if not computed or self._ids_are_ignored:
@@ -105,7 +105,7 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return where values are altered, to show it: readings in a scene, and a sensor; None if no values are altered.
+        """Return an example of altered values for the message: readings in a scene, and a sensor; None if none are altered.
 
         The robot's own IMU comes first, then other IMUs of which most numbers are right.
         """
@@ -114,7 +114,7 @@ class Explained:
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return where a wrong address is read, to show it: readings in a scene, and a sensor; None if all addresses are right."""
+        """Return an example of a wrong address for the message: readings in a scene, and a sensor; None if all are right."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
@@ -138,7 +138,7 @@ class Explained:
         return not np.isfinite(got).all() and not (known and known.place)
 
     def near(self, visit: Visit) -> bool:
-        """Return whether both sensors' values in a visit are off by less than a real sensor's noise, for which half is deducted."""
+        """Return whether both sensors' values in a visit are off by less than a real sensor's noise; half is deducted then."""
         pairs = zip(visit.got, (self.meant(visit, i) for i in BOTH), SHEETS_NOISE, strict=True)
         return all(bool(np.abs(got - there).max() <= little) for got, there, little in pairs)
 
@@ -180,9 +180,10 @@ def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Return what was measured of `get_imu_readings`, explained; skip three checks if readings do not depend on the state.
+    """Measure `get_imu_readings`; return the facts with the hypotheses that explain them.
 
-    These are the checks that the address is followed, that a reading is a copy, and that the simulation is left alone.
+    If readings do not depend on the robot's state, three checks are skipped: `follows_address`, `reading_is_a_copy` and
+    `leaves_simulation_alone`.
     """
     facts = facts_of.measure(student, truth)
     if facts.stopped:

@@ -27,9 +27,9 @@ class Hypothesis:
     Attributes
     ----------
     cost : how implausible the guess is; the cheapest one that fits is the explanation
-    place, values : ids of the faults of the address, and of the values
+    place, values : ids of the faults of the address, and of the values; empty without a fault
     start : function of a scene and a sensor (0 accelerometer, 1 gyroscope) that returns the address that is read
-    change : function that returns the readings that the fault makes of the values at that address
+    change : function of the scene and the values (states, 3) at that address that returns the readings made of these values
     """
 
     cost: int
@@ -49,7 +49,7 @@ class Hypothesis:
     def fits(self, seen: Seen) -> bool:
         """Return whether this hypothesis predicts every reading of a sensor in given visits (`seen`: the sensor, the visits).
 
-        A changed value predicted as zero throughout, or as no number, proves nothing and does not fit: many faults give zeros.
+        False if it predicts only NaN, or only zeros as changed values, for the first visit: many faults predict these.
         """
         sensor, visits = seen
         first = self.predict(visits[0].scene, sensor)
@@ -58,7 +58,10 @@ class Hypothesis:
 
 
 def agrees(got: Array, wanted: Array) -> bool:
-    """Return whether all returned numbers are the predicted ones; numbers from beyond the end of sensordata must be missing."""
+    """Return whether all returned numbers are the predicted ones; if none were returned, whether a predicted one is NaN.
+
+    NaN is predicted for an address beyond the ends of sensordata.
+    """
     return same_where_known(got, wanted, ATOL) or not (np.isfinite(got).any() or np.isfinite(wanted).all())
 
 
@@ -87,7 +90,7 @@ PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield a hypothesis for each address in sensordata that holds the returned numbers in every state, the ids ignored."""
+    """Yield a hypothesis, that code ignores the ids, for each address in sensordata that holds `torso`'s numbers in every state."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
@@ -126,7 +129,7 @@ def _body_quantity(name: str, first: int, up: float, by_name: bool) -> Change:
 
 
 def value_changes() -> Iterator[tuple[str, Change]]:
-    """Yield the id and the effect of all known faults that change a sensor's values, such as a flipped sign."""
+    """Yield each known fault that changes a sensor's values, such as a flipped sign: its id, and a function that applies it."""
     for signs in itertools.product((1.0, -1.0), repeat=3):
         yield "sign-flipped", _of_numbers(lambda x, s=signs: x * np.array(s))  # type: ignore[misc]
     for order in itertools.permutations(range(3)):
@@ -153,7 +156,10 @@ def value_changes() -> Iterator[tuple[str, Change]]:
 
 @functools.cache
 def one_fault() -> tuple[Hypothesis, ...]:
-    """Return the hypotheses of a right reader, and of one fault of the address, of the values, or one of each."""
+    """Return hypotheses that `get_imu_readings` is right, or has one fault of the address, one of the values, or one of each.
+
+    Rounding may come on top of another fault of the values.
+    """
     changes = list(value_changes())
     rounded = [(v, _then_rounded(change, d)) for v, change in changes if v != "precision-lost" for d in _DECIMALS]
     return (
@@ -168,7 +174,7 @@ def one_fault() -> tuple[Hypothesis, ...]:
 
 @functools.cache
 def two_faults() -> tuple[Hypothesis, ...]:
-    """Return hypotheses of two faults at once, of the address or of the values, for a reader that no single fault explains."""
+    """Return hypotheses of two faults at once, of the address or of the values, for code that no single fault explains."""
     places = [(fault, start) for fault, start in PLACES if fault in _SHIFTED]
     changes = [(fault, change) for fault, change in value_changes() if fault in _COMBINED]
     return (

@@ -27,9 +27,9 @@ class Scene:
     Attributes
     ----------
     sensordata : (k, n); address : (sensors,) first index of each sensor; pair : ids of the accelerometer and gyroscope
-    world_from_site, world_from_body : (k, 3, 3) attitudes of the sensor's site and of its body; qvel, qacc : (k, nv)
+    world_from_site, world_from_body : (k, 3, 3) rotation matrices of the sensor's site and of its body; qvel, qacc : (k, nv)
     cvel, cacc : (k, 6) velocity and acceleration of the sensor's body as MuJoCo keeps them: rotation, then translation
-    first : the scene of the torso's IMU, the model's first, as code may read the torso by its name; None in the torso's scene
+    first : scene of the model's first IMU, the torso's, which faulty code may read whatever ids it gets; None if this is it
     """
 
     sensordata: Array
@@ -73,7 +73,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Visit:
-    """Return values of `get_imu_readings` in a scene: (k, 3) accelerations and angular velocities, NaN if none; its exception."""
+    """Results of `get_imu_readings` in a scene: `got`, accelerations and angular velocities (k, 3), NaN if missing, and `error`."""
 
     scene: Scene
     got: tuple[Array, Array]
@@ -86,14 +86,15 @@ class Facts:
 
     Attributes
     ----------
-    torso, again : the robot's IMU in every state, and once more in the same order
-    others : the other IMUs of the robot, and those of a model with other names and another order
-    later : (2, 3) the arrays of the first reading, looked at again after the simulation moved on
+    torso, again : readings of the robot's IMU in every state, and once more in the same order
+    others : readings of the other IMUs of the robot, and of those of a model with other names and another order
+    later : (2, 3) the two arrays of the first reading, looked at again after the simulation moved on; unchanged if they are copies
     disturbance : largest changes of time, qpos, qvel and sensordata while reading
-    odd : in words, how the returned form differs from the sheet's; "" if it does not; whole : whether each vector has three numbers
+    odd : in words, how the returned form differs from the sheet's; "" if it does not
+    whole : whether each returned vector has three numbers
     departs : the sheet's names of the parameters for which the reader had to be called in another way
     reverse : accelerations and angular velocities from another process that visits the states in reverse; None if not asked for
-    stopped : by check, the exception that kept its property from being measured
+    stopped : by name of a check, the exception that kept its property from being measured
     """
 
     torso: Visit
@@ -132,7 +133,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def in_reverse(student: Student, truth: Traces) -> tuple[Array, Array]:
-    """Return what another process reads in the states visited in reverse, to tell a sensor from a counter; in order of states."""
+    """Return what another process reads in the states visited in reverse, to tell a sensor from a counter; in the usual order."""
     lab = truth["reading_lab"]
     states = {key: lab[key][::-1].copy() for key in ("qpos", "qvel")}
     readings = student.read_in_new_process(model=truth.models[lab.model or "lab"], pairs=lab["pairs"][:1], **states)
@@ -167,5 +168,5 @@ def _stopped(readings: Readings) -> dict[str, Exception]:
 
 
 def with_stops(facts: Facts, stop: Exception, *names: str) -> Facts:
-    """Return the facts with the exception `stop` as the reason why the named checks cannot be judged."""
+    """Return the facts with the exception `stop` added to `stopped` for the checks `names`, which then end with it."""
     return replace(facts, stopped={**facts.stopped, **dict.fromkeys(names, stop)})

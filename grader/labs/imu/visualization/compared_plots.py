@@ -16,16 +16,16 @@ from grader.labs.imu.visualization.pictures import COMPARISON, was_handed_in
 
 @dataclass(frozen=True)
 class Comparison:
-    """Plots of the submission's files, run as scripts, of raw and filtered data; `check_comparison_plot` judges it.
+    """Figures of raw and filtered data that the submission's files draw when run as scripts; `check_comparison_plot` judges them.
 
     Attributes
     ----------
     saved : the pairs of a raw and a filtered curve in each saved figure that has any, all drawn by one file
     drawn : whether any figure, saved or not, has such a pair
-    meant : of a figure that is meant to compare and has no such pair, the number of curves, and what they are in words
-    handed_in : whether the code saves no comparison and a picture under its name was handed in
+    meant : number of curves in a figure that is meant to compare and has no such pair, and in words what it shows; else (0, "")
+    handed_in : whether the code saves no comparison and a picture under the sheet's name for it was handed in
     error : the first exception that stopped a file; None if none did
-    clean : whether the noise model has lost points already, so that raw data without noise is accepted here
+    clean : whether raw data without noise is accepted, because the noise model has lost points already
     """
 
     saved: tuple[Sequence[comparing.Compared], ...] = ()
@@ -56,8 +56,8 @@ class Comparison:
 def measure(student: Student) -> Comparison:
     """Run the submission's files until one saves a figure of noisy and filtered data, and return the `Comparison` drawn.
 
-    A figure without noise counts only if no other figure is meant as the comparison: in any plot, one channel of a robot that comes
-    to rest is smoother than another.
+    A saved figure without noise counts only if no other figure is meant as the comparison. It may be any plot: one channel of a
+    robot that comes to rest is smoother than another.
     """
     drawn, meant = False, (0, "")
     error: StudentError | None = None

@@ -34,7 +34,7 @@ _ROUNDING = 1e-5
 
 @dataclass(frozen=True)
 class Compared:
-    """A raw and a filtered curve of one figure: their names there ("" for no name), and whether the raw curve has noise in it."""
+    """A raw and a filtered curve of one figure: their names by legend or text ("" for none), and whether the raw curve is noisy."""
 
     raw: str
     smooth: str
@@ -50,7 +50,7 @@ class Compared:
 
 
 def comparisons(figure: Figure) -> list[Compared]:
-    """Return each pair of a curve and a smoother version of it that can be seen in a figure, unless their labels name two units."""
+    """Return each pair of a curve and a smoother version of it that can be seen in a figure; none of axes labelled in two units."""
     drawn = _seen_curves(figure)
     pairs = (
         (one, other) for one in drawn for other in drawn if one is not other and _may_be_in_one_unit(one[0], other[0])
@@ -81,7 +81,7 @@ def named_comparisons(figure: Figure) -> list[Compared]:
 
 
 def in_words(figure: Figure) -> tuple[int, str]:
-    """Return the number of curves in a figure that was meant as the comparison and is none, and in words what it shows instead."""
+    """Return the number of curves in a figure that was meant as the comparison but is not, and in words what it shows instead."""
     series = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
     said = f"{len(series)} curves, none of which is a smoother version of another over {FEWEST_POINTS} samples or more"
     if len(series) < 2:

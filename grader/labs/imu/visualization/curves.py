@@ -38,13 +38,13 @@ _ENOUGH = 0.5
 
 @dataclass(frozen=True)
 class Shown:
-    """A drawn curve whose numbers are those of one channel of the data, which the checks compare with labels and legends.
+    """A drawn curve whose numbers are those of one channel of the data; checks compare this channel with labels and legends.
 
     Attributes
     ----------
     sensor, axis : the channel: sensor 0 (acceleration) or 1 (angular velocity), axis 0 to 2
     unit, x : the unit in which the values are drawn, and the kind of x values, such as ``s``, ``ms`` or ``index``
-    drawn : the part of the recorded time over which the curve is drawn, in hundredths from 0 to 100
+    drawn : the hundredths (0 to 99) of the recorded time over which the curve is drawn
     """
 
     sensor: int
@@ -66,7 +66,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes: curves `shown` of a channel, `strange` ones of other data, `hidden` ones of channels that nobody can see."""
+    """One set of axes: its curves of channels (`shown`), of channels that cannot be seen (`hidden`), of other data (`strange`)."""
 
     axes: Axes
     shown: tuple[Shown, ...]
@@ -83,7 +83,7 @@ class Panel:
 
     @property
     def mainly(self) -> set[int]:
-        """The sensor (0 or 1) that most curves of the panel show, which labels should name; both in a tie, empty without curves."""
+        """Set of the sensor (0 or 1) that most curves show and labels should name; both in a tie, empty without curves of data."""
         counts = Counter(s.sensor for s in self.shown)
         return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
@@ -228,7 +228,7 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether a channel of `series` (rows by key) is seen in no figure; the plot may then be tried with other data."""
+    """Return whether a channel of `series` (rows by key) is in none of the figures; the plot may need data in another form."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
@@ -283,7 +283,7 @@ def factor_of(shown: Shown) -> str:
 
 
 def unit_in(rows: Array, true: Array, sensor: int) -> str:
-    """Return the unit in which recorded rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if no unit fits."""
+    """Return the unit of `UNITS` in which recorded rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if none does."""
     size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
     return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
 
@@ -301,7 +301,7 @@ def names_of(panel: Panel, figure: Figure) -> list[str | None]:
 
 
 def names_of_curves(curves: Iterable[Curve], panel: Panel, figure: Figure) -> list[str | None]:
-    """Return for each curve of a panel its entry in a legend of panel or figure, else a text in its colour; None without either."""
+    """Return for each of `curves`, of any data, its entry in a legend of panel or figure, else a text in its colour; else None."""
     axes = panel.axes
     entries = [*axes.legend, *figure.legend]
     for other in figure.axes:
@@ -311,7 +311,7 @@ def names_of_curves(curves: Iterable[Curve], panel: Panel, figure: Figure) -> li
 
 
 def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> str | None:
-    """Return the text of the legend entry whose sample looks most like the curve, else a text in its colour; None without."""
+    """Return the text of the legend entry whose sample looks most like the curve, else one of `texts` in its colour, else None."""
     alike = [e for e in entries if e.colour == curve.colour]
     most = max((_likeness(e, curve) for e in alike), default=None)
     for entry in (e for e in alike if _likeness(e, curve) == most):

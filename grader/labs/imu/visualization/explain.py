@@ -29,7 +29,7 @@ _IN_PART = 0.8
 
 
 def to_the_end(measured: Callable[[Facts], Deviation[Numbers] | None]) -> Callable[[Facts], Deviation[Numbers] | None]:
-    """Wrap a measurement: where it finds a fault of a plot that an exception broke off, it raises `Raised`: that is deducted."""
+    """Wrap a measurement: if it finds a fault and an exception stopped the plot function, raise that (`Raised`) as the cause."""
 
     @functools.wraps(measured)
     def judged(facts: Facts) -> Deviation[Numbers] | None:
@@ -61,7 +61,7 @@ def is_no_png(facts: Facts) -> bool:
 
 
 def shares_a_panel(facts: Facts) -> bool:
-    """Return whether a drawn sensor has no panel that shows it more than the other, as where both are drawn on the same axes."""
+    """Return whether a sensor is drawn only on panels that show the other sensor as much or more, such as one panel for both."""
     return any(panel.mainly != {sensor} for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor))
 
 
@@ -81,16 +81,16 @@ def _shows_others(facts: Facts) -> bool:
 
 
 def share_missing(facts: Facts) -> float:
-    """Return the share of points lost for times without curves: of each such channel its missing part, at least 0.2, of a sixth."""
+    """Return the share of points lost for channels drawn for a part of the time: each loses the gap, at least 0.2, of a sixth."""
     parts = facts.plot.in_part()
     return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
 
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return the `Deviation` of a plot without some channels: it grows with their number; None if all channels are drawn.
+    """Return the `Deviation` of a plot without some channels, larger for more of them; None if all channels are drawn.
 
-    Other data drawn in their place costs at least the share `_OTHER_NUMBERS`.
+    Other data in their place loses at least half of the points (`_OTHER_NUMBERS`).
     """
     if not (missing := _missing(facts)):
         return None
@@ -100,7 +100,7 @@ def missing_curves(facts: Facts) -> Deviation[Came] | None:
 
 @to_the_end
 def unseen_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return a `Deviation` if a drawn channel is mostly outside the limits or not seen, or a value axis is logarithmic, or None."""
+    """Return the `Deviation` of drawn channels that are hidden or outside the limits, or of a logarithmic axis; else None."""
     if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
         return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
     if not (facts.plot.hidden or facts.cut_off):
@@ -110,7 +110,10 @@ def unseen_curves(facts: Facts) -> Deviation[Came] | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
-    """Return a function that gives the `Deviation` of labels with a fault, such as "no-units" (three cost all), or None."""
+    """Return a function for the `Deviation` of axis labels with the fault `name`, such as "no-units"; it returns None without.
+
+    Each such label loses a third of the points.
+    """
 
     def measured(facts: Facts) -> Deviation[Came] | None:
         texts = [text for problem, text in words.label_problems(facts.plot) if problem == name]
@@ -163,7 +166,7 @@ def another_unit(facts: Facts) -> str:
 
 
 def names_are_exchanged(facts: Facts) -> bool:
-    """Return whether every saved comparison calls the raw curve filtered and the filtered one raw; also True if none is saved."""
+    """Return whether every saved comparison calls the raw curve filtered and the filtered one raw; True if none is saved."""
     return all(
         any(pair.exchanged for pair in pairs) and not any(pair.in_order for pair in pairs)
         for pairs in facts.comparison.saved
@@ -171,7 +174,7 @@ def names_are_exchanged(facts: Facts) -> bool:
 
 
 def shows_nothing(facts: Facts) -> bool:
-    """Return whether there is no picture in which a title could be read: none saved that is whole, and none handed in."""
+    """Return whether there is no picture in which a title could be read: none saved that shows the plot, and none handed in."""
     file = facts.file
     return (file.replaced or file.blank or not file.formats) and not file.handed_in
 

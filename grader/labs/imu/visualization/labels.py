@@ -26,7 +26,10 @@ _KINDS = {
 
 @cache
 def languages() -> Mapping[str, Mapping[str, Any]]:
-    """Return the words that labels may use for sensors, axes and units, by language code; a language with other keys raises."""
+    """Return the words that labels may use for sensors, axes and units, by language code, from `languages.yaml`.
+
+    AssertionError if a language in that file lacks a key or has one of its own.
+    """
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
     blocks: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=loader)

@@ -53,15 +53,15 @@ added at each call has 0.2 for the channel that changes most.
 
 @dataclass(frozen=True)
 class File:
-    """Content of the picture files that `plot_imu_data` saves, for the check that it saves a readable picture.
+    """Properties of the picture files that `plot_imu_data` saves, for the check that it saves a readable picture.
 
     Attributes
     ----------
     size_px : size of the largest saved picture of the curves; (0, 0) without one
     formats : file formats of all saved pictures of the curves; empty if none is saved
-    replaced, blank : whether no file shows the curves because it was overwritten or deleted, or because an empty figure was saved
+    replaced, blank : why no file shows the curves: whether one was overwritten or deleted, whether an empty figure was saved
     handed_in : whether no file shows the curves and a picture under the sheet's name for it was handed in
-    lost : the channels that only an overwritten file showed; empty if no file shows any curves
+    lost : the channels that only files overwritten later showed; empty if no file that is left shows curves
     """
 
     size_px: tuple[int, int] = (0, 0)
@@ -79,11 +79,12 @@ class Facts:
     Attributes
     ----------
     plot : the figure that shows most of the data
+    file, comparison : the picture files of that plot, and the plots of raw and filtered data
     cut_off : the channels of which more than half lies outside the axis limits, with the share that is inside
-    recorded : the unit in which the submission records each sensor, if a label names another unit than is drawn; else ""
-    error : the exception that broke the plot off; None if it ran to its end
-    departs : how calls must differ from the sheet: names of parameters, "method …", "global …"; `CALL_REASONS` deduct for it
-    stopped : by check, the exception that is raised in its place because its property could not be measured
+    recorded : by sensor, the unit of the submission's own recording, if a label names another unit than is drawn; else ""
+    error : the exception that stopped `plot_imu_data`; None if it ran to its end
+    departs : the sheet's names of what had to be called otherwise: parameters, "method …", "global …"; `CALL_REASONS` deduct for it
+    stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 
     plot: Plot
@@ -100,7 +101,7 @@ _NO_PLOT = Plot(Figure("shown", None, "", (0, 0)), [])
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Ask for the plot of a run in `truth`, and for what the submission's files draw when they are run; return the `Facts`."""
+    """Return the `Facts` of what `plot_imu_data` draws of a scenario in `truth`, and of what the files draw when they are run."""
     try:
         drawing = drawing_of_data(student, truth)
         if drawing.error is not None and drawing.error.type in _NOT_THERE:
@@ -139,7 +140,7 @@ def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
 
 
 def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
-    """Return what `plot_imu_data` draws of a scenario of `truth`, by name, given under the keys of the submission's recorder."""
+    """Return what `plot_imu_data` draws of the scenario `run` in `truth`, given with the keys of the submission's recording."""
     series = series_of(truth, run)
     own = _own_recording(student, truth)
     return student.plot(
@@ -203,10 +204,10 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
-    """Return the figures of `drawing` that may be the plot: each one, all saved ones joined, and all joined that were ever saved.
+    """Return the figures that may be the plot: each of `drawing`, all saved ones joined, and these joined with overwritten ones.
 
-    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the series that the plot was
-    given: those of a faulty recorder where the plot fits no other.
+    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the data that the plot was
+    given: those of a faulty `simulate_and_collect` if the plot accepts no others.
     """
     saved = [figure for figure in drawing.figures if figure.is_saved]
     ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]

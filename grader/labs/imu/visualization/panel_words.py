@@ -24,7 +24,10 @@ def quoted(text: str) -> str:
 
 @dataclass(frozen=True)
 class Misnamed:
-    """Texts on a panel that name only the sensor other than it `shows`; the `share` of points lost is 1 if all do, else 0.5."""
+    """Texts (`said`) on a panel that name only the sensor that it does not show; `share` of points lost: 1 if all do, else 0.5.
+
+    `shows` names the sensor that the panel does show.
+    """
 
     said: list[str]
     shows: str
@@ -32,7 +35,7 @@ class Misnamed:
 
 
 def misnamed(plot: Plot) -> Misnamed | None:
-    """Return the texts that name only the other sensor on the first panel with any, if another panel shows that; else None."""
+    """Return the texts on the first panel that name only the sensor of another panel; None if there are no such texts."""
     for sensor, panel in [(which, panel) for which in (0, 1) for panel in plot.of_sensor(which)]:
         if said := _misnaming(plot, panel, sensor):
             written = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]
@@ -56,7 +59,7 @@ def _claimed(axes: Axes) -> frozenset[int]:
 
 
 def missing_panel(plot: Plot) -> str:
-    """Return in words a sensor without any panel, if the figure has one panel only and no empty axes for that sensor; else ""."""
+    """Return in words a sensor without any panel, if the figure has no second panel and no empty axes for that sensor; else ""."""
     if len(plot.panels) > 1:
         return ""
     empty = [axes for axes in plot.figure.visible_axes if axes not in [panel.axes for panel in plot.panels]]
@@ -97,7 +100,7 @@ def _names_on(plot: Plot, panels: list[Panel]) -> list[str]:
 
 
 def label_problems(plot: Plot) -> list[Problem]:
-    """Return what is missing from the axis labels, as fault and words: at most one problem for each sensor, and one for time."""
+    """Return what is missing from the axis labels, as pairs of a fault's id and words: at most one for each sensor and for time."""
     found: list[Problem] = []
     for sensor in (0, 1):
         panels = _panels_for(plot, sensor)
@@ -142,9 +145,9 @@ def is_against_no_time(plot: Plot) -> bool:
 
 
 def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
-    """Yield each visible curve with its panel's label and the unit in it (or None), to compare that with the unit of its numbers.
+    """Yield each visible curve with its panel's label and the label's unit (or None), to compare with the unit of its numbers.
 
-    The label is that of the y axis; if it names no unit, that of the figure or the title, if it does.
+    The first that names a unit counts: the label of the y axis, that of the figure, or the title, else that of the y axis.
     """
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
@@ -173,7 +176,7 @@ def _is_nameless(plot: Plot, panel: Panel) -> bool:
 
 
 def share_nameless(plot: Plot) -> float:
-    """Return the share of the points that missing names cost: 1 if no panel names its curves, 0.5 if some do, 0 if all do."""
+    """Return the share of points lost for lack of names: 1 if no panel of several curves names them, 0.5 if some, 0 if all do."""
     crowded = _crowded(plot)
     nameless = [panel for panel in crowded if _is_nameless(plot, panel)]
     return 0.0 if not nameless else 0.5 if len(nameless) < len(crowded) else 1.0
@@ -196,7 +199,10 @@ def exchanged_name(plot: Plot) -> str:
 
 
 def share_untitled(plot: Plot) -> float:
-    """Return the share of points that missing titles cost: 1 if no panel has one, 0.5 if some have, 0 if all have or the figure."""
+    """Return the share of points lost for lack of titles: 1 if no panel has one, 0.5 if some have, 0 if all have, or the figure.
+
+    0 also if a title stands over each column of panels, unless there are only two panels and a title names one sensor alone.
+    """
     figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
     titled = [panel.axes.position in places for panel in panels]

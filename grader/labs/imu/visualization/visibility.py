@@ -39,7 +39,7 @@ _NO_STROKE = ("None", "none", "", " ")
 class Patience:
     """Budget of pixels that are examined for one answer, so that a hostile figure costs bounded time; the rest counts as not seen.
 
-    Most honest figures need half a million pixels, the largest of the corpus 2.3 million.
+    Most honest figures need half a million pixels, the largest of the test submissions 2.3 million.
     """
 
     def __init__(self, pixels: int = 30_000_000) -> None:
@@ -51,7 +51,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return a figure with `visible_parts` of its curves set by its pixels; once `patience` ends, curves count as not seen."""
+    """Return a figure whose pixels set its curves' `visible_parts` (what is seen); once `patience` ends, curves count as unseen."""
     places = [[_place(curve, panel, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken(itertools.chain(*places), figure.pixels.shape[:2])
     axes = []
@@ -249,7 +249,10 @@ def _strength(window: _Window, ink: Array | None, curve: Curve, others: Sequence
 
 
 def share_of_way(off: Pixels, way: Array) -> Pixels:
-    """Return how far pixels at (3, k) `off` from the background go the `way` (3,) to a curve's colour: 0 to 1; 0 for others."""
+    """Return how far pixels go from the background (0) to a curve's colour (1), from their difference `off` (3, k) to the former.
+
+    `way` (3,) is the difference of the two colours. Pixels that do not lie on this way have 0.
+    """
     share = (way / (way @ way)).astype(np.float32) @ off
     beside = np.abs(off - np.outer(way.astype(np.float32), share)).max(axis=0)
     share = np.clip(share, 0, 1)

@@ -23,7 +23,7 @@ _PITCH = re.compile(r"pitch|theta", re.IGNORECASE)
 
 
 def tilt(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Run a new `ComplementaryFilter` of the student's over each case, a record of both sensors.
+    """Run a new `ComplementaryFilter` of the student's over each case, a series of readings of both sensors.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def tilt(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Returns
     -------
     ``cases`` : for each case ``output`` (array name, (n, 2) roll and pitch, fewer rows if it raised; NaN if an update did not
-        return two numbers), ``odd`` (the first such value) and ``error``.
+        return two numbers), ``odd`` (a node that describes the first such value) and ``error``; None without.
     """
     kind = submission.find("ComplementaryFilter", fields["path"])
     packer = Packer()
@@ -78,7 +78,7 @@ def _named(members: dict[str, Any]) -> tuple[float, float]:
 
 
 def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the student's `allan_deviation` with one record; return ``value``, a node (description of what it returned).
+    """Call the student's `allan_deviation` with one series; report ``value``, a node (description of its result), or ``error``.
 
     Parameters
     ----------
