@@ -133,7 +133,7 @@ def _by_cost(run: Run) -> Iterator[Iterable[RowOrigin]]:
 
 
 def explain_altered(run: Run) -> RowOrigin | None:
-    """Return the origin of rows that code altered: one sensor's in any way, or both by rounding or a linear map; None without."""
+    """Return the origin of rows that code altered: one sensor's in any way, or both by rounding or a linear map; else None."""
     known = [RowOrigin(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in run.worlds]
     changed = ((SENSORS[0],), (SENSORS[1],), SENSORS)
     return hypothesis.explain((replace(origin, altered=keys) for keys in changed for origin in known), run)

@@ -126,7 +126,7 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Return whether the outputs `other` end as `alone` does: then only their start differs, as by a state left over."""
+        """Return whether outputs `other` end as `alone` does: only their start differs, as by a state that another filter left."""
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 
@@ -190,7 +190,7 @@ class Facts:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Run all signals of `asked` through the filter, in new processes if it raises only after an earlier filter; return the `Facts`."""
+    """Run all signals of `asked` through filters, in new processes if a second filter raises; return the `Facts`."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:

@@ -110,7 +110,7 @@ def unseen_curves(facts: Facts) -> Deviation[Came] | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
-    """Return a function for the `Deviation` of axis labels with the fault `name`, such as "no-units"; it returns None without.
+    """Return a function that gives the `Deviation` of axis labels with the fault `name`, such as "no-units"; None if none has it.
 
     Each such label loses a third of the points.
     """
