@@ -33,18 +33,18 @@ def constraints(packages: Sequence[str]) -> str:
 
 
 def differences(pinned: str) -> list[tuple[str, str, str]]:
-    """Return (name, version here, version in the file) of each package that a constraints file pins to another version than here.
+    """Return (name, version here, version pinned) of each package whose installed version differs from that in `pinned`.
 
-    The version here is "" if the package is not installed.
+    `pinned` is the text of a constraints file. The version here is "" if the package is not installed.
     """
     found = ((package, _installed(package), there) for package, there in _PINNED.findall(pinned))
     return [each for each in found if each[1] != each[2]]
 
 
 def of_ours(pinned: str) -> str:
-    """Return the ``name==version`` lines of a student's file (see `here`) for packages that the grader requires; drop all others.
+    """Return the ``name==version`` lines of a student's text (see `here`) for packages that the grader requires; drop all others.
 
-    The report names versions that differ from those here. With other packages it would reveal what else is installed here.
+    The student reads in the report which of these versions differ here. So a forged line cannot find out what else is installed.
     """
     needed = {Requirement(each).name for each in requires("imugrade") or () if "extra ==" not in each}
     return "".join(
@@ -63,7 +63,7 @@ def here(packages: Sequence[str]) -> str:
 def line(folder: Path) -> str:
     """Return the warning that `imugrade check` prints if library versions differ from the class's file ``constraints.txt``.
 
-    Return "" if none differs, or if `folder`, the installed lab's, has no such file: only the students' installation has it.
+    Return "" if none differs, or if the lab's folder, `folder`, has no such file: only the students' installation has it.
     """
     file = folder / FILE
     found = differences(file.read_text(encoding="utf-8")) if file.is_file() else []

@@ -20,7 +20,7 @@ class RequestError(Exception):
     Attributes
     ----------
     option : name of the wrong or missing command option, without dashes; "" if the problem concerns no single option
-    why : the problem in words for a web form, where the message would name an option or a file; by default the message
+    why : the problem in words for a web form, without the option or file that the message names; by default the message
     """
 
     def __init__(self, message: str, *, option: str = "", why: str = "") -> None:
@@ -30,14 +30,14 @@ class RequestError(Exception):
 
 
 class GraderError(Exception):
-    """Exception: the grader itself failed. If a check raises it, the check's points stay open; elsewhere, the exit code is 3."""
+    """Exception: the grader itself failed. A check that raises it is neither passed nor failed; elsewhere, the exit code is 3."""
 
 
 def fault_text(problem: BaseException, *, message: bool = True) -> str:
     """Return an exception as one line to report: ``ZeroDivisionError at grader/engine/marks.py:31 in marked: division by zero``.
 
-    The place is the innermost line in this package or in a check that an instructor added, without the user's folders; no place if
-    there is no such line. `message` False leaves out the exception's message, which may hold hidden data.
+    File and line are the innermost ones in this package or in a check that an instructor added; without such a line they are left
+    out. `message` False leaves out the exception's message, which may hold hidden data.
     """
     place = ""
     for frame in traceback.extract_tb(problem.__traceback__):
@@ -59,7 +59,9 @@ def message_of(problem: BaseException) -> str:
 
 
 class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of ours
-    """Base exception: a question (a request to run student code in the sandbox) got no usable answer. Its check then fails."""
+    """Exception: a request to run student code in the sandbox got no usable answer; the check that made the request fails.
+
+    It is the base of `TimedOut`, `Crashed` and `Malformed`."""
 
 
 class TimedOut(NoAnswer):

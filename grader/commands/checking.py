@@ -62,9 +62,10 @@ def check_on_save(
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
-    """Yield once at the start, then after each change of a file under `path` when no file changes any more for a second.
+    """Yield once at the start, then after each change of a file under `path`, once all files are unchanged for a second.
 
-    The files in `written` do not count. Between two changes it calls `waits` every `PAUSE_S` seconds. It never ends by itself.
+    Hidden files and those in `written`, the reports that the caller writes, do not count. Between two changes `waits` is called
+    every `PAUSE_S` seconds. The iterator never ends by itself.
     """
     ours = {os.path.realpath(each) for each in written}
     marked: object = None

@@ -23,7 +23,7 @@ def checking_line(path: Path) -> str:
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Return a line on which of the sheet's files are there, to notice a wrong folder; a notebook counts if no program is there."""
+    """Return a line on which of the lab's files are there, to make a wrong folder noticed; without .py files, a notebook counts."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
@@ -37,9 +37,9 @@ def found(lab: Lab, submission: Submission) -> str:
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
-    """Return a line on how many public checks run, with `only` those of one criterion, and that hidden scenarios may follow.
+    """Return a line on how many public checks run, and that an instructor may grade with hidden scenarios.
 
-    `secret` is whether this machine has the instructor's secret; without it nobody knows whether there are hidden scenarios.
+    `only` is the id of the one criterion to check (None: all), `secret` whether hidden scenarios are known on this machine.
     """
     extensions = [part for part in rubric.extensions if part.file in submission.files or only == part.id]
     count = sum(len(part.checks) for part in (*rubric.criteria, *extensions) if only in (None, part.id))

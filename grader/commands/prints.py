@@ -22,7 +22,7 @@ class Prints:
         self._lines: dict[str, Counter[str]] = {}
 
     def add(self, part: str, text: str) -> None:
-        """Add text that was printed while the criterion or extension `part` was checked; blank lines are left out."""
+        """Add text that was printed while the criterion or bonus task with the id `part` was checked; blank lines are left out."""
         lines = [printable(line, _LONGEST) for line in text.splitlines() if line.strip()]
         self._lines.setdefault(part, Counter()).update(lines)
 
@@ -31,7 +31,7 @@ class Prints:
         self._lines.clear()
 
     def lines(self, lab: Lab) -> list[Text]:
-        """Return lines to show: under each criterion's title, from `lab`, what was printed, in order; or that nothing was."""
+        """Return lines to show: under each criterion's title, from `lab`, what was printed, in order; or that there is nothing."""
         lines = [Text(), Text("Printed by your code")]
         for part, counted in self._lines.items():
             if counted:

@@ -77,7 +77,9 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 
 
 def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mapping[str, str]) -> Path:
-    """Write a program as `repro.py`, the arrays of its calls (`questions`), and files `beside` it by name; return its path.
+    """Write the program `text` as `repro.py`, and beside it the arrays of `questions` and the texts `beside`; return its path.
+
+    `questions` are recorded calls of student code, which the program repeats. `beside` holds texts by file name.
 
     Raises
     ------

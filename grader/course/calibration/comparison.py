@@ -43,18 +43,21 @@ class ComparedCell:
 
     @property
     def apart(self) -> float | None:
-        """The mean distance in points between two people's marks, to compare the grader's distance with; None with one mark."""
+        """The mean distance in points between any two marks, to judge the grader's distance by; None if only one person marked."""
         pairs = [abs(a.points - b.points) for a, b in combinations(self.marks, 2)]
         return statistics.fmean(pairs) if pairs else None
 
     @property
     def is_outside(self) -> bool:
-        """Whether the grader's points lie outside the range of every mark, so that no person would accept them."""
+        """Whether the grader's points lie outside the range that each person accepts, so that nobody would accept them."""
         return not any(mark.accepts(self.criterion.points) for mark in self.marks)
 
     @property
     def kind(self) -> str:
-        """How the points differ from the marks: "false deduction", "missed fault", "too mild" or "too hard"; "" if they agree."""
+        """How the points differ from the marks; "" if they agree.
+
+        "false deduction": only the grader deducts. "missed fault": every person deducts, the grader does not. Else "too mild" or
+        "too hard"."""
         if abs(self.difference) <= _FULL:
             return ""
         most = self.criterion.max_points - _FULL
@@ -101,7 +104,7 @@ class Agreement:
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The row's numbers as text for the columns `HEAD` of the table; "–" in place of a missing `apart`."""
+        """The row's numbers as text for the columns `HEAD` of the table; "–" if `apart` is None, no "±" if `uncertainty` is."""
         return (
             str(self.cells),
             "–" if self.apart is None else f"{self.apart:.2f}",
@@ -112,9 +115,9 @@ class Agreement:
 
 
 def compare(results: Mapping[str, Result], marks: Sequence[Marks]) -> list[ComparedCell]:
-    """Pair each criterion in `marks`, a table for each person, with the grader's result, in the order of `results` by id.
+    """Pair the grader's result of each criterion with its marks, in the order of `results` (by id); `marks` has a table per person.
 
-    Repaired submissions are left out, because people marked the files before the repair, and so are those without a grade.
+    Criteria that nobody marked are left out. So are submissions without a grade, and repaired ones: people saw the files before.
     """
     return [
         ComparedCell(id_, part, given)

@@ -117,7 +117,9 @@ def _number(row: Mapping[str, str], column: str, most: float) -> float:
 
 
 def as_table(cells: Sequence[Cell], marks: Mapping[Cell, Mark], rubric: str) -> str:
-    """Return a person's marks as CSV: a row for each of `cells`, blank where `marks` has none; each holds the digest `rubric`."""
+    """Return a person's marks as CSV: a row for each (submission id, criterion id) in `cells`, blank if `marks` lacks it.
+
+    Each row ends with `rubric`, the rubric's digest."""
     rows: list[Sequence[str]] = [COLUMNS]
     for cell in cells:
         mark = marks.get(cell)

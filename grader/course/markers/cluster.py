@@ -44,7 +44,9 @@ _SETTINGS = {
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, address: str, bounds: Bounds
 ) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
-    """Grade every submission on a cluster; yield each with its result, `Unmarked` or `Ended`, once known, in any order.
+    """Grade every submission on a cluster; yield each with its outcome once it is known, in any order.
+
+    The outcome is a result, `Unmarked` if the grader itself failed, or `Ended` if a limit was exceeded.
 
     Parameters
     ----------

@@ -45,15 +45,15 @@ def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class GradingPlugin(WorkerPlugin):
-    """Dask worker plugin that keeps a marker, which grades submissions, open for a whole run, because opening one is slow.
+    """Dask worker plugin that keeps a marker, which grades submissions, open for a whole class, because opening one is slow.
 
-    Dask installs it in every present and future worker. A process has one marker at a time: if a killed run left its marker open,
-    the plugin of the next run closes it.
+    Dask installs it in every present and future worker. A process has one marker at a time: if a killed `grade`
+    command left its marker open, the plugin of the next one closes it.
 
     Parameters
     ----------
     run
-        The name of the run.
+        Name of the plugin, unique to one `grade` command.
     made_by
         The versions on the machine that distributes the submissions; a worker with others refuses to grade.
     open_marker

@@ -30,7 +30,7 @@ KILLED = "the marking process was killed"
 
 
 class Marking(Protocol):
-    """Protocol of a marker, an object that grades submissions; `cpu_s` may lower the rubric's limit of CPU time, None keeps it."""
+    """Protocol of a marker, whose `mark` grades a submission; `cpu_s` may lower the rubric's limit of CPU time, None keeps it."""
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
@@ -40,7 +40,7 @@ OpenMarker = Callable[[], AbstractContextManager[Marking]]
 
 @dataclass(frozen=True)
 class Unmarked:
-    """Outcome of a submission on which the grader itself failed, with the reason. All its points stay open; it is not a zero."""
+    """Outcome of a submission on which the grader itself failed, with the reason. It has no grade, which is not a zero."""
 
     reason: str
 
@@ -102,7 +102,9 @@ class Backlog:
 def mark_all(
     submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int, bounds: Bounds = _BOUNDS
 ) -> Generator[tuple[Submission, MarkerAnswer], None, None]:
-    """Grade every submission on this machine; yield each with its result, `Unmarked` or `Ended`, once known, in any order.
+    """Grade every submission on this machine; yield each with its outcome once it is known, in any order.
+
+    The outcome is a result, `Unmarked` if the grader itself failed, or `Ended` if a limit was exceeded.
 
     Parameters
     ----------

@@ -33,10 +33,10 @@ _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 class Export:
     """Request of an export, as the command line or the review desk makes it: class, platform, files and options.
 
-    `target` is the file to write, None for a default in `out`. `template` is the file that the platform exported, `column` its
-    column to fill, `feedback` the zip to write the reports to; None for none. `scaled` converts points to the maximum of the
-    platform's assignment. `unreadable` is the grade of empty and unreadable submissions, `missing` that of people without a
-    submission, each one of `BLANK_OR_ZERO`.
+    `target` is the file to write (None: the platform's default name in `out`), `template` the file that the platform exported,
+    `column` its column to fill, `feedback` the zip to write the reports to (None: no reports). `scaled` converts points to the
+    maximum of the platform's assignment. `unreadable` is the grade of empty and unreadable submissions, `missing` that of people
+    without a submission: "blank" or "0".
     """
 
     out: Path
@@ -56,8 +56,8 @@ class Draft:
 
     Attributes
     ----------
-    graded
-        Number of grades in the file.
+    data, graded
+        The file's bytes, and the number of grades in it.
     blank
         People of the class without a grade in the file, each with the reason.
     replaced, locked
@@ -120,7 +120,7 @@ class ExportPlan:
             yield f"graded by other settings than the class: {', '.join(self.other_settings)} (grade them again)"
 
     def write(self) -> tuple[list[str], list[str]]:
-        """Write the grades and any requested reports; return lines on both, and on reports that the platform cannot deliver."""
+        """Write the grades and any requested reports; return lines on these files, and lines on reports to send by hand."""
         order = self.order
         target = order.target or order.out / order.platform.gradebook
         write_whole(target, self.draft.data)

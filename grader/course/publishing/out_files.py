@@ -62,7 +62,7 @@ def publish_all(out: Path, final_grades: Iterable[FinalGrade], store: Store, lab
 
 
 def outdated_pages(out: Path, final_grades: Iterable[FinalGrade], store: Store) -> list[str]:
-    """Return the ids of submissions whose files do not match the database (missing, edited, older); an export refuses them."""
+    """Return the ids of submissions whose `result.json` or report is missing, edited or older than the database; no export then."""
     return [each.id for each in final_grades if not _is_current(out, each, store)]
 
 

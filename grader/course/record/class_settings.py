@@ -45,9 +45,8 @@ class ClassSettings:
     attempts
         Which of several attempts counts: "latest" or "best".
     traces_sha256, hidden
-        Digest of the scenarios with the whole text of the robot's model, and whether they come from a secret. A model file that
-        changes under the same path makes other scenarios. To find the secret from the digest takes a second of scrypt and
-        seconds of simulation for each guess.
+        Digest of the scenarios and of the robot's model file, to notice other scenarios or a changed model; and whether the
+        scenarios are hidden ones, made from a secret. To test one guess at the secret takes seconds.
     grader
         Version of imugrade.
     isolation
@@ -115,7 +114,7 @@ def to_json(settings: ClassSettings) -> str:
 
 
 def from_json(text: str) -> ClassSettings:
-    """Parse text from `to_json`, without a later version's fields; other text raises an error that `database.read` handles."""
+    """Parse text from `to_json`; fields that only a later version knows are dropped. Wrap in `database.read`: other text raises."""
     record = json.loads(text)
     own = tuple((name, content.encode("utf-8", "surrogateescape")) for name, content in record["own_checks"])
     known = {field.name for field in fields(ClassSettings)}
@@ -304,7 +303,7 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
     Raises
     ------
     RequestError
-        If hidden scenarios were made from a secret and `seed`, the secret, is None. A class without settings passes.
+        If the class was graded on hidden scenarios by its settings `old`, and `seed`, their secret, is None.
     """
     if old is not None and old.hidden and seed is None:
         raise RequestError(

@@ -18,7 +18,7 @@ _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decis
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a review queue item's sentence and submission ids; a review stored under another digest does not count."""
+    """Return a digest of a review queue item's sentence and submission ids; if it changes, the item has to be reviewed again."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
@@ -38,7 +38,7 @@ class OvertakenError(RequestError):
 
 @dataclass(frozen=True)
 class Review:
-    """A person's mark that an item of the review queue is done, or (`done` False) open again.
+    """A person's entry that an item of the review queue is done, or (`done` False) open again.
 
     `reason` is the kind of the item, and `about` a digest of its sentence: the review counts while that stays the same.
     """
@@ -79,7 +79,7 @@ class Decisions(Database):
         seen
             The number of the last adjustment that the author has seen; None skips the comparison.
         what
-            The subject of a decision on several submissions, whose number is returned. "" makes no decision and returns 0.
+            The subject, if this is one decision on several submissions: the decision's number is returned. "": 0 is returned.
 
         Raises
         ------
@@ -160,7 +160,7 @@ class Decisions(Database):
             self._db.executemany(query, [astuple(each) for each in reviews])
 
     def reviews(self) -> dict[tuple[str, str, str], Review]:
-        """Return the last review of each queue item by submission id, kind of item and digest, without items opened again."""
+        """Return the last review of each queue item, by (submission id, kind of item, digest from `about`), unless opened again."""
         with self._errors_in_one_line():
             rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
         last = {
@@ -170,7 +170,7 @@ class Decisions(Database):
         return {key: review for key, review in last.items() if review.done}
 
     def keep_regrade_requests(self, requests: Iterable[RegradeRequest]) -> int:
-        """Store regrade requests and return how many are new. One that is stored already, with its answer, stays as it is."""
+        """Store regrade requests and return how many are new; one with the same id, `about` and text as a stored one is ignored."""
         query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
         with self._errors_in_one_line(), self._transaction():
             return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in requests)

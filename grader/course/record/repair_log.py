@@ -77,9 +77,9 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
 
 
 def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
-    """Return a digest of a submission and its repairs, by which the `Key` of the result names the repaired copy.
+    """Return a digest of a submission and its repairs, the `submission_sha256` in the `Key` of the repaired copy's result.
 
-    It differs from the digest of the repaired files: a student who hands in exactly these has repaired them without help.
+    It differs from the digest of the repaired files, so that a student who hands in exactly these files gets no deduction.
     """
     facts = [handed_in.sha256, *((each.file, each.diff) for each in repairs)]
     return f"repaired-{sha256_of(json.dumps(facts).encode())}"

@@ -82,7 +82,7 @@ class Store(Decisions, RepairLog, Drafts):
             self._make_current(key)
 
     def recall(self, key: Key) -> Result | None:
-        """Return the stored result of this key and make it count, to resume a run; None if it is missing or not fully judged."""
+        """Return the stored result of this key and make it current, to resume a run; None if it is missing or not fully judged."""
         present = "(SELECT class.seq FROM class WHERE class.id = results.id) IS seq"
         query = f"SELECT record, {present} FROM results {_WHERE} AND status != 'incomplete'"
         with self._errors_in_one_line():
@@ -95,7 +95,7 @@ class Store(Decisions, RepairLog, Drafts):
             return self._parsed(key.id, record)
 
     def result(self, key: Key) -> Result | None:
-        """Return the stored result of this key, such as that before a repair, without making it count; None if there is none."""
+        """Return the stored result of this key, current or not, such as that before a repair; None if there is none."""
         record = self._value(f"SELECT record FROM results {_WHERE}", *astuple(key))
         return None if record is None else self._read(_result, record)
 
@@ -272,7 +272,7 @@ class Store(Decisions, RepairLog, Drafts):
             self._write("INSERT OR IGNORE INTO files VALUES (?, ?)", submission_sha256, pack())
 
     def files(self, submission_sha256: str) -> bytes:
-        """Return the packed files that `keep_files` stored for this digest; empty if there are none."""
+        """Return the packed files that `keep_files` stored for this digest, to pass to `unpack`; empty if there are none."""
         return bytes(self._value("SELECT packed FROM files WHERE submission_sha256 = ?", submission_sha256) or b"")
 
     def keep_notices(self, notices: Mapping[str, Sequence[str]]) -> None:

@@ -42,7 +42,7 @@ class Group:
 class Decision:
     """One decision of a person on several submissions; `made` counts them, `in_force` those without a later override.
 
-    `what` is what they have in common, `said` what was decided: the criterion and its points, or that it is a comment.
+    `what` is what the submissions have in common, `said` the criterion with its new points, or that it is a comment.
     """
 
     number: int

@@ -49,7 +49,9 @@ class Candidates:
 
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
-    """Return at most `most` edits from `candidates`, run in a new process with limits such as `cpu_s`; none if it exceeds one."""
+    """Return up to `most` results of `candidates`, run in a new process with limits on memory and on CPU seconds, `cpu_s`.
+
+    If the process exceeds a limit, there are none."""
     with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
         made = executor.submit(_within_limits, content, row, name, most, cpu_s)
@@ -83,7 +85,7 @@ def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:
     row
         The line at which the submission stops, counted from 0; -1 where only the function is known.
     name
-        The function or class that is required there.
+        The required function or class that the failed check is about; "" if there is none.
     """
     try:
         text = content.decode()

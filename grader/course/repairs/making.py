@@ -79,7 +79,7 @@ class Grading:
 
 @dataclass(frozen=True)
 class GradingSettings:
-    """Settings that repaired copies of a class are graded by, before a marker is open; `by` or `opened` makes a `Grading`."""
+    """Settings that repaired copies of a class are graded by; `opened` starts a marker for them, `by` takes one that is open."""
 
     rubric: Rubric
     traces: Traces
@@ -150,7 +150,7 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPrevie
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Suggestion | None]:
-    """Search for a repair of one place at which the code of `who` (id or person), with repairs in force, stops. Nothing is stored.
+    """Search for a repair of one place where the code of `who` (id or person), repaired so far, stops. Nothing is stored.
 
     Returns
     -------
@@ -294,7 +294,7 @@ def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
 
 
 def publish(out: Path, who: str, grading: Grading) -> None:
-    """Write the pages of a submission, named by id or person, and of its class anew after a repair."""
+    """Write the pages of a submission and of its class anew after a repair; `who` is the submission's id or person."""
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)
