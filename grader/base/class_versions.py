@@ -44,7 +44,7 @@ def differences(pinned: str) -> list[tuple[str, str, str]]:
 def of_ours(pinned: str) -> str:
     """Return the ``name==version`` lines of a student's text (see `here`) for packages that the grader requires; drop all others.
 
-    The student reads in the report which of these versions differ here. So a forged line cannot find out what else is installed.
+    The report tells students which versions differ here, so lines forged for other packages would show what else is installed.
     """
     needed = {Requirement(each).name for each in requires("imugrade") or () if "extra ==" not in each}
     return "".join(

@@ -48,12 +48,8 @@ def examine(tell: Callable[[str], None]) -> list[tuple[str, list[DoctorFinding]]
 def report(out: Path) -> list[str]:
     """Return the lines of a report about faults of the grader: versions, isolation, lab, and how often each fault is on record.
 
-    A fault is told without its message, which could hold a name or a number of a submission.
-
-    Raises
-    ------
-    RequestError
-        If no class was graded in this folder.
+    A fault is told without its message, which could hold a name or a number of a submission. RequestError if no class was graded
+    in the folder `out`.
     """
     with Store.existing(out) as store:
         settings, results = store.settings(), store.present().values()

@@ -23,7 +23,7 @@ def checking_line(path: Path) -> str:
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Return a line on which of the lab's files are there, to make a wrong folder noticed; without .py files, a notebook counts."""
+    """Return a line on which of the lab's files are there, so that a wrong folder shows; without .py files, a notebook counts."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
@@ -37,9 +37,9 @@ def found(lab: Lab, submission: Submission) -> str:
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
-    """Return a line on how many public checks run, and that an instructor may grade with hidden scenarios.
+    """Return a line on how many public checks run, and on hidden scenarios: their number, or that there may be some.
 
-    `only` is the id of the one criterion to check (None: all), `secret` whether hidden scenarios are known on this machine.
+    `only` is the id of the one criterion to check (None: all), `secret` whether the secret of hidden scenarios is set here.
     """
     extensions = [part for part in rubric.extensions if part.file in submission.files or only == part.id]
     count = sum(len(part.checks) for part in (*rubric.criteria, *extensions) if only in (None, part.id))

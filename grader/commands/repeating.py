@@ -27,10 +27,7 @@ FOLDER = HOME_VERSIONS[0]
 def folder_in(path: Path) -> Path:
     """Make and return `.imugrade`, the folder in a submission for files of `imugrade repro` and `check`, with a `.gitignore`.
 
-    Raises
-    ------
-    RequestError
-        If something else is in its place.
+    RequestError if `path` is no folder, or something else has this name.
     """
     place = path / FOLDER
     if place.is_symlink() or (place.exists() and not place.is_dir()) or not path.is_dir():
@@ -79,12 +76,8 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mapping[str, str]) -> Path:
     """Write the program `text` as `repro.py`, and beside it the arrays of `questions` and the texts `beside`; return its path.
 
-    `questions` are recorded calls of student code, which the program repeats. `beside` holds texts by file name.
-
-    Raises
-    ------
-    RequestError
-        If a folder below `out` is a link: a submission could lead the files elsewhere.
+    `questions` are recorded calls of student code, which the program repeats. `beside` holds texts by file name. RequestError if
+    a folder below `out` is a link: a submission could lead the files elsewhere.
     """
     for folder in {parent for name in beside for parent in Path(name).parents}:
         if folder.parts and (out / folder).is_symlink():

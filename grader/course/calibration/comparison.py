@@ -56,8 +56,7 @@ class ComparedCell:
     def kind(self) -> str:
         """How the points differ from the marks; "" if they agree.
 
-        "false deduction": only the grader deducts. "missed fault": every person deducts, the grader does not. Else "too mild" or
-        "too hard"."""
+        "false deduction": the grader alone deducts; "missed fault": the grader alone does not; else "too mild" or "too hard"."""
         if abs(self.difference) <= _FULL:
             return ""
         most = self.criterion.max_points - _FULL
@@ -117,7 +116,7 @@ class Agreement:
 def compare(results: Mapping[str, Result], marks: Sequence[Marks]) -> list[ComparedCell]:
     """Pair the grader's result of each criterion with its marks, in the order of `results` (by id); `marks` has a table per person.
 
-    Criteria that nobody marked are left out. So are submissions without a grade, and repaired ones: people saw the files before.
+    Left out are criteria that nobody marked, submissions without a grade, and repaired ones, which people marked unrepaired.
     """
     return [
         ComparedCell(id_, part, given)

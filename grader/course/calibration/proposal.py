@@ -64,7 +64,7 @@ class Proposal:
     moved: tuple[tuple[str, float, float], ...]
 
     def sentences(self) -> list[str]:
-        """Return sentences: the distance from the marks before and after, `unnamed` if it is not 0, and how many grades change."""
+        """Return sentences on the distance from the marks, before and after, the part that no change reduces, and changed grades."""
         rest = f"{self.unnamed:.2f} of it lies in cells where no fault is named. No deduction reaches them; read them one by one."
         remains = [rest] if self.unnamed >= 0.005 else []
         if not self.changes:
@@ -86,7 +86,7 @@ class Proposal:
 
 
 def propose(rubric: Rubric, cells: Sequence[ComparedCell], final_grades: Mapping[str, FinalGrade]) -> Proposal | None:
-    """Propose deductions that fit the marks in `cells` better than those of `rubric`; None if fewer than `FEWEST` are marked.
+    """Propose deductions that fit the marks in `cells` better than `rubric` does; None for fewer than `FEWEST` marked submissions.
 
     `final_grades` are those of the whole class, to tell whose grade would change.
 

@@ -47,8 +47,8 @@ def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
 class GradingPlugin(WorkerPlugin):
     """Dask worker plugin that keeps a marker, which grades submissions, open for a whole class, because opening one is slow.
 
-    Dask installs it in every present and future worker. A process has one marker at a time: if a killed `grade`
-    command left its marker open, the plugin of the next one closes it.
+    Dask installs it in every present and future worker. A process has one marker at a time: if a killed command left its marker
+    open, the plugin of the next command closes it.
 
     Parameters
     ----------

@@ -127,9 +127,9 @@ def mark_all(
 
 
 class Pool:
-    """Worker processes that grade submissions, kept from one run to the next, because starting them is slow; a context manager.
+    """Worker processes that grade submissions, kept for further calls of `run`, because starting them is slow; a context manager.
 
-    Each process has one submission at a time. So it is known which submission ended a process, and no other is graded again.
+    Each process has one submission at a time. So it is known which submission ended a process, and only that one is graded again.
 
     Parameters
     ----------

@@ -56,13 +56,13 @@ def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab) -> None:
 
 
 def publish_all(out: Path, final_grades: Iterable[FinalGrade], store: Store, lab: Lab) -> None:
-    """Write `result.json` and the report of each of these submissions, as `publish` does: files that are current stay."""
+    """Write `result.json` and the report of each of these submissions, as `publish` does: current files are left alone."""
     for final_grade in final_grades:
         publish(out, final_grade, store, lab)
 
 
 def outdated_pages(out: Path, final_grades: Iterable[FinalGrade], store: Store) -> list[str]:
-    """Return the ids of submissions whose `result.json` or report is missing, edited or older than the database; no export then."""
+    """Return ids of submissions whose `result.json` or report is missing, edited or outdated, for which an export is refused."""
     return [each.id for each in final_grades if not _is_current(out, each, store)]
 
 

@@ -46,7 +46,7 @@ class ClassSettings:
         Which of several attempts counts: "latest" or "best".
     traces_sha256, hidden
         Digest of the scenarios and of the robot's model file, to notice other scenarios or a changed model; and whether the
-        scenarios are hidden ones, made from a secret. To test one guess at the secret takes seconds.
+        scenarios are hidden ones, made from a secret. It takes seconds to test one guess at the secret.
     grader
         Version of imugrade.
     isolation
@@ -75,7 +75,7 @@ class ClassSettings:
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
-        """Return a run's settings; `people`: the roster, `traces`: recordings of scenarios, `attempts`: "latest" or "best"."""
+        """Return settings made from a rubric, the roster `people`, the attempt to count ("latest" or "best") and the scenarios."""
         return cls(
             **_of_rubric(rubric),
             roster=people.text,
@@ -114,7 +114,7 @@ def to_json(settings: ClassSettings) -> str:
 
 
 def from_json(text: str) -> ClassSettings:
-    """Parse text from `to_json`; fields that only a later version knows are dropped. Wrap in `database.read`: other text raises."""
+    """Parse text from `to_json`; fields of a later version are dropped. Other text raises an error that `database.read` handles."""
     record = json.loads(text)
     own = tuple((name, content.encode("utf-8", "surrogateescape")) for name, content in record["own_checks"])
     known = {field.name for field in fields(ClassSettings)}
@@ -124,10 +124,7 @@ def from_json(text: str) -> ClassSettings:
 def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None) -> Rubric:
     """Return the rubric of a class: the file at `path`, else the one in its settings, else the one shipped with the lab.
 
-    Raises
-    ------
-    RubricError
-        If the rubric has problems.
+    RubricError if the rubric has problems.
     """
     if path is not None or settings is None:
         return load(lab, path)
@@ -300,10 +297,7 @@ def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> l
 def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
     """Refuse to grade on public scenarios a class that was graded on hidden ones: the scores could not be compared.
 
-    Raises
-    ------
-    RequestError
-        If the class was graded on hidden scenarios by its settings `old`, and `seed`, their secret, is None.
+    RequestError if the class was graded on hidden scenarios by its settings `old`, and `seed`, their secret, is None.
     """
     if old is not None and old.hidden and seed is None:
         raise RequestError(

@@ -79,7 +79,7 @@ class Decisions(Database):
         seen
             The number of the last adjustment that the author has seen; None skips the comparison.
         what
-            The subject, if this is one decision on several submissions: the decision's number is returned. "": 0 is returned.
+            The subject of one decision on several submissions; the decision gets a number, which is returned. "" returns 0.
 
         Raises
         ------

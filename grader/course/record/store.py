@@ -104,7 +104,7 @@ class Store(Decisions, RepairLog, Drafts):
         return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """Regrade the submission of `key` by `rubric` from a stored result and make that current; None if code must run again."""
+        """Regrade the submission of `key` by `rubric` from a stored result; store the new one as current. None if code must run."""
         with self._errors_in_one_line(), self._transaction():
             if (found := self._find_regradable(key, rubric)) is None:
                 return None
@@ -153,7 +153,7 @@ class Store(Decisions, RepairLog, Drafts):
         self._db.execute("INSERT OR REPLACE INTO settings VALUES (?, ?, ?)", row)
 
     def former(self) -> dict[str, FinalGrade]:
-        """Return the final grades before the last change of settings, with the overrides of now; empty if there was no change."""
+        """Return the final grades before the last change of settings, with the present overrides; empty if there was no change."""
         query = (
             "SELECT former.id, record, hand_in FROM former JOIN results USING (seq) "
             "WHERE number = (SELECT max(number) FROM former) ORDER BY former.id"
@@ -234,7 +234,7 @@ class Store(Decisions, RepairLog, Drafts):
     def final_grades(self) -> dict[str, FinalGrade]:
         """Return the final grade of every submission by id: current result, who handed in and when, and overrides in force.
 
-        A person without a submission is among them only while points are given.
+        A person without a submission is included only while an override gives them points.
         """
         hand_ins = self.hand_ins()
         found = self._final_grades(

@@ -79,7 +79,7 @@ def adjust(lab: Lab, out: Path, store: Store, requests: Sequence[OverrideRequest
     """Validate and store override requests, all or none, rewrite the pages, and return a line for the terminal on each.
 
     A request that is already in force changes nothing, so a table can be given twice. If the automatic points beneath an override
-    have changed, the same request confirms it. `what` is the subject of one decision on several submissions, else "".
+    have changed, the same request confirms the override. `what` is the subject of one decision on several submissions, else "".
 
     Raises
     ------

@@ -19,7 +19,7 @@ _NOTE = "There is no submission. A person gave the points."
 
 
 def absent_by_id(store: Store) -> dict[str, Person]:
-    """Return the people of the roster without a submission, by the id that each gets if a person gives points."""
+    """Return the people of the roster without a submission, by the id under which each can be given points."""
     return _by_id(store.settings(), store.final_grades())
 
 

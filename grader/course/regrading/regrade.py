@@ -19,7 +19,7 @@ _A_LINE = 10  # names
 
 
 def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, FinalGrade]:
-    """Return by id the final grades that these submissions have by another rubric. Nothing is written, and overrides are kept.
+    """Return the final grades, by id, that submissions would have by another rubric. Nothing is written, and overrides are kept.
 
     Raises
     ------

@@ -311,7 +311,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
     Raises
     ------
     RequestError
-        If there is no such repair, or no result without it can be had because the class was graded by other settings.
+        If there is no such repair, or there is no result without it to return to, as the class was graded by other settings.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
