@@ -59,9 +59,7 @@ def message_of(problem: BaseException) -> str:
 
 
 class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of ours
-    """Exception: a request to run student code in the sandbox got no usable answer; the check that made the request fails.
-
-    It is the base of `TimedOut`, `Crashed` and `Malformed`."""
+    """Exception, base of `TimedOut` and others: a request to run student code got no usable answer; the requesting check fails."""
 
 
 class TimedOut(NoAnswer):

@@ -56,7 +56,8 @@ class ComparedCell:
     def kind(self) -> str:
         """How the points differ from the marks; "" if they agree.
 
-        "false deduction": the grader alone deducts; "missed fault": the grader alone does not; else "too mild" or "too hard"."""
+        "false deduction": the grader alone deducts; "missed fault": the grader alone does not; else "too mild" or "too hard".
+        """
         if abs(self.difference) <= _FULL:
             return ""
         most = self.criterion.max_points - _FULL

@@ -49,9 +49,7 @@ class Candidates:
 
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
-    """Return up to `most` results of `candidates`, run in a new process with limits on memory and on CPU seconds, `cpu_s`.
-
-    If the process exceeds a limit, there are none."""
+    """Return up to `most` results of `candidates` from a new process; none if it exceeds its memory or its CPU seconds, `cpu_s`."""
     with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
         made = executor.submit(_within_limits, content, row, name, most, cpu_s)
