@@ -42,7 +42,7 @@ def differences(pinned: str) -> list[tuple[str, str, str]]:
 
 
 def of_ours(pinned: str) -> str:
-    """Return the ``name==version`` lines of a student's text (see `here`) for packages that the grader requires; drop all others.
+    """Return the lines ``name==version`` of `pinned`, a student's text from `here`, for those packages that the grader requires.
 
     The report tells students which versions differ here, so lines forged for other packages would show what else is installed.
     """

@@ -66,7 +66,7 @@ def report(out: Path) -> list[str]:
 
 
 def packages_of(paths: Sequence[Path]) -> list[DoctorFinding]:
-    """Return a finding on each package that submissions import and this machine lacks; if none, one good finding. No code runs."""
+    """Return a finding on each package that submissions import and this machine lacks, or one that it lacks none. No code runs."""
     lab = chosen_lab()
     missing = missing_packages.of_class(read_class(paths, lab.files).entries, rubrics.load(lab))
     lines = missing_packages.lines(missing)

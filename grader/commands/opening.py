@@ -37,7 +37,7 @@ def found(lab: Lab, submission: Submission) -> str:
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
-    """Return a line on how many public checks run, and on hidden scenarios: their number, or that there may be some.
+    """Return a line on how many public checks run, and on hidden scenarios: how many `traces` has, or that some may follow.
 
     `only` is the id of the one criterion to check (None: all), `secret` whether the secret of hidden scenarios is set here.
     """

@@ -86,8 +86,8 @@ class Agreement:
     apart
         Mean distance between the marks of two people, in points; None if one person marked.
     distance, uncertainty
-        Mean distance between the grader's points and the mean of the marks, and half of its 95 % interval (Student's t over the
-        submissions, as the cells of one submission are not independent); `uncertainty` is None below three submissions.
+        Mean distance between the grader's points and the mean of the marks, and half of its 95 % interval. It is Student's t over
+        submissions, as the cells of one submission are not independent; None below three submissions.
     difference
         Mean of the grader's points minus the marks: positive where the grader is milder.
     outside

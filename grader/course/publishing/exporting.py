@@ -33,8 +33,8 @@ _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 class Export:
     """Request of an export, as the command line or the review desk makes it: class, platform, files and options.
 
-    `target` is the file to write (None: the platform's default name in `out`), `template` the file that the platform exported,
-    `column` its column to fill, `feedback` the zip to write the reports to (None: no reports). `scaled` converts points to the
+    `target` is the file to write; None: the platform's default name in `out`. `template` is the file that the platform exported,
+    `column` its column to fill. `feedback` is the zip to write the reports to; None: no reports. `scaled` converts points to the
     maximum of the platform's assignment. `unreadable` is the grade of empty and unreadable submissions, `missing` that of people
     without a submission: "blank" or "0".
     """
@@ -52,7 +52,7 @@ class Export:
 
 @dataclass(frozen=True)
 class Draft:
-    """The file of grades before it is written, and whom it affects how, so that a person can look before the upload.
+    """A file of grades that is not written yet, and what it changes for whom, so that a person can look before the upload.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class ExportPlan:
 
 
 def plan(order: Export) -> ExportPlan:
-    """Prepare the file of grades without writing it, so that a person sees the effects first.
+    """Prepare the export that `order` asks for without writing a file, so that a person sees the effects first.
 
     Raises
     ------

@@ -45,8 +45,8 @@ class ClassSettings:
     attempts
         Which of several attempts counts: "latest" or "best".
     traces_sha256, hidden
-        Digest of the scenarios and of the robot's model file, to notice other scenarios or a changed model; and whether the
-        scenarios are hidden ones, made from a secret. It takes seconds to test one guess at the secret.
+        Digest of the scenarios and the robot's model file, to notice a change of either. Whether the scenarios are hidden ones,
+        made from a secret; with the digest, it takes seconds to test one guess at the secret.
     grader
         Version of imugrade.
     isolation
@@ -309,8 +309,7 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
 def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
     """Refuse to grade one submission, such as a repaired one, on other scenarios than its class was graded on.
 
-    RequestError if the class, with the settings `old`, has hidden scenarios, made from a secret, and `traces`, recordings of
-    scenarios, differ from them. A class without settings passes.
+    RequestError if the class, by its settings `old`, has hidden scenarios, and `traces` are recordings of others.
     """
     if old is not None and old.hidden and old.traces_sha256 != traces.sha256:
         raise RequestError(

@@ -229,7 +229,7 @@ class ForeignError(Exception):
 
 
 def read(parse: Callable[[Any], T], record: object) -> T:
-    """Parse a stored value; raise ForeignError if that fails, because any program can write to the file."""
+    """Return `parse(record)` for a stored value; raise ForeignError if that fails, because any program can write to the file."""
     try:
         return parse(record)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:

@@ -234,7 +234,7 @@ class Store(Decisions, RepairLog, Drafts):
     def final_grades(self) -> dict[str, FinalGrade]:
         """Return the final grade of every submission by id: current result, who handed in and when, and overrides in force.
 
-        A person without a submission is included only while an override gives them points.
+        A person without a submission is included only while an override or comment for them is in force.
         """
         hand_ins = self.hand_ins()
         found = self._final_grades(

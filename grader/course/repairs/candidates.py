@@ -49,7 +49,10 @@ class Candidates:
 
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
-    """Return up to `most` results of `candidates` from a new process; none if it exceeds its memory or its CPU seconds, `cpu_s`."""
+    """Return up to `most` results of `candidates` from a new process; none if it exceeds its memory or its CPU seconds, `cpu_s`.
+
+    `content`, `row` and `name` are those of `candidates`.
+    """
     with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
         made = executor.submit(_within_limits, content, row, name, most, cpu_s)

@@ -97,7 +97,7 @@ class GradingSettings:
 
 
 def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> str:
-    """Grade a repaired copy and store the repair; return a line with the grades. The caller writes the pages.
+    """Grade a submission with the repair in `request`, and store both; return a line with the grades. The caller writes the pages.
 
     Raises
     ------
@@ -130,7 +130,7 @@ class RepairPreview:
 
 
 def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPreview:
-    """Grade a submission with a repair in the sandbox, for a person to decide by. Nothing is stored.
+    """Grade a submission with the repair in `request`, for a person to decide by. Nothing is stored.
 
     Raises
     ------
@@ -183,7 +183,10 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
 def validated_repair(
     request: RepairRequest, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
 ) -> LoggedRepair:
-    """Return a request as a repair by `author` to store; RequestError if it is not valid. `now`: the files as repaired so far."""
+    """Return a request as a repair by `author` to store; RequestError if it is not valid.
+
+    `handed_in` is the submission without repairs, `final_grade` its grade, `now` the files as repaired so far.
+    """
     most = final_grade.result.max_score
     if request.file not in now:
         raise RequestError(
@@ -306,7 +309,9 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
-    """Take back the last repair in force, of `file` unless that is ""; return a line on it. The caller writes the pages.
+    """Take back the last repair in force of `who` (id or person), the last of `file` unless that is ""; return a line on it.
+
+    `author` is who takes it back. `grading` grades the copy with the other repairs, if any. The caller writes the pages.
 
     Raises
     ------
