@@ -49,7 +49,7 @@ class ComparedCell:
 
     @property
     def is_outside(self) -> bool:
-        """Whether the grader's points lie outside the range that each person accepts, so that nobody would accept them."""
+        """Whether the grader's points lie outside every mark's range, from `low` to `high`, so that no person would accept them."""
         return not any(mark.accepts(self.criterion.points) for mark in self.marks)
 
     @property
@@ -86,8 +86,8 @@ class Agreement:
     apart
         Mean distance between the marks of two people, in points; None if one person marked.
     distance, uncertainty
-        Mean distance between the grader's points and the mean of the marks, and half of its 95 % interval. It is Student's t over
-        submissions, as the cells of one submission are not independent; None below three submissions.
+        Mean distance between the grader's points and the mean of the marks, and half of its 95 % interval (Student's t over
+        submissions, whose cells are not independent). `uncertainty` is None below three submissions.
     difference
         Mean of the grader's points minus the marks: positive where the grader is milder.
     outside

@@ -150,7 +150,7 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPrevie
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Suggestion | None]:
-    """Search for a repair of one place where the code of `who` (id or person), repaired so far, stops. Nothing is stored.
+    """Search for a repair of one place where the code of `who` (id or person), with earlier repairs, fails. Nothing is stored.
 
     Returns
     -------
