@@ -18,7 +18,7 @@ from grader.intake.names import safe_id
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
-    """Show the sample of submissions that people mark by hand to check the grader; with `id`, the form for one of them.
+    """Show the sample of submissions that people mark by hand to check the grader; with `id` in the address, the form for one.
 
     With `compare`, also show how far the grades are from the marks of all people.
     """

@@ -150,8 +150,8 @@ class Classbook:
     ) -> list[RecordedOverride]:
         """Store and return overrides as `adjusting.decide` does, and write the pages of these submissions in the background.
 
-        `seen` is the number of the last override that the author saw: OvertakenError if there is a later one, None skips this.
-        `what` is the subject of one decision on several submissions, "" without one.
+        `seen` is the number of the last override that the author saw: OvertakenError if these submissions have a later one, None
+        skips this. `what` names the group, such as similar code, that the overrides decide on together; "" if there is none.
         """
         known = {**self.final_grades(), **admit(self.store, {each.id for each in overrides})}
         made = decide(self.store, known, overrides, author, seen=seen, what=what)
@@ -163,7 +163,7 @@ class Classbook:
         return made
 
     def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
-        """Store that queue items, each as id, kind and digest, are reviewed, or are open again if not `done`.
+        """Store that items of the queue, each as (id, kind, digest of its reason), are reviewed, or are open again if not `done`.
 
         An empty or unreadable submission counts 0 once reviewed, and is blank before.
         """
@@ -183,7 +183,7 @@ class Classbook:
 
     @property
     def no_repairs(self) -> str:
-        """Return why no repair can be previewed or saved (the secret of the hidden scenarios is missing); "" if it can."""
+        """Return why repairs cannot be previewed or saved (the secret of the hidden scenarios is missing); "" if they can."""
         try:
             class_settings.refuse_without_secret(self.store.settings(), self._secret)
         except RequestError as problem:

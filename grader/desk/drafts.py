@@ -34,7 +34,7 @@ def drop(book: Classbook, web_request: WebRequest) -> None:
 
 
 def of_page(book: Classbook, web_request: WebRequest) -> Mapping[str, Fields]:
-    """Return the drafts of the forms of a page by form, to fill them again. A form's name begins with the address of its page."""
+    """Return the stored drafts of a page by name of form, to fill the forms again. A name begins with the address of the page."""
     kept = book.store.drafts(web_request.author)
     return {form: _fields(text) for form, text in kept.items() if _path(_address(form)) == web_request.address}
 

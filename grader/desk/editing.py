@@ -36,7 +36,7 @@ def editable(path: str, content: bytes) -> Editable:
 def as_bytes(before: bytes, text: str) -> bytes:
     """Return the bytes of a file from its edited text, so that its diff shows the edit alone.
 
-    The lines above the first change and below the last one keep their bytes. The others get the usual line ending of the file.
+    Lines above the first change and below the last one are copied from `before`. The others get the file's usual line ending.
     """
     was, _ = _decoded(before)
     old, new = (_ENDS.sub("\n", each).split("\n") for each in (was, text))

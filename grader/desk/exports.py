@@ -28,7 +28,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 def send(book: Classbook, web_request: WebRequest) -> Response:
     """Send the grades or the reports as a download.
 
-    If a field is wrong, or grades contradict each other and the form does not say `anyway`, the export page says so instead.
+    If a field is wrong, the export page shows the error instead; also if a grade cannot be right and the form lacks `anyway`.
     """
     feedback = web_request.text("do") == "feedback"
     try:

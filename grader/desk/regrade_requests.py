@@ -118,9 +118,9 @@ def added(new: int, read: int) -> str:
 
 
 def read_in(book: Classbook, path: Path) -> list[str]:
-    """Read the requests in a file or folder when the desk starts; return a line on how many were added, and on each that was not.
+    """Read requests from a JSON, CSV or text file or a folder of these; return lines: how many were added, and why others were not.
 
-    The page of the desk offers those without a student or check to be added by hand, so that none keeps the desk from starting.
+    The desk's page offers requests without a student or check to be added by hand. RequestError if a folder has no such file.
     """
     files = sorted(each for each in path.iterdir() if each.suffix.lower() in _FILES) if path.is_dir() else [path]
     if not files:

@@ -92,7 +92,7 @@ class Job(ABC):
 class RepairJobs:
     """Queue of the review desk's grading jobs, done one at a time on a thread, and the process that grades for them.
 
-    `settings_on_record` returns how the class was graded; it is called before each job, because another process can change that.
+    `settings_on_record` returns the class's settings. It is called before each job, as another process may have changed them.
     """
 
     def __init__(self, settings_on_record: Callable[[], GradingSettings]) -> None:

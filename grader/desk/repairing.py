@@ -56,7 +56,7 @@ class Editor:
     marked
         Lines to mark: where this file stops.
     base
-        Digest of the file that is edited.
+        Digest of the file before the edit, to find out whether somebody else has repaired it meanwhile.
     earlier
         Points that the repairs in force deduct, shown beside the new deduction.
     job
@@ -68,7 +68,7 @@ class Editor:
     errors
         What is wrong with each field.
     running
-        Whether the job had not ended when this was made: it may end while the page is written.
+        Whether the job was still running when the editor was made; it may end while the page is written.
     """
 
     file: str
@@ -168,9 +168,9 @@ def repaired_files(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]
 
 
 def same_error_in(book: Classbook, final_grade: FinalGrade, file: str) -> list[FinalGrade]:
-    """Return the other submissions with the same file that stops by the same error, to offer them the same repair.
+    """Return the other submissions in which an equal `file` stops with the same error, to offer them the same repair.
 
-    Empty if the file does not stop or the submission has a repair; others with a repair are left out.
+    Empty if the file runs or the submission has a repair. Others that have a repair are left out.
     """
     mine = _errors(final_grade.result, book, file)
     if not mine or final_grade.result.repairs:
@@ -257,7 +257,7 @@ class PreviewJob(Job):
 
 @dataclass(kw_only=True)
 class SuggestJob(Job):
-    """Job that searches for a repair and puts its text and grade into the form. Nothing is stored."""
+    """Job that searches for a repair and puts its text and grade into the form; it fails if none is found. Nothing is stored."""
 
     out: Path
     tried: int = 0
@@ -279,7 +279,7 @@ class SuggestJob(Job):
 
 @dataclass(kw_only=True)
 class SaveJob(Job):
-    """Job that stores the repair for each submission. If the first fails, so does the job; later ones are reported and skipped."""
+    """Job that stores the repair for each submission in `ids`. It fails if the first one does; later failures are only reported."""
 
     records = True
     book: Classbook

@@ -121,7 +121,7 @@ def items(
     lab: Lab,
     policy: LatePolicy | None,
 ) -> list[Item]:
-    """Return the open items and those reviewed (`reviews`), by kind as in `KINDS`, then by submission as in `final_grades`.
+    """Return the items, open and reviewed (`reviews`), sorted by kind as in `KINDS`, then by submission as in `final_grades`.
 
     They come from the results in `final_grades`, `groups` of similar submissions, a run's `notices` (messages by kind), open
     `requests`, `contradictions`, and `lapsed` repairs, which no longer count. Times are in the zone of the late `policy`.

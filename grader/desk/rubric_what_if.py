@@ -43,7 +43,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 
 @dataclass(frozen=True)
 class RubricPreview:
-    """Effect of a changed rubric on a class, for the page: changed grades, largest change first; mean and bars before and after.
+    """Effect of a changed rubric on a class: changed grades, largest change first; mean and histogram before and after.
 
     `more` changes are not listed, `of` counts the submissions. `above` are lines on grades that would be above their maximum.
     """

@@ -10,7 +10,7 @@ from grader.report.similarity import Pair
 
 @dataclass(frozen=True)
 class SimilarityGroup:
-    """Submissions all similar to each other. `share` and `lines` are (least, most) of the code that two of them have in common."""
+    """Submissions all similar to each other. `share` and `lines` of common code are each (least, most) over all pairs."""
 
     ids: tuple[str, ...]
     share: tuple[float, float]

@@ -48,7 +48,7 @@ class Judge(Generic[Facts]):
     id : id of the criterion or extension
     measure : runs the student's code and returns the record of what it did; it judges nothing
     reasons : the known faults of this criterion, each with the property in which it shows
-    others : functions that look at further properties, which no check judges but in which faults show, by the property's name
+    others : by name, functions that look at further properties; no check judges these, but a fault may show in one
     checks : the checks by id, each with the function that looks at its property; the decorator `check` adds them
     """
 
@@ -88,7 +88,7 @@ class Judge(Generic[Facts]):
         return self.judge(self.measure(student, truth), rows(self.lab))
 
     def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
-        """Return by check id the deductions of each check that loses points or deviates, or the exception that kept it unjudged.
+        """Return by check id the deductions of each check that loses points or shows a fault, or the exception that ended it.
 
         `facts` is the measured record, `table` the lab's fault table by id (see `faults.rows`). Checks that pass are left out.
 

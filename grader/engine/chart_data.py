@@ -34,7 +34,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves on one pair of axes. `log` makes both axes logarithmic; the y axis shows at least the range `spread`."""
+    """Curves on one pair of axes. `log` makes both axes logarithmic; without it, the y axis spans at least `spread`."""
 
     title: str
     x_label: str

@@ -46,7 +46,7 @@ class Judgement:
     ----------
     feedback : what students read; None if the grader failed to judge
     trouble : message for the report on why the grader failed; "" if judged, or if the message could hold hidden data
-    ours : whether the sandbox or the request failed, which no student code can cause
+    ours : whether the failure is the grader's for sure (a GraderError or RequestError), not caused by what student code returned
     fault : the grader's exception with its place in the grader, without a message that could hold hidden data; "" if judged
     """
 
@@ -163,13 +163,13 @@ class CheckRun:
         return feedback_on(finding, earlier, self._faults)
 
     def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
-        """Yield, for each rerun of a criterion that lost points, the required names for which the rerun takes the lab sheet's code.
+        """Yield, for each rerun of a criterion, the required names for which the rerun takes the lab sheet's code.
 
-        A function may have failed only because of the functions that it was judged with. If correct code (stand-ins) replaced some
-        of these, a rerun takes the student's own functions alone: an empty set. If a check met an exception, another rerun takes
-        the sheet's code for the names of the first criterion, which all others call: a function that passed its own checks may
-        return what this criterion cannot use. Unlike a stand-in, the sheet's code takes the sheet's arguments alone, so that it
-        excuses no wrong call. There is no rerun of an extension, or of a criterion whose functions no other needs.
+        A function may fail only because of the functions that it is judged with. If the criterion lost points, and stand-ins
+        (correct code) replaced some functions, one rerun takes the student's own instead: an empty set. If student code raised,
+        another rerun takes the sheet's code for the first criterion, whose functions all others call. Unlike a stand-in, the
+        sheet's code takes the sheet's arguments only, so that it excuses no wrong call. No rerun of an extension, or of a
+        criterion whose functions no other needs.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:
@@ -315,7 +315,7 @@ def _last_line(text: str) -> str:
 
 @functools.cache
 def session(lab: Lab, own: OwnChecks = ()) -> Session:
-    """Return this process's only pytest session over a lab's checks and `own`; it collects them at the first call and is then kept.
+    """Return the pytest session over a lab's checks and `own`; a process collects these checks once and then keeps the session.
 
     The machine's pytest configuration and plugins are not used.
 

@@ -83,8 +83,8 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
 def cause_key(finding: BaseException, part: str) -> str | None:
     """Return a key that findings (exceptions that end checks) share if their cause is one, so that only one check reports it.
 
-    None if every check is to report its own finding. `part` is the id of the criterion. All timeouts of a criterion share a
-    key, although their messages differ: each call has less time than the one before.
+    None for a finding that each check reports for itself, such as `Charged`. `part` is the id of the criterion. All timeouts of
+    a criterion share a key, although their messages differ: each call has less time than the one before.
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"
@@ -221,10 +221,10 @@ def _feedback_on_no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> 
 
 
 def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
-    """Return the feedback on a check whose question to the student's code got no answer; it earns nothing.
+    """Return the feedback on a check whose call of student code got no usable answer; the check earns nothing.
 
-    `outcome` (such as "timeout") and `got` say what came instead; `named` are the ids of faults that explain it, whose hints in
-    `table` are shown. If there are none, the feedback has the hint of `NOT_UNDERSTOOD`.
+    `outcome` (such as "timeout") and the text `got` say what came instead. The hints are those that `table` has for the fault ids
+    in `named`; if there are none, the hint of `NOT_UNDERSTOOD`.
     """
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint

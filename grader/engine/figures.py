@@ -95,7 +95,7 @@ class Curve:
     alpha : opacity, 0 to 1
     inks : the colours that it leaves in the picture, ``#rrggbbaa``; empty if there are too many to tell
     width : width of the stroke or of the marker, in points (1/72 inch)
-    visible_parts : which parts the pixels show; none until they are examined
+    visible_parts : which parts the pixels show; no part counts as seen before the pixels are examined
     """
 
     label: Short

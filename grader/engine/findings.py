@@ -14,7 +14,7 @@ NEEDS_REVIEW = "an instructor may give more points"
 
 @dataclass(frozen=True)
 class Where:
-    """Place in a student's file, for messages. `line` is None if unknown, and in a notebook, where each cell counts its own."""
+    """Place in a student's file, for messages. `line` is None if unknown and in notebooks, where each cell counts its own lines."""
 
     file: str
     line: int | None = None
@@ -72,7 +72,7 @@ class Size:
     Attributes
     ----------
     what : beginning of a sentence, a constant of the grader's code: never text or a name of the student's
-    value, unit : size of the error; a message shows one of three steps, because code could encode hidden data in the digits
+    value, unit : size of the error; messages show one of three ranges, as "0.1 to 10", because digits could encode hidden data
     """
 
     what: str

@@ -72,9 +72,9 @@ def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """Return the hypothesis that fits `seen`, from the first of `levels` that has one; None if several there report other causes.
+    """Return the hypothesis that fits `seen` in the first of `levels` with any; None if none fits or several there differ in cause.
 
-    Each level holds hypotheses of one cost, the cheapest level is first, and later ones are not tried. None also if nothing fits.
+    Each level holds hypotheses of one cost, the cheapest level first. Later levels are not tried.
     """
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:

@@ -109,9 +109,9 @@ class Lab:
     recorder : module that ``python -m`` runs to record ground truth; "" if the lab ships public ground truth alone
     depends_on : packages whose versions may change a number of the recorder or of a submission
     same_for_all : scenarios that are not hidden, because no secret changes a number in them
-    student : makes the sandbox session of a submission, which the checks ask
+    student : makes the sandbox session of a submission, through which checks call the student's code
     charts : makes the charts of a report from that session and the traces
-    checked : returns a reply of the sandbox if it is a valid answer to its question; else raises Malformed
+    checked : returns a reply of the sandbox if it is valid for the request that was sent; else raises Malformed
     truth : returns the traces to grade with, from a secret (None: the public traces) and the settings of a rubric
     match : raises RubricError for traces that do not belong to the settings of a rubric
     brought : returns the instructor's file that a rubric's settings name in place of one of the lab's, None if they name none
@@ -210,7 +210,7 @@ class Lab:
         return _CONFIGURATION.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
     def sheets_own(self, name: str) -> str:
-        """Return the lab sheet's imports and its definition of a name, if it has one. The code takes only the sheet's arguments."""
+        """Return the lab sheet's imports and its own definition of `name`; the imports alone if the sheet does not define it."""
         tree = ast.parse((self.folder / "sheet.txt").read_text(encoding="utf-8"))
         imports = [node for node in tree.body if isinstance(node, ast.Import)]
         own = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name]

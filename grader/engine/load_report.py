@@ -168,11 +168,11 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number that grows as statements are recorded, or suspected of ending a process; if a call raised it, a retry may help."""
+        """Number of recorded and suspected statements; if it grew while a process was asked, asking a new process may help."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """Return (file, number, reason) of each statement that a new process must skip; correct code replaces `standins` in it."""
+        """Return (file, number, reason) of the statements to skip in a new process in which correct code replaces `standins`."""
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
@@ -196,8 +196,8 @@ class DeadlyStatements:
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
         """Record the statements that a reply reports as interrupted after their time, so that new processes skip them.
 
-        `standins` are the names that correct code replaced in that process. A process where other names are replaced skips a
-        statement if no code of those other names was running when it was interrupted.
+        `standins` are the names that correct code replaced in that process. A process with other stand-ins skips the
+        statement, too, unless the code of one of them was running when the statement was interrupted.
         """
         beside = frozenset(standins)
         new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]

@@ -69,7 +69,7 @@ def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, f
     """Return a check's points: the share of `most` that it earned, None if it was not judged.
 
     If `deductions` (the rubric's fixed points by fault) has every fault of the check, these points are subtracted from `most`
-    instead, and from `deductions`, too: the later checks of the criterion do not lose them again.
+    instead. They are also removed from `deductions`, so that later checks of the criterion do not lose them again.
     """
     if found.keeps is None:
         return None

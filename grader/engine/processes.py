@@ -30,7 +30,7 @@ def starting_processes() -> Iterator[Callable[[], None]]:
 
 
 def context() -> Any:
-    """Return how multiprocessing starts the grader's processes: ``fork`` (fast) on Linux without other threads, else ``spawn``."""
+    """Return the multiprocessing context for new processes: ``fork`` (fast) on Linux without other threads, else ``spawn``."""
     alone = sys.platform == "linux" and threading.active_count() == 1
     return multiprocessing.get_context("fork" if alone else "spawn")
 

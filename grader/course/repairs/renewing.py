@@ -24,7 +24,7 @@ def renew(store: Store, ids: Iterable[str], grading: Grading) -> Iterator[tuple[
     Yields
     ------
     The id of a submission with the result of its repaired copy, or with a line on why a repair does not count, such as that the
-    student has changed the file. A submission may have both.
+    student has changed the file. A submission with several repairs may give both.
     """
     by_id: dict[str, list[LoggedRepair]] = {}
     for each in store.repairs_in_force():

@@ -63,7 +63,7 @@ class _Left:
 
 
 def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: MarkCopy) -> Suggestion | None:
-    """Return an edit of one place at which code stops, with which its file runs and earns more; None if none is found.
+    """Return an edit at one place where the code stops, so that the file runs and the score rises; None if none is found.
 
     The place that costs most points is tried first. A place whose working edits earn different scores is passed over.
 

@@ -12,7 +12,7 @@ from grader.engine.lab import Lab
 
 
 def settings_on_record(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> GradingSettings:
-    """Return how to grade repaired copies as the class in the folder `out` was graded; by the lab's settings if none are stored.
+    """Return the settings to grade repaired copies by: those stored for the class in the folder `out`, else the lab's defaults.
 
     `secret` makes the class's hidden scenarios; None for public ones. `trusted` allows code to run where nothing isolates it.
 

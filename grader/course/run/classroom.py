@@ -59,10 +59,10 @@ class ProgressListener(Protocol):
 class RunOutcome:
     """Outcome of a run, for the lines that `imugrade grade` prints at its end: results by id, counts, and warnings.
 
-    `grades` holds the final grades. `resumed` counts results taken from the class database, `remarked` those of them regraded
+    `grades` holds the final grades. `resumed` counts results taken from the class database, `remarked` those that were regraded
     because the rubric had changed. `leftovers` are files that belong to no submission. `remarks` holds replaced submissions,
-    outdated overrides and new warnings; `known` counts the warnings of the previous run that still hold. `contradictions` are
-    lines on grades that cannot be right, such as one above its maximum; every run repeats them.
+    outdated overrides and new warnings; `known` counts warnings that the last run had already. `contradictions` are lines on grades
+    that cannot be right, such as one above its maximum; unlike warnings, all are printed after every run.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -79,7 +79,7 @@ class RunOutcome:
         return [id_ for id_, result in self.results.items() if result.status == "incomplete"]
 
     def below(self, points: float) -> list[str]:
-        """Return the ids of submissions with fewer points than these, without those that the grader could not judge in full."""
+        """Return the ids of submissions below `points`, for ``grade --min-score``; those not judged in full are left out."""
         judged = {id_: result for id_, result in self.results.items() if result.status != "incomplete"}
         return [id_ for id_, result in judged.items() if result.score < points]
 
@@ -126,7 +126,7 @@ def change(request: GradeRequest, found: Class) -> Change | None:
 
 
 def forecast(request: GradeRequest, found: Class) -> list[str]:
-    """Return lines for `grade --dry-run`: how many submissions would be graded, and which would count by other files than now."""
+    """Return lines for `grade --dry-run`: how many submissions would be graded, and which have other files than on record."""
     kept: list[bool] = []
     given: dict[str, set[str]] = {}
     present: dict[str, Result] = {}
@@ -145,7 +145,7 @@ def forecast(request: GradeRequest, found: Class) -> list[str]:
 
 
 def installed_since(store: Store, lab: Lab) -> set[str]:
-    """Return the ids of submissions to grade again: they failed to import a package that student code can import now."""
+    """Return the ids of stored submissions to grade again, as a package that they failed to import can be imported now."""
     failed = {id_: missing_packages.failed(each.result) for id_, each in store.final_grades().items()}
     there = missing_packages.available(lab) if any(failed.values()) else set()
     return {id_ for id_, names in failed.items() if names.keys() & there}

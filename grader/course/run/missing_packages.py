@@ -41,9 +41,9 @@ _MANY, _SHARE = 3, 0.1
 
 
 def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
-    """Return the well-known packages that a submission imports, each with the points that it may lose where the package is missing.
+    """Return the well-known packages (`DISTRIBUTIONS`) that a submission imports, each with the points at risk if it is missing.
 
-    They are the points of the criteria whose required names the importing files define; if they define none, of all criteria.
+    At risk are the criteria whose required names the importing files define, or all criteria if these files define none.
     """
     sources = {path: text for path, text in submission.files.items() if path.lower().endswith((".py", ".ipynb"))}
     own = {path.rpartition("/")[2].partition(".")[0] for path in submission.files}
@@ -61,7 +61,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
-    """Return by submission id the well-known packages that it imports and that are not installed, with points as in `imported`.
+    """Return by submission id the well-known packages that are imported and not installed, with points at risk as in `imported`.
 
     Code is searched as text and not run.
     """
@@ -80,7 +80,7 @@ def failed(result: Result) -> Mapping[str, float]:
 
 
 def many(missing: Missing) -> Missing:
-    """Keep the missing packages that at least three submissions and a tenth of the class import: `grade` asks about these alone."""
+    """Keep packages that at least three submissions and a tenth of the class import: `grade` asks whether to go on without them."""
     users = Counter(name for names in missing.values() for name in names)
     least = max(_MANY, _SHARE * len(missing))
     return {id_: {name: n for name, n in names.items() if users[name] >= least} for id_, names in missing.items()}

@@ -45,7 +45,7 @@ def find(request: GradeRequest) -> Class:
     Raises
     ------
     RequestError
-        If there is nothing to grade, an id is unknown, or the roster cannot be read.
+        If there is nothing to grade, a name in `request.only` fits no submission, or the roster cannot be read.
     """
     listed = request.roster.people
     known = {each.who.key: each.who.name for each in listed if each.who.key}

@@ -40,9 +40,9 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
 
 
 def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
-    """Yield warnings: submissions that the platform calls late and the late policy does not; due dates for names in no submission.
+    """Yield warnings: submissions that the platform calls late and the policy does not, and due dates for names in no submission.
 
-    None without a late policy.
+    There is no warning without a late policy.
     """
     if policy is None:
         return
@@ -68,7 +68,7 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
 
 
 def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield warnings about stored submissions that now count by other files, with the final grades before and after."""
+    """Yield warnings about submissions that are graded by other files than on record, with the final grades before and after."""
     changed = [
         f"{id_} ({_final(before[id_])} → {_final(now)})"
         for id_, now in after.items()
@@ -132,6 +132,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield `what` with up to `A_LINE` of the names a line, separated by semicolons, as names hold commas; nothing for no names."""
+    """Yield lines of `what` and up to `A_LINE` names, separated by semicolons because names hold commas; nothing for no names."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
