@@ -50,7 +50,7 @@ def feedback_on(
 def cause_key(finding: BaseException, part: str) -> str | None:
     """Return a key that findings (exceptions that end checks) share if their cause is one; None to report each, as in `feedback`.
 
-    It holds no text of the student's. `part` is the id of the criterion.
+    The key holds no text of the student's. `part` is the id of the criterion.
     """
     if isinstance(finding, Raised):
         return f"Raised: {part}: {_kind(finding)}"

@@ -107,7 +107,7 @@ class Lab:
     suffixes : suffixes of those files of a submission, code and data, that are copied into the sandbox
     libraries : slow modules of `packages` that only some submissions import; the sandbox imports each once for a whole class
     recorder : module that ``python -m`` runs to record ground truth; "" if the lab ships public ground truth alone
-    depends_on : packages whose versions may change a number of the recorder or of a submission
+    depends_on : packages whose versions may change numbers that the recorder or a submission computes
     same_for_all : scenarios that are not hidden, because no secret changes a number in them
     student : makes the sandbox session of a submission, through which checks call the student's code
     charts : makes the charts of a report from that session and the traces
