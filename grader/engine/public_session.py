@@ -26,7 +26,7 @@ class PublicSession:
         self._failed = False
 
     def missing(self, name: str) -> Missing | None:
-        """Return why a function or class of the lab is missing with public data; None if it is defined, or if no answer came."""
+        """Return why, with public data, no file defines a function or class of the lab; None if one does, or without an answer."""
         student = self._session()
         if student is None:
             return None

@@ -63,10 +63,10 @@ class SingleSubmission:
 
 
 def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
-    """Read the submission at `path` in a process that can be killed, so that no file can block or exhaust this one, and return it.
+    """Read and return the submission at `path`, in a new process, so that no file can block the grader or fill its memory.
 
-    `required` are the files that the lab asks for. Without an answer the submission counts as unreadable. Outside Linux this
-    process reads it: a new one would import all modules again, and without a sandbox people grade only their own code there.
+    `required` are the files that the lab asks for. If the process gives no answer, the submission counts as unreadable. Outside
+    Linux no process is started: it would be slow, and people grade only their own code there, because there is no sandbox.
     """
     if sys.platform != "linux":
         return SingleSubmission(path, required).read()

@@ -35,7 +35,7 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """Protocol of what the lab's recorder, which records ground truth, simulates for an instructor in place of the lab's robot."""
+    """Protocol of what an instructor provides in place of the lab's robot: the recorder simulates it to record ground truth."""
 
     @property
     def identity(self) -> Sequence[str]:
@@ -43,7 +43,7 @@ class Subject(Protocol):
         ...
 
     def options(self, folder: Path) -> list[str]:
-        """Return the options of the recorder's command; the files that they name are written into this new folder."""
+        """Write the files that the recorder needs into an empty folder, and return the options of its command that name them."""
         ...
 
 
@@ -72,8 +72,8 @@ def default_cache_dir() -> Path:
 def stretched(secret: str) -> str:
     """Return the seed of hidden traces: scrypt makes it of the instructor's secret in a second, so that guesses are slow to test.
 
-    Only this process keeps the seed, so each command pays once and hands the traces to the processes that grade. A file by which a
-    later command knew the secret sooner would let whoever reads that file test guesses as fast.
+    The seed is kept in memory only, because whoever reads a file made from the secret could test guesses without that second. So
+    each command computes the seed once, and hands the traces to the processes that grade.
     """
     salt, text = b"imugrade hidden scenarios", secret.encode("utf-8", "surrogatepass")
     return hashlib.scrypt(text, salt=salt, **SCRYPT_COST, maxmem=256 << 20, dklen=32).hex()

@@ -44,7 +44,7 @@ Asked = Mapping[str, np.ndarray]
 class Answer:
     """A reply of the sandbox (`frame`) while it is validated, with the `fields` and the arrays (`asked`) of its question.
 
-    A reply may name each array only once, as the worker code does; so records made from it are no larger than what was sent.
+    A reply may name each array only once: else a small reply, naming a large array many times, could fill the grader's memory.
     """
 
     frame: Frame
@@ -109,7 +109,7 @@ class Answer:
 
 
 class Rule(NamedTuple):
-    """Rule for the reply to one kind of question: the record that its fields must fit, and a function that checks its arrays."""
+    """Rule for the reply to one kind of question: the type that its fields must fit, and a function that checks its arrays."""
 
     reply: type[Struct]
     arrays: Callable[[Answer, Any], None]
@@ -134,7 +134,7 @@ def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rul
 
 
 def converted(value: Any, type_: Any) -> Any:
-    """Return the value as a record of this type; raise `Wrong`, with the place of the error, if it does not fit."""
+    """Return the value as an instance of this type; raise `Wrong`, with the place of the error, if it does not fit."""
     try:
         return msgspec.convert(value, type_)
     except msgspec.ValidationError as error:
@@ -182,7 +182,7 @@ class SteppedOver(ErrorReply):
 
 
 class Called(Struct):
-    """Reply to a question that runs student code; it ends early if the code raised `error`, which is None otherwise."""
+    """Reply to a question that runs student code. If the code raised `error`, the reply has only the results before that."""
 
     error: ErrorReply | None = None
 

@@ -129,7 +129,7 @@ LATE_KEYS: Mapping[str, str] = {
 
 
 def read_late(reader: NodeReader, node: yaml.Node | None, of: float) -> LatePolicy | None:
-    """Return the late policy; None if the rubric has none or no valid due date. A percentage in it is one of `of` points."""
+    """Return the late policy; None if the rubric has none or no valid due date. Percentages in it are of `of` points."""
     if node is None:
         return None
     keys = reader.fields(node, "late", ("due",), tuple(name for name in LATE_KEYS if name != "due"))

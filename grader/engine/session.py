@@ -87,7 +87,7 @@ class SandboxSession:
     lab : the lab, whose required names may be asked about
     files : the submission's files: relative path -> content
     above : paths in `files` that lie above the lab's folder, with the number of folders above it
-    lab_configuration : the lab's own settings, which the worker and correct code in place of broken definitions need
+    lab_configuration : the lab's own settings, such as sensor names, for the worker and for code that replaces broken definitions
     call_cpu_s, submission_cpu_s : limits of CPU time, from the rubric
     waiting : called with a message if an answer takes long; None tells nothing
     """
@@ -347,8 +347,8 @@ class SandboxSession:
     def retried(self, ask: Callable[[], T]) -> T:
         """Return what `ask` returns; if it fails, call it again in a new process, or raise its exception where that cannot help.
 
-        `ask` gets one more attempt, but not after a timeout. Whenever its failure reveals a statement that ends the process or
-        takes too long, it gets another one, because a new process skips that statement.
+        A failure allows one more attempt, a timeout none. Each time that a failure reveals a statement that ends the process or
+        takes too long, there is a further attempt, because the new process skips that statement.
         """
         tried = False
         while True:

@@ -55,7 +55,7 @@ class Scenario(Mapping[str, NDArray[Any]]):
 
 @dataclass(frozen=True, eq=False)
 class Traces:
-    """Ground truth to grade with, by scenario: `traces["push"].acceleration`. `arrays` has the same as ``<scenario>/<array>``."""
+    """Ground truth to grade with, by scenario: `traces["push"].acceleration`, which is also `arrays["push/acceleration"]`."""
 
     name: str
     sha256: str

@@ -25,9 +25,9 @@ Sources = tuple[tuple[str, str], ...]
 class Download:
     """The top level of a download of a whole class (folder or zip), by which a platform recognises a download of its own.
 
-    `path` is the download. If `root` is not "", it is the folder in the download whose content counts as the top level. `top` says
-    of each name there whether it is a folder, `left` pairs each name that is left out with the reason. `known` names the people of
-    the class by the platform's number, as far as they are known.
+    `path` is the download, `root` the folder in it whose content counts as the top level ("" for the download itself). `top` says
+    of each name at the top level whether it is a folder; `left` pairs each name left out with the reason. `known` has the names of
+    people of the class, by the number that the platform gives a person.
     """
 
     path: Path

@@ -41,7 +41,7 @@ class Unreadable(Exception):  # noqa: N818 - a verdict on a submission, not an e
 
 @dataclass
 class Room:
-    """Remaining limits on a submission: how many files of one kind (required, code, other) and bytes are still read."""
+    """Remaining limits for one kind of a submission's files (required, code, other): how many files and bytes may still be read."""
 
     files: int = MAX_FILES
     bytes: int = MAX_BYTES

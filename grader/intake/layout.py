@@ -15,7 +15,7 @@ MAX_LEVELS = 4  # how far down the lab's folder may lie
 
 @dataclass(frozen=True)
 class Layout:
-    """Which files of a submission are graded: those in the folder with the lab's files, and files around it for them to import.
+    """Which files of a submission are graded: those in the folder with the lab's files, and files around it that these may import.
 
     Attributes
     ----------

@@ -31,7 +31,10 @@ def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
 
 
 def as_programs(budget: FileBudget, required: Collection[str]) -> None:
-    """Rename `filters.py.txt` to `filters.py`, as mail programs add `.txt`; without any code also `filters.txt`, if `required`."""
+    """Rename `filters.py.txt` to `filters.py`, because mail programs add `.txt`; a remark reports it.
+
+    In a submission without code `filters.txt` is renamed, too, if `filters.py` is one of the `required` files.
+    """
     there = set(map(folded, budget.files))
     no_code = not any(map(is_code, budget.files))
     taken = []

@@ -119,8 +119,8 @@ class Readings:
 class NoiseRun:
     """Values of many reads of a student's `NoisyIMU`: ``accel`` and ``gyro``, NaN where a read was not two vectors of three.
 
-    Both have the shape (states or instances, reads, 3). ``odd`` says in words what came in place of two vectors; None if nothing
-    did. ``disturbance`` and ``error`` are as in `Readings`, ``departs`` is as in `FilterRun`.
+    Both are (k, reads, 3), for k states of one instance or for k instances. ``odd`` says in words what came in place of two
+    vectors; None if nothing did. ``disturbance`` and ``error`` are as in `Readings`, ``departs`` is as in `FilterRun`.
     """
 
     accel: Array

@@ -66,10 +66,7 @@ class Collection:
         return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
 
     def with_gap(self) -> Collection:
-        """Return the recording with rows of NaN for a missing sensor, so that the other sensor's rows can still show the run.
-
-        If both sensors or neither are there, the recording is unchanged.
-        """
+        """Return the recording, with rows of NaN if one sensor is missing, so that the other one can still be judged."""
         accel, gyro = self.acceleration, self.angular_velocity
         if accel is None and gyro is not None:
             return replace(self, acceleration=np.full_like(gyro, np.nan), absent=KEYS[1])

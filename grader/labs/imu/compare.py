@@ -115,7 +115,7 @@ def distinct_texts(wanted: Array, got: Array) -> tuple[str, str]:
 
 
 def changed(disturbance: Array) -> NDArray[np.bool_]:
-    """Return a mask (4,) of what a call changed, time, qpos, qvel or sensordata; `disturbance` has the sizes, NaN is a change."""
+    """Return a mask (4,): which of time, qpos, qvel, sensordata a call changed, by the size of each change (NaN counts as one)."""
     return np.asarray(~(disturbance <= NO_CHANGE))
 
 

@@ -54,7 +54,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Finite averaging times and deviations (k,) of the first column by time, thinned to 200; None if none were returned."""
+        """Finite averaging times and deviations (k,) of the first column, sorted by time, at most 200; None if none came."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
@@ -145,7 +145,7 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """Explanation of a student's curves: the `fault` whose estimate they show, "" for the Allan deviation, None if unknown.
+    """What explains a student's curves: the `fault` that gives such curves, "" if they are Allan deviations, None if unknown.
 
     `seconds` is whether the averaging times are in seconds; `size` converts them to cluster sizes in samples.
     """
@@ -242,7 +242,7 @@ class Allan:
 
     @property
     def worst(self) -> Record:
-        """The first record whose curve is not its Allan deviation over seconds, for the check's message; raises if all are."""
+        """The first record whose curve is not its Allan deviation over seconds, for a message; raises StopIteration if all are."""
         records = (self.records[kind] for kind in _RECORDS)
         return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
 

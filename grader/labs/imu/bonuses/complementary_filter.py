@@ -135,7 +135,7 @@ class Tilt:
 
     Attributes
     ----------
-    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; `odd` says in words what was
+    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; odd : the first such value, in words
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
     errors, alone : by check, the filter's RMS error in that check's motion, and the error of each sensor by itself, in rad
     response : outputs after single changes of each sensor; None if some are missing

@@ -80,7 +80,7 @@ class World:
 
     @cached_property
     def read(self) -> Mapping[str, Array]:
-        """The readings (k, 6) of each of the model's IMUs that the first call returned; NaN for a missing number."""
+        """The readings (k, 6) by name of the IMU, NaN for a missing number; without an IMU that is missing in the first call."""
         first = self.got.calls[0] if self.got.calls else {}
         calls = {place: [_six(call.get(place)) for call in self.got.calls] for place in self.true if place in first}
         return {place: np.array(rows) for place, rows in calls.items()}

@@ -32,8 +32,8 @@ class Explained:
     """Facts about a student's `simulate_and_collect`, and what explains its two recordings, for checks and hypotheses.
 
     `push` says which simulated run the rows of the first recording, made with the lab sheet's push, come from; `later` says it of
-    the second recording, which starts from used data of the simulator. Each is None if unknown. Properties that name no recording
-    are about the first one.
+    the second recording, before which the simulator's data were already used. Each is None if unknown. Properties that name no
+    recording are about the first one.
     """
 
     facts: Facts
@@ -70,7 +70,7 @@ class Explained:
 
     @property
     def count_off(self) -> Run | None:
-        """The run that has another number of rows than of steps, the later one if both have; None if `sample_count` passes.
+        """The run with more or fewer rows than steps, the later if both are so; None if the check `sample_count` passes.
 
         One row more or less is accepted, as are zero rows after the last step, and too few rows that a missing reset explains.
         """
@@ -150,7 +150,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether another fault explains wrong time stamps: unequal lengths, one filled row, or a state set in each step."""
+        """Return whether another fault explains wrong stamps: not one for each row, one filled row, or a state set in each step."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -276,7 +276,7 @@ class Explained:
 
     @property
     def second_is_empty(self) -> bool:
-        """Return whether the first recording has rows and the second, on used data, has none: the fault `ignores-duration`."""
+        """Return whether only the second recording, with simulator data used before, has no rows: the fault `ignores-duration`."""
         return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property

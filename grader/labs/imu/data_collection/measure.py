@@ -121,7 +121,7 @@ class Run:
 
     @property
     def timestep(self) -> float:
-        """Time step (s) of the run, for its number of steps: the model's, or another that the code left in the model."""
+        """Time step (s) that gives the run's number of steps: the model's, or another that the code left in the model."""
         changed = "opt.timestep" in self.series.changed and "timestep" in self.series.first_step
         return float(self.series.first_step["timestep"][0]) if changed else self.model_timestep
 
@@ -180,7 +180,7 @@ def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Return the student's recording of the scenario `name`: "push", or "push_dirty" with another time step and used data."""
+    """Return the student's recording of the scenario `name`: "push", or "push_dirty" (other time step, data used before)."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":
@@ -279,9 +279,9 @@ def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
-    """Ask for a recording with tilted gravity; return whether its rows differ from the run's as the grader's own simulations do.
+    """Return whether the student's rows change with gravity as simulated ones do; False for rows that are stored in the file.
 
-    Rows that were stored in the file do not. If all rows of the run are equal, it suffices that the first one differs.
+    A recording with tilted gravity is compared with `run`; False without one. If all rows are equal, only the first one counts.
     """
     try:
         leaning = _record_leaning(student, truth)
@@ -340,7 +340,7 @@ def rows_left(series: Collection, before: Collection | None = None) -> int:
     ----------
     before
         The earlier recording in the same process; None for the first one. If its rows are not there, the recording itself is
-        searched for a second start with the same rows, as a run on import leaves them.
+        searched for the same rows twice: the file may have recorded once when it was imported.
     """
     if series.time is None or series.acceleration is None or series.angular_velocity is None:
         return 0
