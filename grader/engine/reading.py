@@ -105,7 +105,7 @@ class ReadingProcess:
         return next(self.each([entry]))[1]
 
     def each(self, entries: Iterable[Entry]) -> Iterator[tuple[Entry, Submission]]:
-        """Yield each entry with its submission, as `read` returns it; the next one is read while the caller works on it."""
+        """Yield each entry with its submission, as `read` returns it; while the caller works on one, the next one is read."""
         following = iter(entries)
         entry = next(following, None)
         if entry is not None:

@@ -45,7 +45,7 @@ class CheckResult:
     points : None if the grader could not judge
     said, expected, got : the message: one sentence, or the expected and the actual value, which may have more lines
     where : the place in the student's files that the message is about; None if there is none
-    hint, lab_step : what the student can do next ("" for none), and the lab sheet's step about it (None if no single step is)
+    hint, lab_step : what the student can do next ("" for none); the lab sheet's step about the task (None: no single step)
     misconceptions : ids of the faults that the check shows
     keeps : share of the points that is earned, from which the module `marks` computes `points`; None if the grader could not judge
     not_understood : True if the grader could not interpret the student's answer: a person has to review it
@@ -162,7 +162,7 @@ class Result:
     repairs : the patches; if there are any, `criteria` and `extensions` are the results of the repaired copy
     unrepaired : how each check ended before the repairs, by id
     evidence : charts, and hashes of the code that find similar submissions; no part of the recorded result
-    asked_sha256 : digest of the questions asked; a recorded result gets points by a rubric with this digest, and no code is run
+    asked_sha256 : digest of the questions asked; with a rubric of the same digest, points are computed anew without running code
     cpu_s : CPU time of this grading, by the grader and the student's code; it is not recorded
     """
 

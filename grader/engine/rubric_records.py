@@ -98,7 +98,7 @@ class Rubric:
     criteria, extensions : in the lab sheet's order, not the file's
     settings : values of the lab's own keys (`Lab.settings`)
     sha256 : digest of all that points depend on; comments, the order of lines and the late policy do not change it
-    asked_sha256 : digest of all that questions to student code depend on; a result recorded under an equal digest gets points without a new run
+    asked_sha256 : digest of all that questions to student code depend on; results recorded under it get points without a new run
     source : name of the file in messages
     extra_credit_cap : the most points that all extensions add to the score; None if they earn nothing
     late : None without a late policy

@@ -139,7 +139,7 @@ class SandboxSession:
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission's own definitions in this context, not correct code in their place; yields what `beside` yields."""
+        """Use the submission's own definitions in this context, no correct code in their place; yield a dict of the answers."""
         return self.beside(())
 
     @contextmanager
@@ -322,7 +322,7 @@ class SandboxSession:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
     def once(self, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to question `key`; call `ask` only the first time. A `NoAnswer` or `Missing` of it is raised again."""
+        """Return the answer to question `key`; call `ask` only the first time. Its `NoAnswer` or `Missing` is raised again."""
         if key not in self._answers:
             try:
                 self._answers[key] = self.retried(ask)
@@ -334,7 +334,7 @@ class SandboxSession:
         return answer  # type: ignore[no-any-return]
 
     def once_named(self, called: str, key: Any, ask: Callable[[], T]) -> T:
-        """Do the same as `once`, and remember the key by the name `called`, so that charts find the answer; "" gives no name."""
+        """Return the answer to question `key` as `once` does; charts find it by the name `called`, unless that is ""."""
         if called:
             self._called[called] = key
         return self.once(key, ask)

@@ -49,7 +49,7 @@ class SubmissionSession(SandboxSession):
     def load(self, path: str) -> Loaded:
         """Load a file in the current sandbox process, unless it is loaded there, and return the report on it.
 
-        It is loaded again in a new process if another file, or data of a question, may have affected the report, and if loading
+        It is loaded again in a new process if another file, or data of a question, may have affected the report, or if loading
         failed by chance. If no process can load it, the NoAnswer of the last one is raised, now and later.
         """
         if path in self.deadly:

@@ -41,7 +41,7 @@ class Download:
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:
-        """Return a file at the download's top level, such as a platform's list of people; None if unreadable or above `most`."""
+        """Return a file at the download's top level, such as the list of people; None if unreadable or above `most` bytes."""
         try:
             if os.path.isdir(self.path):
                 with open(self.path / self.place(name), "rb") as stream:
@@ -56,7 +56,7 @@ class Download:
         return data if len(data) <= most else None
 
     def holds(self, *parts: str) -> bool:
-        """Return whether the download has a file or folder at the path `parts` from its top; a platform recognises it so."""
+        """Return whether the download has a file or folder at the path `parts` from its top, by which a platform recognises it."""
         inner = self.place("/".join(parts))
         return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
 

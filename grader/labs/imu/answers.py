@@ -98,7 +98,7 @@ class Readings:
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
     error : the exception that the reader raised; None if it raised none
     departs : the sheet's names of parameters that the function has by other names or in other places; "name for …" where it takes a
-        sensor's name for its id, "global …" where it reads a global variable in place of the parameter
+        sensor's name in place of its id, "global …" where it reads a global variable in place of the parameter
     """
 
     accel: Array

@@ -32,7 +32,7 @@ class Collection:
     first_step : the start of the run and later changes of its state, as the student's process reports them (not proven)
     absent : the sensor whose rows were not found although those of the other sensor were; its rows are NaN; "" if none
     last_alone : whether only the last row was filled; all rows then have its numbers
-    unfilled : whether rows of NaN alone were returned; they are zeros here, as in an array of `np.zeros`
+    unfilled : whether rows with nothing but NaN were returned; they are zeros here, as in an array of `np.zeros`
     departs : the sheet's names of parameters that the function has by other names or in other places; "global …" where it reads a
         global variable in place of the parameter
     """
@@ -66,7 +66,7 @@ class Collection:
         return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
 
     def with_gap(self) -> Collection:
-        """Return the recording, with rows of NaN if one sensor is missing, so that the other one can still be judged."""
+        """Return the recording, with rows of NaN if exactly one sensor is missing, so that the other one can still be judged."""
         accel, gyro = self.acceleration, self.angular_velocity
         if accel is None and gyro is not None:
             return replace(self, acceleration=np.full_like(gyro, np.nan), absent=KEYS[1])
@@ -75,7 +75,7 @@ class Collection:
         return self
 
     def with_zeros_for_empty_rows(self) -> Collection:
-        """Return the recording with zeros in rows of NaN alone, so that an unfilled array of NaN is judged like one of zeros."""
+        """Return the recording with zeros in rows of only NaN, so that an unfilled array of NaN is judged like one of zeros."""
         there = [rows for rows in self.sensors if rows is not None]
         n = min(map(len, there), default=0)
         empty = np.all([np.isnan(rows[:n]).all(axis=1) for rows in there], axis=0) if n else np.zeros(0, bool)
@@ -101,7 +101,7 @@ class Collection:
         return replace(self, acceleration=accel, angular_velocity=gyro, last_alone=True)
 
     def rows(self, first: int, end: int | None = None) -> Collection:
-        """Return the recording cut to the rows `first` up to `end`, as to drop those that are left from an earlier run."""
+        """Return the recording cut to the rows from `first` to before `end` (None: the end), as to drop rows of an earlier run."""
         time, accel, gyro = (None if each is None else each[first:end] for each in (self.time, *self.sensors))
         return replace(self, time=time, acceleration=accel, angular_velocity=gyro)
 

@@ -190,7 +190,7 @@ class Live:
 
 
 def measure(student: Student, truth: Traces) -> Live:
-    """Run the student's live plot once, on a robot that is pushed, and return what was seen of it beside the truth."""
+    """Run the student's live plot once, on a robot that is pushed; return what it drew, with the true readings."""
     watched = truth["watched"]
     duration, timestep, push = (float(watched.scalars[name]) for name in ("duration_s", "timestep", "push_mps"))
     ids = torso_ids(truth)

@@ -80,7 +80,7 @@ class World:
 
     @cached_property
     def read(self) -> Mapping[str, Array]:
-        """The readings (k, 6) by name of the IMU, NaN for a missing number; without an IMU that is missing in the first call."""
+        """Readings (k, 6) in all states, by name, of the IMUs that the answer for the first state has; NaN for missing numbers."""
         first = self.got.calls[0] if self.got.calls else {}
         calls = {place: [_six(call.get(place)) for call in self.got.calls] for place in self.true if place in first}
         return {place: np.array(rows) for place, rows in calls.items()}

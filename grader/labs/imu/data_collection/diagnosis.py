@@ -32,7 +32,7 @@ class Explained:
     """Facts about a student's `simulate_and_collect`, and what explains its two recordings, for checks and hypotheses.
 
     `push` says which simulated run the rows of the first recording, made with the lab sheet's push, come from; `later` says it of
-    the second recording, before which the simulator's data were already used. Each is None if unknown. Properties that name no
+    the second recording, which begins with simulator data that is not reset. Each is None if unknown. Properties that name no
     recording are about the first one.
     """
 
@@ -70,7 +70,7 @@ class Explained:
 
     @property
     def count_off(self) -> Run | None:
-        """The run with more or fewer rows than steps, the later if both are so; None if the check `sample_count` passes.
+        """The run with more or fewer rows than steps, the later one if both have; None if the check `sample_count` passes.
 
         One row more or less is accepted, as are zero rows after the last step, and too few rows that a missing reset explains.
         """
@@ -199,7 +199,7 @@ class Explained:
 
     @property
     def one_is_late(self) -> bool:
-        """Return whether one sensor has its true rows and the other those of the step before: it is read before the step."""
+        """Return whether one sensor has its true rows, and the other is read before the step: it has those of one step earlier."""
         return not self.plain and any(self.is_right(which) and self._is_late(1 - which) for which in BOTH)
 
     def _is_late(self, which: int) -> bool:
@@ -276,7 +276,7 @@ class Explained:
 
     @property
     def second_is_empty(self) -> bool:
-        """Return whether only the second recording, with simulator data used before, has no rows: the fault `ignores-duration`."""
+        """Return whether only the second recording, begun with data not reset, has no rows: the fault `ignores-duration`."""
         return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property

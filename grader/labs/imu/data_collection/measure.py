@@ -180,7 +180,7 @@ def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Return the student's recording of the scenario `name`: "push", or "push_dirty" (other time step, data used before)."""
+    """Return the recording of scenario `name`: "push", or "push_dirty" with another time step and data that is not reset."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":
@@ -222,9 +222,8 @@ def _run(series: Collection, scenario: Scenario, before: Collection | None = Non
 def with_claim(student: Student, truth: Traces, run: Run) -> Run:
     """Return the run with simulated runs (worlds) from the start that the worker reported, one of which may explain the rows.
 
-    They are made without student code. Each has the readings of another pair of sensors: the right ones, those of each other IMU,
-    the model's last sensor (which an id of -1 reads), and those with the ids of the students' model if this robot has other ids. If
-    no start was reported, or it cannot be simulated, the run is unchanged.
+    No student code runs. Each world has the readings of other sensors: the right ones, those of another IMU, the last one (id -1),
+    or those with the ids of the students' model. If no start was reported, or it cannot be simulated, the run is unchanged.
     """
     start = run.series.first_step
     if not start:
