@@ -13,7 +13,7 @@ Facts = TypeVar("Facts")
 
 
 class Departure(TypedDict):
-    """Texts for a fault's message: `name` of the function or class, and `departs`, the sheet's parameters or method it lacks."""
+    """Texts for a fault's message: the function's or class's `name`, and `departs`, what it lacks of the lab sheet's names."""
 
     name: str
     departs: str
@@ -26,10 +26,10 @@ CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: 
 def departures(
     name: str, departs_of: Callable[[Facts], Sequence[str]]
 ) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
-    """Return, for the id of each fault in `FAULTS`, a function that finds it in the calls of the function or class `name`.
+    """Return, for the id of each fault in `FAULTS`, a function that tests the student's function or class `name` for that fault.
 
-    That function gets a criterion's facts, from which `departs_of` takes the lab sheet's names of what had to be called otherwise.
-    It returns a `Deviation` that names those of its fault, or None if there are none.
+    The test gets a criterion's facts and returns a `Deviation`, or None without the fault. `departs_of` takes from these facts the
+    lab sheet's names of the parameters, methods and globals that the student's code has otherwise.
     """
 
     def measure_of(fault: str) -> Callable[[Facts], Deviation[Departure] | None]:

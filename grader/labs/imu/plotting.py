@@ -69,12 +69,12 @@ class Plotting(SubmissionSession):
     ) -> Drawing:
         """Return what `plot_imu_data` draws and saves of a recording, in the first form of the recording that it accepts.
 
-        The function gets `data`, with the submission's own keys. If it raises, it gets what the submission's `simulate_and_collect`
-        returns for the sensors `ids`, such as an object. If it raises again, it gets `sheet`, the data under the lab sheet's keys,
-        because a key that is misspelled in the recording is no fault of the plot. If that raises, too, the first drawing counts.
+        The forms are, in order: `data`, with the submission's own keys; what the submission's `simulate_and_collect` returns for
+        the sensor `ids`, such as an object; `sheet`, the data under the lab sheet's keys. The next form is tried if the function
+        raises. If it raises for all, the first drawing counts.
 
-        If `own_form`, the submission records in another form than the sheet's, which its plot may need: then the next form is also
-        tried if a drawing of `data` lacks a channel. Charts find the drawing by the name `called`.
+        `own_form` says that the submission does not record in the sheet's form: the second form is then also tried if a drawing of
+        `data` lacks a channel. Charts find the drawing by the name `called`.
         """
         key = (key_of("plot", {"ids": ids, "own_form": own_form}, data), key_of("plot", {}, sheet))
         return self.once_named(called, key, lambda: self._plot(data, sheet, ids, own_form))
@@ -232,7 +232,7 @@ class Plotting(SubmissionSession):
             return None
 
     def further_scripts(self) -> list[str]:
-        """Return up to three other scripts that may draw: those that call `savefig`, or that no file imports; [] if none saves."""
+        """Return up to three scripts beside the lab's files: they call `savefig`, or no file imports them; [] if no file saves."""
         code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
         saving = {path for path, content in code.items() if b"savefig" in content}
         if not saving:

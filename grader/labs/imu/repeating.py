@@ -98,7 +98,7 @@ class Recorder(Student):
         self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Return the answer to the call `key`, which `ask` makes only the first time; note which check, or other call, needs it."""
+        """Return the answer to a call; `ask` makes it only if its `key` is new. Record which check, or other call, needs it."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)

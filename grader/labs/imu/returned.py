@@ -21,7 +21,10 @@ RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """Return as one array the numbers of a value that `node` describes by keys of `arrays`; None if absent or of unequal shapes."""
+    """Return a returned value as one array; None without numbers, or for a tuple or list of unequal shapes.
+
+    `node` is the worker's description of the value; its keys name the numbers in `arrays`.
+    """
     if node is None:
         return None
     if "key" in node:

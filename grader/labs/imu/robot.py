@@ -54,7 +54,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot with its model read: the model's file name, its MJCF text, and the names of its IMU (accelerometer, gyroscope)."""
+    """A robot with its model read: the model's file name, its MJCF text, and the names `imu` of accelerometer and gyroscope."""
 
     file: str
     xml: str = field(repr=False)

@@ -33,18 +33,17 @@ Rows = slice | NDArray[np.intp]
 
 @dataclass(frozen=True)
 class RowOrigin:
-    """Hypothesis on the origin of the rows of a recording; without arguments it stands for right code.
+    """Guess at which readings a student's `simulate_and_collect` stored as its rows; without arguments, the right ones.
 
     Attributes
     ----------
-    world : name of the simulated run (a key of `Run.worlds`) that the rows come from
+    world : name of the simulation (a key of `Run.worlds`) that the rows come from
     lag : number of samples by which rows are late; negative if the first samples are missing
     skip : number of time steps per row; first : which of the `skip` steps of a row is stored, counted from 0
     exchanged : whether acceleration and angular velocity are in each other's place
     aliased : whether all rows are references to one array, so that each shows the last reading
     at : for rows that are not equally far apart, the step, counted from 0, after which each was stored; else empty
-    altered : sensors whose numbers the code changed. If one is altered, the other sensor's rows have to match the simulated run.
-        If both are, rounding or one linear map for each sensor has to predict all its rows.
+    altered : sensors whose numbers the code changed: one in any way, or both by rounding or by one linear map for each
     """
 
     world: str = TRUE_WORLD
@@ -58,16 +57,16 @@ class RowOrigin:
 
     @property
     def of_other_sensors(self) -> bool:
-        """Return whether wrong sensors, or the right ones in the wrong order, were read, as a wrong `get_imu_readings` does."""
+        """Return whether wrong sensors, or the right ones in the wrong order, were read: a fault of `get_imu_readings`."""
         return self.exchanged or self.world in (LAST_SENSOR, LEARNT_IDS) or self.world.startswith(OTHER_IMU)
 
     def covers(self, rows: int, steps: int) -> bool:
-        """Return whether `rows` rows, one every `skip` steps or stored after the steps `at`, reach the end of a run of `steps`."""
+        """Return whether the last of `rows` rows was stored within `skip` steps of the end of a simulation of `steps` steps."""
         reached = self.at[-1] + 1 if self.at else rows * self.skip
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether this origin predicts all rows that code filled, as far as `world` lasts; False for too few rows."""
+        """Return whether this origin predicts a recording's rows, without zero rows at the end; False for too few to tell."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -187,7 +186,7 @@ def _missing_at_first(run: Run, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """Return how code made `got` of a sensor's rows `true`: "rounded" (or unchanged), "treated" (by a linear map), else None.
+    """Return how the rows `got` differ from a sensor's `true` rows: "rounded" (or equal), "treated" (a linear map), else None.
 
     `key` names the sensor, "acceleration" or "angular_velocity", and so the tolerance.
     """
@@ -210,10 +209,10 @@ def affine(got: Array, true: Array) -> Array | None:
 
 
 def time_error(time: Array, timestep: float, origin: RowOrigin) -> Array:
-    """Return the error (n,), in seconds, of each time stamp against the right series, which starts at 0 or at one time step.
+    """Return the error (n,), in seconds, of each time stamp against the right series of stamps.
 
-    With several steps per row, it may start at any step of the first row; if the first samples are missing, also after these. The
-    nearest start counts. If rows are not equally far apart (`origin.at`), each row's right stamp is the time after its step.
+    The series may start at 0, after any step of the first row, or after the first samples if these are missing; the nearest start
+    counts. If rows are not equally far apart (`origin.at`), each row's right stamp is the time after its step.
     """
     if origin.at:
         return np.abs(time - timestep * (np.array(origin.at) + 1.0)[: len(time)])

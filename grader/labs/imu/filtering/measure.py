@@ -115,7 +115,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Return whether earlier measurements change later outputs, more than a repetition does; True if outputs are not finite."""
+        """Return whether outputs depend on earlier measurements, beyond the chance that `again` shows; True if not finite."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()
@@ -144,7 +144,8 @@ class Facts:
     odd : in words, what `update` returned in place of a vector; "" if it always returned one
     nothing_at_first : whether `update` returned no vector for the first measurement alone
     needs_alpha : the exception that the filter raises if no alpha is given; None if it raises none
-    departs : the sheet's names of what had to be called otherwise: parameters, "method …", "global …"; `CALL_REASONS` deduct for it
+    departs : the sheet's names of what the class has otherwise: parameters, "method …" for a method, "global …" for a parameter in
+        place of which it reads a global variable; each kind is a fault that loses points
     stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 
@@ -167,13 +168,13 @@ class Facts:
 
     @property
     def noise_gain(self) -> float:
-        """Variance of the filtered noise over that of the noise, in the second half of the run; 1 without a filter."""
+        """Variance of the filtered noise over that of the noise, in the second half of the run; 1 if nothing is filtered."""
         x, y = self.second_half(self.noise)
         return float(np.var(y, axis=0).mean() / np.var(x, axis=0).mean())
 
     @property
     def signal_error(self) -> float:
-        """RMS error of filtered slow waves in units of their own spread, in the second half of the run; 1 if they are lost."""
+        """RMS error of filtered slow waves relative to their standard deviation, in the second half; 1 if the waves are lost."""
         x, y = self.second_half(self.slow)
         return float(np.sqrt(np.mean((y - x) ** 2)) / np.sqrt(np.mean(np.var(x, axis=0))))
 
@@ -199,7 +200,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def asked(scenario: Scenario) -> dict[str, FilterCase]:
-    """Return the cases (signal and arguments) that the filter is run on, by name; the first have the scenario's alphas."""
+    """Return the cases (signal and arguments) to run the filter on, by name, such as "noise", or "alpha 0.1" for each alpha."""
     signal, initial = scenario["input"], scenario["initial"]
     alphas = [float(alpha) for alpha in scenario["alpha"]]
     short = signal[:60]

@@ -40,7 +40,7 @@ class Spread(Bias):
 
 
 class GivenBias(Bias):
-    """Values for the message on a given bias that is not added: those of `Bias`, the bias `wanted`, and others for the hint.
+    """Values for the message on a given bias that is not added: those of `Bias`, the bias `wanted`, and three for the hint.
 
     `beside` is the mean error minus the given bias, `silent` the mean error if no noise and a bias of zero are asked for, `grain`
     the step of rounding.

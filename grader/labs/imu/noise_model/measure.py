@@ -52,10 +52,10 @@ class Sensor:
     ----------
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and with a given bias of zero
-    default : (instances, reads, 3) biases of instances that were given none: reading minus truth, with noise of zero. If such reads
-        vary or show no bias: reads with noise, each from the same random draws, minus the very first; NaN if those vary, too
+    default : (instances, reads, 3) biases of instances that were given none: readings without noise minus the truth. If these
+        vary or show no bias, readings with the same noise in each, minus the first of all; NaN if those vary within an instance
     drifts : whether the bias moves slowly from read to read
-    twins : reads of instances with the same seed and one argument changed; `UNSEEDED` (none) if size and bias are right
+    twins : reads of instances with the same seed and one argument changed; `UNSEEDED` if not needed: noise and bias are right
     """
 
     reads: Reads
@@ -115,7 +115,8 @@ class Facts:
     disturbance : (4,) ndarray, largest change that a read makes in the simulator's time, qpos, qvel and sensordata
     timestep : time step of the robot's model, in seconds
     odd : the form in which the vectors were returned, in words; "" if it is the sheet's
-    departs : the sheet's names of what had to be called otherwise: parameters, "method …", "global …"; `CALL_REASONS` deduct for it
+    departs : the sheet's names of what the class has otherwise: parameters, "method …" for a method, "global …" for a parameter in
+        place of which it reads a global variable; each kind is a fault that loses points
     stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 

@@ -98,7 +98,7 @@ class Reads:
 
     @cached_property
     def unpredicted(self) -> float:
-        """RMS error of reads predicted by a least-squares fit from the 16 reads before each; 0 if that cannot be computed."""
+        """RMS error (m/s², rad/s) of reads predicted from the 16 before each, as a measure of chance; 0 if not computable."""
         if not 0 < self.pooled_spread < np.inf:
             return 0.0
         lags = min(_LAGS, self.residual.shape[1] // 4)
@@ -156,8 +156,8 @@ class Reads:
     def size_is_right(self) -> bool:
         """Return whether the spread, pooled and on each axis, agrees with the standard deviation that was asked for.
 
-        Rounding to a step adds a twelfth of its square to the variance (Sheppard's correction). This no longer holds for steps of
-        more than two standard deviations, which leave nothing of the noise to measure: False, and so it is without noise.
+        The variance that rounding adds, a twelfth of the squared step (Sheppard's correction), is subtracted. False without noise,
+        and for steps of more than two standard deviations, which leave nothing of the noise to measure.
         """
         states, reads, axes = self.residual.shape
         per_axis = np.sqrt(np.maximum(np.mean(self.centred**2, axis=(0, 1)) - self.step**2 / 12, 0.0))
@@ -207,7 +207,7 @@ class Reads:
     def clipped(self) -> bool:
         """Return whether the noise is normal, of the size that was asked for, but cut off at some bound.
 
-        No error exceeds `_CUT` standard deviations, or the largest errors occur again to the last digit. The moments are those of
+        True needs a largest error of 0.9 to 2.9 standard deviations, or extremes that repeat to the last digit; and the moments of
         noise that is clipped, or drawn again, beyond the largest error.
         """
         cut = float(np.abs(self.centred).max()) / self.std

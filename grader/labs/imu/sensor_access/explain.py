@@ -66,7 +66,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """Ids of the faults of the addresses that are read: by the hypotheses, else `hard-coded-address` if other IMUs show it."""
+        """Ids of the faults of the addresses that are read: by the hypotheses, else `hard-coded-address` if ids have no effect."""
         known = _named_places([each for each in self.sensors if each])
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
@@ -80,7 +80,7 @@ class Explained:
         return [value for each in self.sensors if each for value in each.values]
 
     def meant(self, visit: Visit, sensor: int) -> Array:
-        """Return a scene's true values (k, 3) at the address that is read for a sensor, at the right address if that is unknown."""
+        """Return a scene's true values (k, 3) at the address that the code reads for a sensor; if unknown, at the right address."""
         known = self.sensors[sensor]
         return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
 
@@ -91,7 +91,7 @@ class Explained:
 
     @property
     def share_altered(self) -> float:
-        """Share of the check `matches_truth` lost to altered values: 1, or less if one sensor alone is wrong and keeps gravity."""
+        """Share of the check `matches_truth` lost to altered values: 1; less if one sensor is wrong, and not by removed gravity."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 

@@ -90,7 +90,7 @@ PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield a hypothesis, that code ignores the ids, for each address in sensordata that holds `torso`'s numbers in every state."""
+    """Yield the hypothesis of a fixed address for each address in sensordata that holds what `torso` returned in every state."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:

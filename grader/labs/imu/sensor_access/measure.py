@@ -133,7 +133,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def in_reverse(student: Student, truth: Traces) -> tuple[Array, Array]:
-    """Return what another process reads in the states visited in reverse, to tell a sensor from a counter; in the usual order."""
+    """Return the readings, put in the usual order, of a new process that visits the states in reverse: a counter's differ."""
     lab = truth["reading_lab"]
     states = {key: lab[key][::-1].copy() for key in ("qpos", "qvel")}
     readings = student.read_in_new_process(model=truth.models[lab.model or "lab"], pairs=lab["pairs"][:1], **states)

@@ -56,8 +56,8 @@ class Comparison:
 def measure(student: Student) -> Comparison:
     """Run the submission's files until one saves a figure of noisy and filtered data, and return the `Comparison` drawn.
 
-    A saved figure without noise counts only if no other figure is meant as the comparison. It may be any plot: one channel of a
-    robot that comes to rest is smoother than another.
+    A saved figure without noise counts only if no other figure of two or more curves is named as the comparison: in any plot of a
+    robot that comes to rest, one channel is smoother than another.
     """
     drawn, meant = False, (0, "")
     error: StudentError | None = None

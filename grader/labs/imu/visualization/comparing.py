@@ -50,7 +50,7 @@ class Compared:
 
 
 def comparisons(figure: Figure) -> list[Compared]:
-    """Return each pair of a curve and a smoother version of it that can be seen in a figure; none of axes labelled in two units."""
+    """Return each visible pair of a curve and a smoother version of it; curves on axes with different units make no pair."""
     drawn = _seen_curves(figure)
     pairs = (
         (one, other) for one in drawn for other in drawn if one is not other and _may_be_in_one_unit(one[0], other[0])
@@ -81,7 +81,7 @@ def named_comparisons(figure: Figure) -> list[Compared]:
 
 
 def in_words(figure: Figure) -> tuple[int, str]:
-    """Return the number of curves in a figure that was meant as the comparison but is not, and in words what it shows instead."""
+    """Return the number of curves in a figure without a comparison, and in words what it shows instead, for the message."""
     series = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
     said = f"{len(series)} curves, none of which is a smoother version of another over {FEWEST_POINTS} samples or more"
     if len(series) < 2:

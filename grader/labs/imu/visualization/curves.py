@@ -66,7 +66,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes: its curves of channels (`shown`), of channels that cannot be seen (`hidden`), of other data (`strange`)."""
+    """Axes that plot data: curves of the six channels (`shown`), such curves covered by others (`hidden`), others (`strange`)."""
 
     axes: Axes
     shown: tuple[Shown, ...]
@@ -111,7 +111,7 @@ class Plot:
 
     @property
     def main_panels(self) -> list[Panel]:
-        """The panels that need labels and names of their own: all but insets, which repeat another panel."""
+        """The panels that need axis labels and names of curves: all but insets, which repeat another panel."""
         return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
 
     @property
@@ -153,7 +153,7 @@ class Plot:
 
     @property
     def own_ticks(self) -> bool:
-        """True if the code sets the numbers at the time axis itself, which may then be in another unit than the data."""
+        """True if the code sets tick labels of the time axis itself: these may be in another unit than the x values."""
         return any(panel.axes.own_ticks for panel in self.panels)
 
     def of_channel(self, channel: Channel) -> list[Shown]:

@@ -29,7 +29,7 @@ _IN_PART = 0.8
 
 
 def to_the_end(measured: Callable[[Facts], Deviation[Numbers] | None]) -> Callable[[Facts], Deviation[Numbers] | None]:
-    """Wrap a measurement: if it finds a fault and an exception stopped the plot function, raise that (`Raised`) as the cause."""
+    """Wrap a measurement: if it finds a fault after the plot function raised, raise `Raised` with that exception instead."""
 
     @functools.wraps(measured)
     def judged(facts: Facts) -> Deviation[Numbers] | None:
@@ -81,7 +81,7 @@ def _shows_others(facts: Facts) -> bool:
 
 
 def share_missing(facts: Facts) -> float:
-    """Return the share of points lost for channels drawn for a part of the time: each loses the gap, at least 0.2, of a sixth."""
+    """Return the share of points lost for channels drawn in part: for each, a sixth of the missing time, taken as 0.2 or more."""
     parts = facts.plot.in_part()
     return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
 

@@ -24,9 +24,9 @@ def quoted(text: str) -> str:
 
 @dataclass(frozen=True)
 class Misnamed:
-    """Texts (`said`) on a panel that name only the sensor that it does not show; `share` of points lost: 1 if all do, else 0.5.
+    """Texts (`said`) on a panel that name only the other sensor; `shows` is the sensor that the panel shows.
 
-    `shows` names the sensor that the panel does show.
+    `share` is the share of points lost: 1 if every title and y label of the panel names only the other, else 0.5.
     """
 
     said: list[str]
@@ -59,7 +59,7 @@ def _claimed(axes: Axes) -> frozenset[int]:
 
 
 def missing_panel(plot: Plot) -> str:
-    """Return in words a sensor without any panel, if the figure has no second panel and no empty axes for that sensor; else ""."""
+    """Return in words a sensor that no panel shows; "" for none, for several panels, or if empty axes are named after it."""
     if len(plot.panels) > 1:
         return ""
     empty = [axes for axes in plot.figure.visible_axes if axes not in [panel.axes for panel in plot.panels]]
@@ -147,7 +147,7 @@ def is_against_no_time(plot: Plot) -> bool:
 def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
     """Yield each visible curve with its panel's label and the label's unit (or None), to compare with the unit of its numbers.
 
-    The first that names a unit counts: the label of the y axis, that of the figure, or the title, else that of the y axis.
+    The label is the first text that names a unit, of y label, figure's y label and title; if none does, the y label.
     """
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
@@ -199,7 +199,7 @@ def exchanged_name(plot: Plot) -> str:
 
 
 def share_untitled(plot: Plot) -> float:
-    """Return the share of points lost for lack of titles: 1 if no panel has one, 0.5 if some have, 0 if all have, or the figure.
+    """Return the share of points lost for lack of titles: 1 if no panel has one, 0.5 if some have, 0 if all or the figure has one.
 
     0 also if a title stands over each column of panels, unless there are only two panels and a title names one sensor alone.
     """

@@ -51,7 +51,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return a figure whose pixels set its curves' `visible_parts` (what is seen); once `patience` ends, curves count as unseen."""
+    """Return a figure, its curves' `visible_parts` set by what its pixels show; once `patience` ends, curves count as unseen."""
     places = [[_place(curve, panel, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken(itertools.chain(*places), figure.pixels.shape[:2])
     axes = []
@@ -249,9 +249,9 @@ def _strength(window: _Window, ink: Array | None, curve: Curve, others: Sequence
 
 
 def share_of_way(off: Pixels, way: Array) -> Pixels:
-    """Return how far pixels go from the background (0) to a curve's colour (1), from their difference `off` (3, k) to the former.
+    """Return how far k pixels go from the background's colour (0) to a curve's colour (1); 0 for a mixture with a third colour.
 
-    `way` (3,) is the difference of the two colours. Pixels that do not lie on this way have 0.
+    `off` (3, k) is each pixel's colour, and `way` (3,) the curve's colour, both minus the background's.
     """
     share = (way / (way @ way)).astype(np.float32) @ off
     beside = np.abs(off - np.outer(way.astype(np.float32), share)).max(axis=0)

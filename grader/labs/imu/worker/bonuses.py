@@ -31,8 +31,8 @@ def tilt(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``cases`` : for each case ``output`` (array name, (n, 2) roll and pitch, fewer rows if it raised; NaN if an update did not
-        return two numbers), ``odd`` (a node that describes the first such value) and ``error``; None without.
+    ``cases`` : for each case ``output`` (name of an array (n, 2), roll and pitch, with fewer rows if the filter raised and NaN for
+        an update without two numbers), ``odd`` (a description of the first such return value, or None) and ``error`` (or None).
     """
     kind = submission.find("ComplementaryFilter", fields["path"])
     packer = Packer()

@@ -154,7 +154,7 @@ def _needed(function: Callable[..., Any]) -> int:
 
 
 def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """Return arguments for a `NoisyIMU.read` that takes them: ``accel``, ``gyro`` of the sensor ids in `fields`, and ``dt`` (s)."""
+    """Return further arguments that a `NoisyIMU.read` may take: true ``accel``, ``gyro`` by the ids in `fields`, and ``dt`` (s)."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
@@ -179,9 +179,8 @@ _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
     """Return a function that builds the student's `LowPassFilter`, `kind`, from options, and the sheet's names of what differs.
 
-    The options are those of the lab sheet, ``alpha`` and ``initial_value``; either may be left out.
-    A filter that takes a cutoff or a time constant gets the values that correspond to alpha. For an RC circuit, sampled by the
-    backward difference, alpha = dt / (RC + dt), and the cutoff is 1 / (2 pi RC).
+    The options are those of the lab sheet, ``alpha`` and ``initial_value``; either may be left out. If the filter takes a cutoff or
+    a time constant RC instead of alpha, these follow from alpha = dt / (RC + dt) and cutoff = 1 / (2 pi RC).
     """
     in_time = None if has_place_for(FILTER[0], kind) else plan_call(kind, _FILTER_IN_TIME)
     if in_time is None or not {"cutoff", "time_constant"} & {*in_time.departs}:
