@@ -13,7 +13,7 @@ Facts = TypeVar("Facts")
 
 
 class Departure(TypedDict):
-    """Texts for a fault's message: the function's or class's `name`, and `departs`, what it lacks of the lab sheet's names."""
+    """Texts for a fault's message: the function's or class's `name`, and `departs`, the lab sheet's names that it lacks."""
 
     name: str
     departs: str

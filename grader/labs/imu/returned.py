@@ -21,10 +21,7 @@ RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """Return a returned value as one array; None without numbers, or for a tuple or list of unequal shapes.
-
-    `node` is the worker's description of the value; its keys name the numbers in `arrays`.
-    """
+    """Return as one array the value that `node`, the worker's description of it, names in `arrays`; None if it is no array."""
     if node is None:
         return None
     if "key" in node:
@@ -38,7 +35,7 @@ def numbers(node: Node | None, arrays: Arrays) -> Array | None:
 
 
 def shape_in_words(node: Node | None, arrays: Arrays) -> str:
-    """Describe the form of a returned value to a student: ``a tuple of 2 (an array of shape (3,), a number)``."""
+    """Describe the form of a returned value in words, such as ``a tuple of 2 (an array of shape (3,), a number)``."""
     if node is None:
         return "nothing"
     kind = node["kind"]

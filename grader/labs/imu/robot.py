@@ -78,7 +78,7 @@ LAB_MODEL = Model()
 def read_model(reader: NodeReader, node: yaml.Node | None, folder: Path) -> Model:
     """Return the robot that `node`, the entry `model` of a rubric, names; the lab's for None. Its path is relative to `folder`.
 
-    What is wrong is added to the problems of `reader`, which its caller reports together.
+    Problems, such as a missing file, are added to those of `reader`, whose caller reports them together.
     """
     keys = reader.fields(node, "model", (), ("path", "sensors"))
     sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))

@@ -66,7 +66,7 @@ class RowOrigin:
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether this origin predicts a recording's rows, without zero rows at the end; False for too few to tell."""
+        """Return whether this origin predicts a recording's rows (zero rows at its end are ignored); False for too few rows."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -120,7 +120,7 @@ def moves(true: Array, atol: float, rows: Rows) -> bool:
 
 
 def explain(run: Run) -> RowOrigin | None:
-    """Return the simplest `RowOrigin` that predicts a run's rows; None if none does, or if equally simple ones differ in cause."""
+    """Return the simplest `RowOrigin` that predicts a recording's rows; None without, or if equally simple ones differ in cause."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 

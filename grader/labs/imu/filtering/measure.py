@@ -115,7 +115,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Return whether outputs depend on earlier measurements, beyond the chance that `again` shows; True if not finite."""
+        """Return whether outputs depend on earlier measurements, by more than two equal runs differ; True if not finite."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()

@@ -197,13 +197,13 @@ def _is_rounded_off(facts: Facts) -> bool:
 
 
 def missing_bias(facts: Facts) -> list[int]:
-    """Return the sensors whose mean is wrong because the given bias was not added, or because the two sensors are exchanged."""
+    """Return the sensors (0, 1) whose mean is wrong because the given bias was not added, or the two sensors are exchanged."""
     exchanged = offset_fault(facts) == "swapped-sensors"
     return [i for i in _off(facts) if exchanged or not _is_added(facts.sensors[i])]
 
 
 def bias_beside(facts: Facts) -> list[int]:
-    """Return the sensors whose readings have a bias of their own although a bias of zero was given."""
+    """Return the sensors (0, 1) whose readings have a bias of their own although a bias of zero was given."""
     return sensors_that(facts, _has_another)
 
 
@@ -223,12 +223,12 @@ def drifts(facts: Facts) -> list[int]:
 
 
 def moves(facts: Facts) -> list[int]:
-    """Return the sensors whose default bias, without a given one, differs between the reads of one instance."""
+    """Return the sensors (0, 1) whose default bias, drawn as none was given, differs between the reads of one `NoisyIMU`."""
     return sensors_that(facts, lambda s: np.ptp(s.default, axis=1).max() > EXACT * max(1.0, np.abs(s.default).max()))
 
 
 def hidden(facts: Facts) -> list[int]:
-    """Return the sensors whose default bias cannot be measured: reads of one instance differ even with the same random draws."""
+    """Return the sensors (0, 1) whose default bias cannot be measured: reads differ even with the same random draws."""
     return sensors_that(facts, lambda s: bool(np.isnan(s.default).any()))
 
 
@@ -284,13 +284,13 @@ def _is_shared(facts: Facts) -> bool:
 
 
 def odd_laws(facts: Facts) -> list[int]:
-    """Return the sensors whose noise is not white, normal and of zero mean; if none, both if noise is rounded or absent."""
+    """Return the sensors (0, 1) whose noise is not white, normal and of zero mean; if none, both if noise is rounded or absent."""
     odd = sensors_that(facts, lambda s: s.law_is_off) or off_centre(facts)
     return odd or ([*BOTH] if grain(facts) or facts.noiseless else [])
 
 
 def off_centre(facts: Facts) -> list[int]:
-    """Return the sensors whose mean is wrong although the given bias is added, such as by noise with a mean that is not zero.
+    """Return the sensors (0, 1) whose mean is wrong although the given bias is added, such as by noise of non-zero mean.
 
     A sensor without noise is left out: swapped arguments, as in `normal(std, 0, 3)`, add a constant, which another check deducts.
     """

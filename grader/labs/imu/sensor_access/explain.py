@@ -91,7 +91,7 @@ class Explained:
 
     @property
     def share_altered(self) -> float:
-        """Share of the check `matches_truth` lost to altered values: 1; less if one sensor is wrong, and not by removed gravity."""
+        """Share of the check `matches_truth` lost to altered values: 1; less if one sensor is wrong and gravity is not removed."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 

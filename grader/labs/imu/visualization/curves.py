@@ -66,7 +66,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Panel:
-    """Axes that plot data: curves of the six channels (`shown`), such curves covered by others (`hidden`), others (`strange`)."""
+    """Axes that plot data: curves of the six channels (`shown`), such curves that cannot be seen (`hidden`), others (`strange`)."""
 
     axes: Axes
     shown: tuple[Shown, ...]
@@ -228,7 +228,7 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether a channel of `series` (rows by key) is in none of the figures; the plot may need data in another form."""
+    """Return whether a channel of `series` (rows by key) is in none of the figures: the plot may need data in another form."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 

@@ -81,7 +81,7 @@ def _shows_others(facts: Facts) -> bool:
 
 
 def share_missing(facts: Facts) -> float:
-    """Return the share of points lost for channels drawn in part: for each, a sixth of the missing time, taken as 0.2 or more."""
+    """Return the share of points lost for curves drawn in part: the sum of their missing shares (0.2 or more each) over six."""
     parts = facts.plot.in_part()
     return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
 

@@ -147,7 +147,7 @@ def is_against_no_time(plot: Plot) -> bool:
 def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
     """Yield each visible curve with its panel's label and the label's unit (or None), to compare with the unit of its numbers.
 
-    The label is the first text that names a unit, of y label, figure's y label and title; if none does, the y label.
+    The label is the first text that names a unit: the y label, the figure's y label or the title; if none does, the y label.
     """
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
