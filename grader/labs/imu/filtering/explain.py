@@ -44,7 +44,7 @@ _FEWEST = 6
 
 
 def recursion(alpha: float, x: Array, start: Array) -> Array:
-    """Return the outputs (n, 3) of the sheet's filter for measurements x (n, 3), if its first output is `start` (3,)."""
+    """Return the outputs (n, 3) of the lab sheet's filter for measurements x (n, 3), if its first output is `start` (3,)."""
     steps = itertools.accumulate(x[1:], lambda y, sample: alpha * sample + (1 - alpha) * y, initial=start)
     return np.array(list(steps))
 

@@ -37,7 +37,7 @@ _FEWEST = 6
 
 @dataclass(frozen=True)
 class Run:
-    """A signal run through a student's filter from `initial` (None: not given): outputs y (n, 3) for inputs x; NaN if none came."""
+    """A signal run through a student's filter from `initial` (None: not given): outputs y (n, 3) for inputs x, NaN if missing."""
 
     alpha: float
     x: Array
@@ -60,7 +60,7 @@ class Run:
 
     @property
     def obeys(self) -> bool:
-        """Return whether every output follows from the one before as in the sheet; False if one is infinite or NaN."""
+        """Return whether every output follows from the one before as in the lab sheet; False if one is infinite or NaN."""
         return bool(np.all(self.off <= ATOL))
 
     @cached_property
@@ -80,7 +80,7 @@ class Run:
 
     @property
     def first_wanted(self) -> Array:
-        """First output (3,) that the sheet's filter makes after the initial value; without one, the first measurement itself."""
+        """First output (3,) of the lab sheet's filter after the initial value; without such a value, the first measurement."""
         before = self.x[0] if self.initial is None else self.initial
         return np.asarray(self.alpha * self.x[0] + (1 - self.alpha) * before)
 
@@ -180,7 +180,7 @@ class Facts:
 
     @cached_property
     def off(self) -> list[NDArray[np.bool_]]:
-        """Masks, one a run, of the outputs from the second on that do not follow from the one before as in the sheet."""
+        """Masks, one a run, of the outputs from the second on that do not follow from the one before as in the lab sheet."""
         return [run.off > ATOL for run in self.runs]
 
     @property

@@ -22,8 +22,8 @@ class Comparison:
     ----------
     saved : the pairs of a raw and a filtered curve in each saved figure that has any, all drawn by one file
     drawn : whether any figure, saved or not, has such a pair
-    meant : number of curves in a figure that is meant to compare and has no such pair, and in words what it shows; else (0, "")
-    handed_in : whether the code saves no comparison and a picture under the sheet's name for it was handed in
+    meant : for a figure that is named as a comparison and has no such pair, its number of curves and what it shows; else (0, "")
+    handed_in : whether the code saves no comparison and a picture under the lab sheet's name for it was handed in
     error : the first exception that stopped a file; None if none did
     clean : whether raw data without noise is accepted, because the noise model has lost points already
     """

@@ -150,7 +150,7 @@ def part_in_words(parts: Mapping[Channel, float]) -> str:
 
 
 def another_unit(facts: Facts) -> str:
-    """Describe numbers in another unit than their label's or, without a label, than the data's; "" if all units agree.
+    """Describe a curve drawn in another unit than its label says or, without a label, than the data have; "" for none.
 
     A label may also name the unit in which the submission itself records: the plot is then right for its own data.
     """

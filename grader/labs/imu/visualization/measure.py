@@ -60,7 +60,7 @@ class File:
     size_px : size of the largest saved picture of the curves; (0, 0) without one
     formats : file formats of all saved pictures of the curves; empty if none is saved
     replaced, blank : why no file shows the curves: whether one was overwritten or deleted, whether an empty figure was saved
-    handed_in : whether no file shows the curves and a picture under the sheet's name for it was handed in
+    handed_in : whether no file shows the curves and a picture under the lab sheet's name for it was handed in
     lost : the channels that only files overwritten later showed; empty if no file that is left shows curves
     """
 

@@ -106,7 +106,7 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : each state's answer, as a node (description of a value); ``later`` : the first answer again, after the next step.
+    ``calls``, ``later`` : nodes (descriptions of values) of the answers, and of the first after a step; ``error`` : what it raised
     """
     function = submission.find("read_all_imus", fields["path"])
     packer = Packer()
