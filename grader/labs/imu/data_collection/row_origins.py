@@ -66,7 +66,7 @@ class RowOrigin:
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether this origin predicts a recording's rows; False for too few. Zero rows at the end count only if `altered`."""
+        """Return whether this origin predicts a recording's rows; False for too few. Zeros at the end count only if `altered`."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
