@@ -94,15 +94,15 @@ TOTAL, BONUS = "total", "bonus"
 
 @dataclass(frozen=True)
 class Adjustment:
-    """Change that a person made of a submission's grade: an override of points, additional points, or a comment alone.
+    """Change that an instructor made to a submission's grade: an override of points, additional points, or only a comment.
 
     Attributes
     ----------
     criterion : what is changed: a criterion, a check, `TOTAL`, which replaces the sum, or `BONUS`, which is added to the sum
     points : the new points, None for a comment; an override with None withdraws the previous one
-    automatic, out_of : automatic points and maximum of each replaced check when the override was made
+    automatic, out_of : automatic points and maximum of each replaced check, by its id, when the override was made
     alone : whether it is a comment without points; an empty comment withdraws the previous one
-    decision : the number of the decision on several submissions that it belongs to; 0 if there is none
+    decision : the number that all adjustments share that were made at once for several submissions; 0 for a single one
     number : the adjustment's row number in the class's database
     """
 
@@ -126,7 +126,7 @@ class Adjustment:
 class Term:
     """Summand of a final grade, such as the score, or a deduction with negative points.
 
-    `name` is "score", or "total" if a person set it; "bonus", "extra credit"; or for deductions "repair", "late".
+    `name` is "score", or "total" if an instructor set the total; "bonus" or "extra credit"; "repair" or "late" for deductions.
     """
 
     name: str
@@ -135,12 +135,12 @@ class Term:
 
 @dataclass(frozen=True)
 class FinalGrade:
-    """The final grade of one submission: the automatic result, the hand-in and a person's adjustments, added up.
+    """The final grade of one submission, from the automatic `result`, the hand-in and the adjustments of instructors.
 
     `final` is the score, with overrides, plus bonus and extra credit, minus the deductions for repairs and lateness; `terms` holds
-    these numbers. An override of the total is final: only a bonus is added to it. `result` is always the automatic one. `final` is
-    None while a check is not judged because the grader failed, and while the submission is `unseen`. `reviewed` says that a person
-    marked an empty or unreadable submission as reviewed. `namesake` says that another person of the class has the same name.
+    these numbers. An override of the total replaces this sum: only a bonus is added to it. `final` is None while a check is not
+    judged because the grader failed, and while the submission is `unseen`. `reviewed` says that an instructor marked an empty or
+    unreadable submission as reviewed. `namesake` says that another student of the class has the same name.
     """
 
     id: str
@@ -174,7 +174,7 @@ class FinalGrade:
 
     @property
     def unseen(self) -> bool:
-        """Return whether the submission is empty or unreadable and no person has reviewed or overridden it: a blank grade."""
+        """Return whether the submission is empty or unreadable, and no instructor reviewed or overrode it: a blank grade."""
         empty = self.result.status in ("empty", "unreadable")
         return empty and not self.reviewed and all(each.alone for each in self.adjustments)
 
@@ -212,7 +212,7 @@ class FinalGrade:
 
     @property
     def deduction(self) -> float:
-        """Return the late deduction, at most the adjusted points; 0 if a person set the total."""
+        """Return the late deduction, at most the adjusted points; 0 if an instructor set the total."""
         return next((-each.points for each in self.terms if each.name == "late"), 0.0)
 
     @property
@@ -222,7 +222,7 @@ class FinalGrade:
 
     @property
     def total_is_set(self) -> bool:
-        """Return whether a person set the total, which is then final: nothing automatic is added to it or deducted from it."""
+        """Return whether an instructor set the total: nothing automatic is then added to it or deducted from it."""
         return self.adjustment(TOTAL) is not None
 
     @property
@@ -340,7 +340,7 @@ def automatic_points(result: Result, target: str) -> dict[str, float | None] | N
 
 
 def maximum_by_check(result: Result, ids: Collection[str]) -> dict[str, float]:
-    """Return the maximum points of these checks, by check id, to see later whether an override is outdated."""
+    """Return the maximum points of the checks in `ids`, by check id, to see later whether an override is outdated."""
     rows = (check for criterion in result.criteria for check in criterion.checks)
     return {check.id: check.max_points for check in rows if check.id in ids}
 

@@ -44,7 +44,7 @@ class PersonRow:
 
 @dataclass(frozen=True)
 class Match:
-    """The submission that a row matches, and the person; `person` is None if the row stands for a whole group."""
+    """The submission, by id, and the person that a row of a table matches; `person` is None if the row means a whole group."""
 
     id: str
     person: Person | None

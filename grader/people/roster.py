@@ -71,7 +71,7 @@ class RosterRow:
 
     @property
     def person(self) -> Person:
-        """Return the person of this row, with all names and numbers: one who handed in nothing, or a further member of a group."""
+        """Return this row as a `Person`, for a student whom no hand-in names: one without a submission, or a group partner."""
         return self.completed(
             Person(self.who.email or next(iter(self.who.numbers), ""), self.who.key, self.who.platform)
         )

@@ -29,7 +29,7 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Return a gradebook that Canvas exported with the final grades filled in, and only the columns of students and the assignment.
+    """Return a gradebook that Canvas exported, with final grades in the column of the assignment, and without other assignments.
 
     `template.column` is the title, the number or the whole heading of the assignment. Raise RequestError if the file is no
     gradebook of Canvas, the assignment is missing or ambiguous, or its maximum differs from the rubric's.

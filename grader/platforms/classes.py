@@ -40,7 +40,7 @@ ATTEMPTS = ("latest", "best")
 
 @dataclass(frozen=True)
 class ClassEntry:
-    """Place and name of one submission of a class, small enough to send to the process that reads and grades it.
+    """Path and name of one submission of a class, small enough to send to the process that reads and grades it.
 
     Several attempts of the same student or group share an id. `sources` (paths in `path`, each with its name in the submission) is
     empty where all of `path` is the submission; `required` are the names of the files that the lab asks for.
@@ -60,7 +60,7 @@ class ClassEntry:
 
 @dataclass(frozen=True)
 class Intake:
-    """Content of a class's paths: submissions, and lines on what is not graded and why (`leftovers`) and on each download."""
+    """Submissions found at a class's paths, with a line on each thing not graded (`leftovers`) and each download (`notices`)."""
 
     entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]
@@ -104,7 +104,7 @@ def read_class(
     attempts
         "latest" keeps the last attempt of the same people; "best" keeps all attempts, to choose the best once they are graded.
     known
-        Names of the class by the platform's number, to resolve ambiguous file names.
+        Students' names by the platform's user number, from the roster, to resolve ambiguous file names.
 
     Raises
     ------

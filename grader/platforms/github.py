@@ -28,8 +28,8 @@ _PLAIN = frozenset(" ,;?%—…·✓✗◐–")
 def commands(result: Result, places: Places) -> str:
     """Return workflow commands, by which GitHub shows messages at lines of code: one per fault and line, largest loss first.
 
-    Checks without a known fault share one if their messages are equal. The last command shows the total score. `places` finds the
-    lines. GitHub shows at most ten commands of a kind for a step of a job.
+    Checks without a known fault share a command if their messages are equal. The last command shows the total score. `places` finds
+    the lines. GitHub shows at most ten commands of a kind for a step of a job.
     """
     worst_first = sorted(_annotations(result, places), key=lambda each: -each[1].lost)
     lines = [*(_command(place, cause, result) for place, cause in worst_first), _total_command(result)]

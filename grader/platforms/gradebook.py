@@ -20,8 +20,8 @@ def gradebook(
     """Return a class's points as CSV: a row for each submission, in the order of `final_grades`, and each person in `absent`.
 
     A criterion that was not judged and its total are blank, because a failure of the grader is never a zero. Criteria and total are
-    automatic points, of the repaired copy if there is one. Columns for extra credit, sections, repairs, adjustments and lateness
-    appear only if the class has such data.
+    automatic points; if an instructor repaired a file, those of the repaired copy. Columns for extra credit, sections, repairs,
+    adjustments and lateness appear only if the class has such data.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ class CiJob:
 
 
 def named(name: str) -> Platform:
-    """Return the record of the platform that `--format` names; "auto" recognises the platform from the environment.
+    """Return the platform that `--format` names; "auto" recognises the platform from the environment.
 
     Raise RequestError if there is no such format.
     """

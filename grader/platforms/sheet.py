@@ -54,7 +54,7 @@ class CsvSheet:
         row.cells[column] = '"{}"'.format(text.replace('"', '""')) if needs else text
 
     def keep(self, columns: list[int]) -> None:
-        """Remove all columns except these, because the program that reads the file would take the others, too."""
+        """Remove all columns except those with these indices, as a platform that imports the file would change the others, too."""
         for row in self.rows:
             row.cells = [row.cells[i] for i in columns if i < len(row.cells)]
 

@@ -71,7 +71,7 @@ class PluginRun:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_make_collect_report(self, collector: pytest.Collector) -> pytest.CollectReport | None:
-        """Collect, for a session, the student's files that the lab asks for, not tests; None leaves other collectors to pytest."""
+        """Report, for a session, the student's files that the lab asks for, not test files; None leaves the rest to pytest."""
         if not isinstance(collector, pytest.Session):
             return None
         files: dict[Path, list[str]] = {}
@@ -133,7 +133,7 @@ class PluginRun:
         return {check.id: check for part in self.result.parts for check in part.checks}
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Print the points of the tests that ran, by criterion; pytest-xdist's processes send them with their reports."""
+        """Print the points of the tests that ran, by criterion. Each test's report holds its points, also under pytest-xdist."""
         ran: dict[str, Mapping[str, Any]] = {}
         for report in (each for reports in terminalreporter.stats.values() for each in reports):
             told = dict(getattr(report, "user_properties", ()))

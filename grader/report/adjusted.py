@@ -23,7 +23,7 @@ class Override:
 
 @dataclass(frozen=True)
 class RepairedFile:
-    """A person's repair of a submitted file as a page shows it; `lines` are the lines of its diff, as from `diff_lines`."""
+    """An instructor's repair of a submitted file as a page shows it; `lines` are the lines of its diff, as from `diff_lines`."""
 
     file: str
     points: str

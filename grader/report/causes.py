@@ -18,8 +18,8 @@ _LAST = 99
 class Cause:
     """One fault with the checks that lost points by it; without a known fault, the checks that failed with the same message.
 
-    `waiting` are the skipped checks of a criterion whose first cause this is. A check with two faults is in two causes, each with
-    its share of the lost points.
+    `waiting` are the skipped checks of the same criteria; of several causes in a criterion, only the first has them. A check with
+    two faults is in two causes, each with its share of the lost points.
     """
 
     checks: tuple[CheckResult, ...]
@@ -188,7 +188,7 @@ def cost_now(cause: Cause) -> list[words.LabelledLine]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
-    """Return each failed check of a cause with its feedback, without hints (see `next_lines`) and what an earlier check showed."""
+    """Return the failed checks of a cause, each with its feedback but for hints; [] where earlier checks have shown it all."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 

@@ -41,7 +41,7 @@ class Deduction:
 
 
 def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduction]:
-    """Return the deductions of a result: first the code that does not run, then the largest first.
+    """Return the deductions of a result: code that does not run, then all others, each sorted by points lost, most first.
 
     Checks that were skipped without a failed check in their criterion come last. `catalogue` has the lab's faults by id.
     """

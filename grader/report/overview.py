@@ -121,7 +121,7 @@ class ClassTable:
     top
         The maximum score.
     numbers
-        A short number for each filter tag: full names would make a page of thousands much larger.
+        A short number for each filter tag: with full names, the page of a class of thousands would be much larger.
     """
 
     entries: Sequence[Entry]
@@ -192,7 +192,7 @@ def entries(
 ) -> list[Entry]:
     """Return the rows of the class table, sorted by name: submissions, and people of the roster without one.
 
-    `criteria` are the columns, and `top` is the maximum score.
+    `criteria` are the columns, and `top` is the maximum score, from which a row's bin in the histogram follows.
     """
     known = list(final_grades)
     names = words.absentees(absent, (each.hand_in for each in known))

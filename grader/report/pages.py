@@ -178,9 +178,10 @@ def index_page(
 def rendered(
     template: str, script: str | None, lab: LabName, *, more_style: str | None = None, **values: object
 ) -> str:
-    """Return a page: the template filled with `values`, style and script inside; its security policy lets browsers load no more.
+    """Return a page: the template filled with `values` and the names of `lab`; style and script are inside the page.
 
-    `template`, `script` and `more_style` (added to the common style) are names of files in the folder of templates.
+    `template`, `script` and `more_style` (added to the common style) are names of files in the folder of templates. The page's
+    security policy forbids browsers to load anything else.
     """
     style, style_hash = _inlined("style.css", *([more_style] if more_style else []))
     text, script_hash = _inlined(script) if script else (Markup(), "")

@@ -51,7 +51,7 @@ def save(traces: Traces, out: Path) -> Path:
 
 
 def files(traces: Traces) -> dict[str, bytes]:
-    """Return the contents of the files that `save` writes, by suffix (".npz", ".json"), for the students' folder or a wheel."""
+    """Return the contents of the files that `save` writes, by suffix (".npz", ".json"), to pack them into a zip or a wheel."""
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         path = save(traces, Path(scratch))
         return {suffix: path.with_suffix(suffix).read_bytes() for suffix in (".json", ".npz")}

@@ -49,7 +49,7 @@ def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], 
 def unpack(layout: Any, body: memoryview, most: int) -> dict[str, np.ndarray]:
     """Return the arrays of a message, by name: `layout` is the description that `pack` returned, and `body` holds their bytes.
 
-    Raise ValueError if there are more than `most` arrays, or if `pack` could not have written `layout` and `body`.
+    Raise ValueError if the number of arrays exceeds `most`, or if `pack` could not have written `layout` and `body`.
     """
     if not isinstance(layout, list) or len(layout) > most:
         raise ValueError(f"the arrays are not a list of at most {most}")

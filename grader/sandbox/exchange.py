@@ -35,10 +35,9 @@ class DeadlineError(Exception):
 class Deadline:
     """Time limit of one answer: `cpu_s` of CPU time, and `wall_s` in which next to no CPU time is used, as by code that sleeps.
 
-    Code that computes on a busy machine may take many times its CPU time. It is not cut off for that, or a grade would depend on
-    what else the machine does: the wall clock leaves out what the process waited for a processor, and the time in which the grader
-    itself stood still, as after Ctrl-Z or in a paused virtual machine. At ten times `wall_s`, or at `most_s` if that is earlier,
-    the answer is cut off whatever the code does. `cpu_clock` and `wall_clock` return the worker's seconds so far.
+    At ten times `wall_s`, or at `most_s` if that is earlier, the answer is cut off whatever the code does. Both clocks return
+    the worker's seconds so far. So that grades do not depend on how busy the machine is, `wall_clock` leaves out (on Linux) waits
+    for a processor. Time in which the grader itself stood still, as after Ctrl-Z, does not count either.
     """
 
     def __init__(

@@ -30,18 +30,19 @@ _RATE = re.compile(r"gyr|ang|omega|rate", re.IGNORECASE)
 
 
 def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build one `NoisyIMU` of the student's and read it many times, in one state after the other.
+    """Build one `NoisyIMU` of the student's and read it many times in each state, to measure its noise and its biases.
 
     Parameters
     ----------
-    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads`` (per state), ``accel_noise_std``, ``gyro_noise_std``
-    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``accel_bias`` (3,), ``gyro_bias`` (3,) if biases are given
+    fields : ``path`` (the student's file), ``model`` (XML text), ``accel_id``, ``gyro_id``, ``reads`` (per state),
+        ``accel_noise_std``, ``gyro_noise_std``
+    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv), the states; ``accel_bias`` (3,), ``gyro_bias`` (3,) if biases are given
 
     Returns
     -------
-    arrays ``accel``, ``gyro`` (s, reads, 3), NaN if a read did not return two vectors of three; ``odd``: the first read of
-    another form than the sheet's, or with numbers that are not finite; ``disturbance`` (s, 4): largest change of time, qpos, qvel
-    and sensordata by the first read in each state.
+    arrays ``accel``, ``gyro`` (s, reads, 3), NaN for a read without two vectors; ``odd``: the first value that is no pair of
+    vectors as on the lab sheet, or not finite; ``disturbance`` (s, 4): largest change of time, qpos, qvel and sensordata by the
+    first read in each state
     """
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
@@ -67,14 +68,13 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build several `NoisyIMU`s that differ in one thing, each from the same seed, and read each a few times in one state.
+    """Build several `NoisyIMU`s from the same seed, and read each a few times in one state.
 
-    One operation does all of them, so that an error or an endless loop costs its time once.
+    The instances differ in state, biases or noise; as they share the seed, only such a difference can change their values.
 
     Parameters
     ----------
-    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``; ``twins``: the two standard deviations of each
-        instance; ``states``: the index of its state in ``qpos`` and ``qvel``
+    fields : as for `noise`; ``twins``: the two standard deviations of each instance; ``states``: the index of its state
     arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``biases`` (twins, 2, 3), without which each instance draws its own
 
     Returns

@@ -28,10 +28,10 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 
 
 def provide_ids(ids: Mapping[str, int]) -> None:
-    """Set globals that student code reads as sensor ids to ``accel`` and ``gyro`` of `ids` if they are missing, None or negative.
+    """Set the unset globals that student functions read as sensor ids to the ids ``accel`` and ``gyro`` in `ids`.
 
-    On the lab sheet, the main program sets these globals; code that relies on that works here, too. A negative value counts
-    only where one of the student's functions sets the global.
+    On the lab sheet, the main program sets these globals; code that relies on that works here, too. Unset means missing or None,
+    or negative if one of the student's functions sets the global later.
     """
     for module in list(submission.STATE.modules.values()):
         for name in _unset_globals(module):
@@ -55,8 +55,8 @@ def provide_ids_of(model: Any) -> None:
 def set_model_and_data(model: Any, data: Any) -> Iterator[None]:
     """Set the globals that student functions read as model and data to `model` and `data`; restore the globals on exit.
 
-    These are globals that hold an MjModel or MjData, and unset ones with such a name. If there are different models, none of them
-    is set, as it is unknown which one is meant; the same holds for the data.
+    These are globals that hold an MjModel or MjData, and unset globals with such a name. If the globals hold different models,
+    no model is set, as it is unknown which one is meant; the same holds for the data.
     """
     with ExitStack() as stack:
         for name, given in (("model", model), ("data", data)):
@@ -78,10 +78,10 @@ _MEASUREMENT = re.compile(
 
 
 def measurement_global(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """Return a context manager that sets the global that the filter method `update` reads as measurement, and the global's label.
+    """Return how to give a filter its measurement if the student's method `update` reads a global as the measurement.
 
-    The context manager takes the measurement. The list holds ``global measurement``; without exactly one such global, the list is
-    empty and the context manager does nothing.
+    Returned are a context manager that takes the measurement and sets the global to it, and ``["global measurement"]``, to report
+    the deviation to the student. Without exactly one such global, the context manager does nothing and the list is empty.
     """
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
@@ -109,12 +109,13 @@ def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Itera
 
     Parameters
     ----------
-    slots : the arguments for the recording and for the series in it; nothing is set if the function uses a parameter for any of
-        these, or if it reads several globals that may hold a recording
+    slots : the plot function's arguments for the recording and for the series in it; no global is set if the function uses a
+        parameter for any of them, or if it reads several globals that may hold a recording
 
     Yields
     ------
-    ``["global imu_data"]`` if the global is set and the function has an unused parameter for the recording; else an empty list
+    what to report to the student: ``["global imu_data"]`` if the global is set although the function has a parameter for the
+    recording, which it does not use; else an empty list
     """
     owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]

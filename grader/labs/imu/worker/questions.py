@@ -25,7 +25,7 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 
 @contextmanager
 def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
-    """Catch any exception of student code, and report it in the answer as its `error`."""
+    """Catch any exception of student code, and put its description into ``answer["error"]``."""
     try:
         with environment.in_scratch_folder(submission.STATE.folder):
             yield
@@ -64,10 +64,10 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : for each pair and state a node, the description of a returned value; ``later`` : for each pair the
-        reading of the first state, looked at again after a step and another reading, as it changes if it is a view
-    arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by each reading; for each pair, in the
-        first state, after the step from it, and in the other states
+    ``calls`` : a description of the returned value for each pair and state; ``later`` : for each pair the reading of the first
+        state, described again after a step and a second reading: it differs if the student returned a view
+    array ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by each reading. The rows of a pair are the
+        first state, the second reading after the step, and the other states
     """
     reader = submission.find("get_imu_readings", fields["path"])
     packer = Packer()
@@ -102,7 +102,7 @@ def _compiled(xml: str) -> Any:
 
 
 def model_of(xml: str) -> Any:
-    """Return a fresh copy of a compiled model, so that no operation finds the changes of an earlier one."""
+    """Return a fresh copy of a compiled model, so that student code cannot change the model of a later request."""
     return _compiled(xml).__copy__()
 
 
@@ -152,13 +152,14 @@ def step_and_shift(model: Any, data: Any) -> None:
 def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """Call the student's `simulate_and_collect` on a model, with data in a used state (not a reset one) if one is given.
 
-    The reply has the returned ``value``, what the call ``changed`` of the model, and the start of the run (``first_…`` arrays).
+    The reply has the returned ``value``, the names of the model's options that the call ``changed``, and the recorded run as
+    ``first_…`` arrays, with which `replay` repeats it.
 
     Parameters
     ----------
     fields : ``path``, ``model`` (XML text), ``duration_s``, ``timestep`` (None: the model's), ``accel_id``, ``gyro_id``,
         ``time_s`` of the used state
-    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,), the used state; optional ``gravity`` (3,), another one than the model's
+    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,), the used state; optional ``gravity`` (3,) in place of the model's
     """
     import mujoco
 
@@ -192,8 +193,8 @@ def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Parameters
     ----------
     fields : ``model`` (XML text), ``steps``
-    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,), ``force``: forces applied from the start on;
-        ``set_at`` (m,): the steps before which the state is set to ``set_qpos``, ``set_qvel``, ``set_force`` (m, …)
+    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,), ``force``: MuJoCo's `qfrc_applied` and
+        `xfrc_applied` joined; ``set_at`` (m,): the steps before which the state is set to ``set_qpos``, ``set_qvel``, ``set_force``
 
     Returns
     -------
@@ -271,14 +272,14 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``; ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
-        call the submission's `simulate_and_collect`. That function then records the series named in ``shows``, and the plot gets
-        its return value, in which the series in ``keys`` replace those of the same name and form
+    fields : ``path``; ``keys``: the name in `arrays` of each series, by the submission's own name for it; ``recorder``: None, or
+        the file, model, sensor ids and ``shows`` (names in `arrays`) with which to call the submission's `simulate_and_collect`.
+        Its sensors then measure the series in ``shows``, and the plot gets its return value, with the series in ``keys`` put in
     arrays : the plotted data; a number is an array without dimensions
 
     Returns
     -------
-    the figures that it drew; ``given`` : a node (description) of the recorder's value that the plot got; None without a recorder
+    the figures that it drew; ``given`` : a description of the recorder's value that the plot got; None without a recorder
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)

@@ -26,8 +26,8 @@ _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 def warm_up(thorough: bool) -> None:
     """Prepare MuJoCo once in the parent process; with `thorough`, also simulate a step, as the first step of a process is slow.
 
-    MuJoCo keeps its wrapper classes among the built-in functions of its caller. All steps are made by a function of the worker code
-    (see `_watch_steps`), whose built-in functions are its own, so these classes are copied there.
+    MuJoCo looks for its wrapper classes among the built-in functions of the caller. The caller of each step is worker code (see
+    `_watch_steps`), which has built-in functions of its own, so MuJoCo's classes are copied to those.
     """
     own = globals()["__builtins__"]
     own.update({name: value for name, value in vars(builtins).items() if name.startswith("__MUJOCO_")})
@@ -189,7 +189,7 @@ def watch_next_run() -> None:
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """Return the recorded run (start, number of steps, states set later) by name, and stop recording; {} if none was recorded."""
+    """Stop recording and return the run, to repeat it: start, number of steps, states set later, by name; {} if none was recorded."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
     return course.arrays() if course else {}
