@@ -34,7 +34,7 @@ class Person:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """All known names and identifiers of the person, by which a policy or a table may mean them."""
+        """All known names and identifiers of the person, under which a late policy or a roster may list them."""
         return tuple(filter(None, (self.name, self.key, self.sid, self.email, *self.ids)))
 
 

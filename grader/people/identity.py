@@ -51,7 +51,7 @@ class Match:
 
 
 class Directory:
-    """Index of the people of a class by every number, address and name, with which rows of tables are matched."""
+    """Index of the people of a class by every number, address and name, to match rows of rosters and gradebooks with them."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
         """Index the people of each submission, given by its id, which is also looked up as a number of theirs."""
@@ -116,7 +116,7 @@ class Directory:
 
 
 class PersonLookup:
-    """Resolver of what a person types (an id, a number, an e-mail address or a name) to a submission of the class."""
+    """Finder of the submission that an instructor means by an id, a number, an e-mail address or a name."""
 
     def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
         self._ids, self._directory = people.keys(), Directory(people)

@@ -21,7 +21,7 @@ _NOT_OURS = "not a folder, so whose it is cannot be told"
 def read(download: Download) -> Shape | None:
     """Return the submissions of a folder of git clones, one for each student; None for any other download.
 
-    At least half of the folders must be clones. Code files beside them make the download one submission: None is returned.
+    At least half of the folders must be clones. If there are code files beside them, the download is one submission: None.
     """
     folders = [name for name, is_folder in download.top.items() if is_folder]
     programs = any(is_code(name) for name, is_folder in download.top.items() if not is_folder)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 
 def options() -> str:
-    """Return pytest options by which it reads an empty settings file, not a student's, and shows paths from the working folder."""
+    """Return pytest's options to read an empty settings file instead of a student's, and to show paths from the working folder."""
     empty = Path(__file__).with_name("empty.ini")
     return shlex.join(("-c", empty.as_posix(), "--rootdir", Path.cwd().as_posix()))
 

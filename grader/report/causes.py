@@ -188,7 +188,7 @@ def cost_now(cause: Cause) -> list[words.LabelledLine]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
-    """Return the failed checks of a cause, each with its feedback but for hints; [] where earlier checks have shown it all."""
+    """Return the failed checks of a cause, each with its feedback but for hints; an empty list if earlier checks showed it all."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 

@@ -40,7 +40,7 @@ _LIBRARIES = ("Python", "MuJoCo", "NumPy", "SciPy", "matplotlib")
 
 @dataclass(frozen=True)
 class DrawnChart:
-    """A chart laid out for the template that writes it as SVG; `png` is a picture beside the panels, "" if there is none."""
+    """A chart laid out for the template that writes it as SVG; `png` is a picture beside the panels, in base64; "" without one."""
 
     title: str
     caption: str
@@ -180,8 +180,8 @@ def rendered(
 ) -> str:
     """Return a page: the template filled with `values` and the names of `lab`; style and script are inside the page.
 
-    `template`, `script` and `more_style` (added to the common style) are names of files in the folder of templates. The page's
-    security policy forbids browsers to load anything else.
+    `template`, `script` and `more_style` (added to the common style) are files in the folder of templates. The page's security
+    policy forbids browsers to load anything else.
     """
     style, style_hash = _inlined("style.css", *([more_style] if more_style else []))
     text, script_hash = _inlined(script) if script else (Markup(), "")

@@ -72,7 +72,7 @@ class CheckText:
 
 
 def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
-    """Format the feedback on one check of the criterion or extension `part`; without feedback, `read` and `again` are ""."""
+    """Format the feedback on a check of the criterion or extension with id `part`; `read` names the step on the sheet of `lab`."""
     lost = tells(check)
     return CheckText(
         outcome=_WORDS[_outcome(check)],

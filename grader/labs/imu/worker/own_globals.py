@@ -28,7 +28,7 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 
 
 def provide_ids(ids: Mapping[str, int]) -> None:
-    """Set the unset globals that student functions read as sensor ids to the ids ``accel`` and ``gyro`` in `ids`.
+    """Set each unset global that student functions read as a sensor id to ``accel`` or ``gyro`` of `ids`.
 
     On the lab sheet, the main program sets these globals; code that relies on that works here, too. Unset means missing or None,
     or negative if one of the student's functions sets the global later.
@@ -114,8 +114,7 @@ def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Itera
 
     Yields
     ------
-    what to report to the student: ``["global imu_data"]`` if the global is set although the function has a parameter for the
-    recording, which it does not use; else an empty list
+    ``["global imu_data"]``, for the report, if the global is set and a parameter for the recording is not used; else an empty list
     """
     owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]

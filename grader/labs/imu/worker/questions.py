@@ -152,8 +152,7 @@ def step_and_shift(model: Any, data: Any) -> None:
 def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """Call the student's `simulate_and_collect` on a model, with data in a used state (not a reset one) if one is given.
 
-    The reply has the returned ``value``, the names of the model's options that the call ``changed``, and the recorded run as
-    ``first_…`` arrays, with which `replay` repeats it.
+    The reply has the returned ``value``, what the call ``changed`` in the model, and the run for `replay` (``first_…`` arrays).
 
     Parameters
     ----------

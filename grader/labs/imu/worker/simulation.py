@@ -183,13 +183,13 @@ _RECORDER: _RunRecorder | None = None
 
 
 def watch_next_run() -> None:
-    """Record the next simulation run. The grader simulates it again elsewhere before it uses the record."""
+    """Record the next simulation run, for `replay`: a worker without student code repeats the run before the grader uses it."""
     global _RECORDER  # noqa: PLW0603 - one process, one submission
     _RECORDER = _RunRecorder()
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """Stop recording and return the run, to repeat it: start, number of steps, states set later, by name; {} if none was recorded."""
+    """Stop recording and return the run by name (start, number of steps, states set later), to repeat it; {} without a run."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
     return course.arrays() if course else {}
