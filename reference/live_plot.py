@@ -101,7 +101,7 @@ def frames(model: mujoco.MjModel, data: mujoco.MjData, traces: list[Trace], dura
 
 
 def canvas(model: mujoco.MjModel, duration_seconds: float, *, start: float) -> tuple[Any, list[Trace]]:
-    """Return a figure with both panels, and the panels' empty lines; the time axis spans the whole plot from `start` (s) on."""
+    """Return a figure with a panel for each sensor, and its empty lines; time runs over the whole plot from `start` (s) on."""
     figure, panels = plt.subplots(2, 1, figsize=(9, 6), sharex=True)
     traces = []
     for axes, (name, label, legend) in zip(panels, PANELS, strict=True):

@@ -33,7 +33,7 @@ Problem = tuple[str, str]
 
 
 class UnfitError(ValueError):
-    """Exception: the model cannot be graded. `problems` are pairs: a rubric key ("path" or a sensor's) and a sentence."""
+    """Exception: the model cannot be graded. `problems` are pairs: "path", "accelerometer" or "gyroscope", and a sentence."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__("; ".join(text for _, text in problems))
@@ -49,7 +49,7 @@ class Robot:
     imu: tuple[str, str]
 
     def about(self) -> dict[str, Any]:
-        """Return the robot's entry in the manifest of traces: file, IMU, sensor ids and time step, as in students' code."""
+        """Return the manifest's entry on the robot: file, IMU, sensor ids and time step of the model that students have."""
         model = mujoco.MjModel.from_xml_string(self.xml)
         ids = [int(model.sensor(name).id) for name in self.imu]
         return {"file": self.file, "imu": list(self.imu), "ids": ids, "timestep": float(model.opt.timestep)}

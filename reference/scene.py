@@ -21,7 +21,7 @@ SPRING_TORQUE = 10.0  # N m, at most, in a random state: a throw, not an explosi
 
 @dataclass(frozen=True)
 class Recording:
-    """The true arrays and scalars of one scenario. `model` is a key of `Bundle.models`, or None where nothing is simulated."""
+    """Correct arrays and scalars of one scenario. `model` is a key of `Bundle.models`, or None where nothing is simulated."""
 
     name: str
     description: str
@@ -92,7 +92,7 @@ def first_line(record: Callable[[Scene], Recording]) -> str:
 
 
 def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
-    """Return random settings for hidden traces: durations of whole time steps, and a `dirty_timestep` unlike `usual_timestep`."""
+    """Return random settings for hidden traces; `dirty_timestep`, for the run on used data, differs from `usual_timestep`."""
     timestep = float(rng.choice([each for each in (0.001, 0.0025, 0.004) if each != usual_timestep]))
     return Settings(
         push_s=round(0.01 * int(rng.integers(100, 151)), 2),
@@ -107,9 +107,9 @@ def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
 
 
 def paced(settings: Settings, timestep: float) -> Settings:
-    """Return the settings for a robot with this time step: durations of 150 to 2,000 whole steps, a shorter `dirty_timestep`.
+    """Return the settings with durations of 150 to 2,000 whole steps, for an instructor's robot with this time step.
 
-    A time step that is longer than the robot's own might not be stable.
+    `dirty_timestep`, for the run on used data, is made shorter than `timestep`: a longer one might not be stable.
     """
     n_steps = min(max(round(settings.push_s / timestep), _FEWEST_STEPS), _MOST_STEPS)
     other = round(timestep * min(settings.dirty_timestep / 0.005, 0.8), 9)

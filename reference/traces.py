@@ -51,7 +51,7 @@ FRAMES = {
 
 
 def fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any]) -> str:
-    """Return a hash of the traces: names, types, shapes and bytes of arrays, then the manifest without `versions` and `sha256`."""
+    """Return a hash of arrays and manifest (without `versions` and `sha256`), by which the grader notices changed files."""
     digest = hashlib.sha256()
     for key in sorted(arrays):
         array = arrays[key]
@@ -72,7 +72,7 @@ def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public", own: Robot 
     seed : str
         Any text. It is written into the manifest of the public bundle only.
     name : str
-        "public" or "hidden".
+        "public", or "hidden" for random settings and robot variants; also the name of the files.
     own : Robot, optional
         The instructor's own robot, in place of the lab's.
 

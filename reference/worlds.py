@@ -127,7 +127,7 @@ def shuffled(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -
 
     Code that uses a wrong address in sensordata never gets right numbers by luck: no address of an IMU sensor is its id, three
     times its id or in `learnt` (addresses of the lab model), and no gyroscope is next to its accelerometer. These wrong addresses
-    are in range: beyond the end, a slice would be cut short without a word where a list of indices raises.
+    lie within sensordata, because a slice beyond its end would be cut short without an error.
     """
     bodies = int(rng.integers(3, 5))
     imus = _imu_names(rng, bodies)

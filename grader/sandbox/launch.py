@@ -41,7 +41,7 @@ _UCRED = struct.Struct("3i")
 
 
 class Zygote:
-    """Handle of a zygote (the warm parent of workers), which starts and isolates the zygote; `await_ready` waits for its imports.
+    """Handle of a zygote, the warm parent of workers; making a handle starts and isolates it, `await_ready` waits for its imports.
 
     Raises
     ------
@@ -222,7 +222,7 @@ class Zygote:
                 self._refused[message["failed"]] = message["reason"]
 
     def spawn(self, printed: Printed, warm: Sequence[str]) -> Sandboxed:
-        """Let the zygote import new modules of `warm`, then fork a worker with its output in `printed`; return the worker's handle.
+        """Let the zygote import modules of `warm` that it lacks, and fork a worker that prints into `printed`; return its handle.
 
         Raises
         ------
@@ -253,7 +253,7 @@ class Zygote:
             raise ZygoteGoneError(self._log_tail()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
-        """Wait for the end of worker `number`, as `spawn` counts them; return its exit code and the CPU seconds that it used.
+        """Wait until worker `number` (1 is the first from `spawn`) ends; return its exit code and the CPU seconds that it used.
 
         Raise ZygoteGoneError if the zygote reports no end within 30 s.
         """

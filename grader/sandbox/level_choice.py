@@ -48,9 +48,10 @@ def caveat(zygote: Zygote) -> str:
 
 
 def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
-    """Start a zygote (the warm parent) on exactly this isolation level; raise IsolationRefusedError if that is impossible here.
+    """Start a zygote (the warm parent) on exactly this isolation level, to run the code `contents`.
 
-    If it is killed before it is isolated, for lack of memory say, it is started once more.
+    A zygote that is killed before it is isolated, for lack of memory say, is started once more. Raise IsolationRefusedError if it
+    is killed again, or if this machine does not allow the level.
     """
     if sys.platform != "linux":
         raise IsolationRefusedError("needs Linux")
@@ -67,7 +68,7 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 
 
 def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
-    """Return a zygote (the warm parent) on the best level that works here, None if no level isolates, and a text for reports.
+    """Return a pair: a zygote (the warm parent) on the best level that works here, or None if no level does; a text for reports.
 
     The text says why no better level works, and what the level in use lacks on this kernel; "" if there is nothing to say.
     """

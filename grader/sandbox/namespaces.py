@@ -44,7 +44,7 @@ def _may_set_ids() -> bool:
 
 
 def enter_as_root() -> None:
-    """Give up root for ever, then enter the namespaces of a zygote (the warm parent), which cannot undo mounts that root made."""
+    """Give up root for ever and enter new namespaces: the zygote (warm parent) then cannot undo the mounts that it made as root."""
     give_up_root()
     linux.unshare(linux.CLONE_NEWUSER | linux.CLONE_NEWNS | _ZYGOTE)
 
@@ -61,7 +61,7 @@ def enter_as_user() -> None:
 
 
 def write_maps(proc: int, uid: int, gid: int) -> None:
-    """Map the host's `uid` and `gid` to `INSIDE_ID` in the user namespace just entered; `proc` is a descriptor of /proc."""
+    """Map the host's `uid` and `gid` to `INSIDE_ID`, the sandbox's only user, in a new user namespace; `proc` is an open /proc."""
     for name, line in (
         ("setgroups", "deny"),
         ("uid_map", f"{INSIDE_ID} {uid} 1"),

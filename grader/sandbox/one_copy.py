@@ -21,7 +21,7 @@ _WITHIN_CPU_S = 300.0
 
 @dataclass(frozen=True)
 class Search:
-    """Result of `search`: how many files could be opened, and up to 100 paths of the grader's among them, best none."""
+    """Result of `search`: how many files could be opened, and up to 100 paths of grader files among them: there should be none."""
 
     opened: int
     found: tuple[str, ...]

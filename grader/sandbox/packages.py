@@ -67,9 +67,9 @@ def shown(folders: tuple[str, ...], libraries: tuple[str, ...] = ()) -> tuple[st
 
 
 def for_students(distributions: Sequence[Installed], libraries: Iterable[str] = ()) -> list[Installed]:
-    """Return the lab's `libraries` and the distributions installed for students, with what these need.
+    """Return the distributions that student code may import: NumPy, matplotlib, the lab's `libraries`, and others with their needs.
 
-    What only the grader needs is left out, unless a person installed it by name.
+    Others are all that the grader does not need or that a person installed by name; the grader and installers (pip) are left out.
     """
     known: dict[str, list[Installed]] = {}
     for one in distributions:

@@ -17,7 +17,8 @@ from typing import Any
 def start(arguments: Sequence[str]) -> Callable[[], None]:
     """Set up an unisolated worker; return the function that answers requests until the socket is closed.
 
-    `arguments` are the socket's descriptor and JSON: code `folders`, `sys.path` (`search`), and whether to `end_with_parent`.
+    `arguments` are the socket's descriptor and a JSON object: ``folders`` of worker code, ``search`` (the `sys.path`), and
+    ``end_with_parent``, whether the kernel kills the worker when the thread that started it ends.
     """
     line, plan = _line(int(arguments[0])), json.loads(arguments[1])
     sys.argv[:] = [""]

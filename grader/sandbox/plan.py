@@ -20,7 +20,7 @@ class Contents:
     worker_code
         A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
     questions
-        The folder of the lab's Python package that answers its own requests, passed as second argument to `warm_up`; None without.
+        Folder of the lab's package that answers its own requests, the second argument of `warm_up`; None if it has none.
     readable
         Further paths that the sandbox shows read-only.
     packages
@@ -42,7 +42,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class Plan:
-    """Set-up of a zygote (the warm parent), its first message. Paths are absolute and, but for `visible`, free of links.
+    """Set-up of a zygote (the warm parent), sent to it first. Paths are absolute and, but for `visible`, free of links.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Plan:
     visible, hidden
         What can be read in the sandbox, and what below that cannot.
     code
-        The modules of `grader.sandbox` that run in the sandbox.
+        Paths of the modules of `grader.sandbox` that run in the sandbox.
     search
         `sys.path` of the sandbox.
     warm, thorough
@@ -61,7 +61,7 @@ class Plan:
     fonts
         Matplotlib's lists of fonts, put into the zygote's cache, as they take 150 ms to make.
     scratch
-        Folders that workers start in, one of them a worker.
+        Folders that workers start in: one for all if each worker mounts its own there, else one for each worker at a time.
     cache
         The zygote's own writable folder.
     decoy

@@ -34,9 +34,9 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return which statement of which file the worker says it is running; "" if closed, or on Windows.
+        """Return the worker's note of the running statement, JSON: [[file, number in the file]], or [] between statements.
 
-        The text is JSON, [[file, number in the file]] or, between statements, []; before the first one it is no JSON.
+        Before the first statement the text is no JSON, and after `close` or on Windows it is ""; callers ignore both.
         """
         if self._file.closed or not hasattr(os, "pread"):
             return ""

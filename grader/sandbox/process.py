@@ -11,7 +11,7 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Return whether this is the main thread: only then may the kernel end a child with its thread, as others end earlier."""
+    """Return whether this is the main thread. The kernel may kill a child with the thread that started it: others end too early."""
     return threading.current_thread() is threading.main_thread()
 
 

@@ -86,7 +86,7 @@ def freeze_cache() -> None:
 
 
 def mount_scratch() -> None:
-    """Mount an empty folder in memory that only this worker can write; it ends with the worker's mount namespace."""
+    """Mount an empty folder in memory at `SCRATCH`, which only this worker can write; it ends with the worker's mount namespace."""
     flags = linux.MS_NOSUID | linux.MS_NODEV | linux.MS_NOEXEC
     linux.mount("tmpfs", SCRATCH, "tmpfs", flags, _SCRATCH_OPTIONS)
 

@@ -108,7 +108,7 @@ class Sandbox:
         return worker
 
     def warm(self, modules: Sequence[str]) -> None:
-        """Import these modules in the zygote (the warm parent) with the next worker, so that later workers start with them."""
+        """Let the zygote (the warm parent), if there is one, import these modules before it forks the next worker, for all new ones."""
         new = [name for name in modules if name not in self._contents.warm]
         self._contents = replace(self._contents, warm=(*self._contents.warm, *new))
 
@@ -246,7 +246,7 @@ class Worker:
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:
-        """Return which statement the worker noted as running (see `Printed.place`), perhaps its last; code can forge this."""
+        """Return which statement the worker noted as running (see `Printed.place`), to find what killed it. Code can forge this."""
         return self._printed.place()
 
     def close(self) -> None:

@@ -77,7 +77,7 @@ def search(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """Return `sys.path` for the level `landlock`: as `search`, but the folder `links` (by `link_packages`) for package folders."""
+    """Return `sys.path` for the level `landlock`: as `search`, with the folder `links` (of `link_packages`) as package folder."""
     return (*_search_whole(shown), links)
 
 

@@ -33,9 +33,9 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
     Parameters
     ----------
     thorough : whether to use each library once, too, because its first use is slow
-    questions : the lab's module that answers its own requests: `HANDLERS`, functions by request name; if it needs them,
-        `sheet_names`, which returns the names that a star import finds in a file of the sheet, `warm_up(thorough)`, and
-        `install(lab_configuration)`, which prepares each worker
+    questions : the lab's own module, whose parts are optional: `HANDLERS` maps names of requests to functions that answer them;
+        `warm_up(thorough)` is called here; `install(lab_configuration)` prepares each worker; `sheet_names` returns what a star
+        import from a file of the lab sheet brings
     """
     global _guard  # noqa: PLW0603 - there is one worker code in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
@@ -51,7 +51,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
 
 def answer(op: str, fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the reply (data, arrays) to request `op`, KeyError if unknown; raise ChangedError if student code replaced ours."""
+    """Return the reply (data, arrays) to request `op`; raise KeyError if unknown, ChangedError if worker code was replaced."""
     reply = _HANDLERS[op](fields, arrays)
     if _guard is not None:
         _guard.check()

@@ -39,7 +39,7 @@ class Slot:
     anywhere: bool = False
 
     def suits(self, parameter: inspect.Parameter) -> bool:
-        """Return whether a parameter can take this argument, by its name and, for a spare, its default (none or of `replaces`)."""
+        """Return whether a parameter's name fits and, for a spare (not on the sheet), its default is absent or of `replaces`."""
         if parameter.name != self.name and not self.meaning.search(parameter.name):
             return False
         needed = parameter.default is parameter.empty
@@ -55,7 +55,7 @@ class CallPlan:
     positions : names of the slots that are passed by position, in order
     names : parameter name -> name of the slot passed to it by keyword
     departs : names of the slots that the function takes out of order, by another keyword, beyond the lab sheet or not at all
-    as_promised : whether the function is called exactly as on the sheet, also where no call fits it
+    as_promised : whether the call is exactly the lab sheet's, because it fits the function or because no call does
     """
 
     positions: tuple[str, ...]
@@ -95,7 +95,7 @@ def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
 
 
 def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
-    """Return whether a function takes a slot (argument), by a fitting parameter or any keyword; True for an unknown signature."""
+    """Return whether a function takes a slot (argument), by a fitting parameter or ``**kwargs``; True for an unknown signature."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):

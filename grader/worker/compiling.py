@@ -101,7 +101,7 @@ def _decoded(source: bytes) -> str:
 
 
 def defined(path: str) -> set[str]:
-    """Return the names that a file or notebook defines at its top level, and required names that it misspells there. No code runs.
+    """Return the names that a file or notebook defines at top level, and the right names of those that it misspells. No code runs.
 
     Of text that does not parse, these are the names after ``def`` or ``class`` at the start of a line; of an undecodable file,
     none.

@@ -59,7 +59,7 @@ _INSTEAD: dict[str, str] = {}
 
 
 def redirect_missing(ending: str, place: str) -> None:
-    """Let `open` read the submission's file `place` for a missing path that ends with `ending`, such as another folder's model."""
+    """Let `open` read the submission's file `place` for a missing path that ends with `ending`, as on a student's computer."""
     _INSTEAD[ending] = place
 
 

@@ -72,9 +72,9 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: import a file or notebook; report its required names, skipped statements, figures and syntax errors.
+    """Answer a request: import a file or notebook; report its definitions of required names, skipped statements, figures, errors.
 
-    ``path`` names it; its statements have ``within_s`` seconds in all.
+    ``fields["path"]`` is the file; its statements have ``fields["within_s"]`` seconds in all.
     """
     del arrays
     path: str = fields["path"]

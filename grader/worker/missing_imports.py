@@ -21,8 +21,8 @@ _BRING_NAMES = ("exec", "globals", "vars", "locals", "setattr", "get_ipython")
 class MissingImports:
     """Names that one file or notebook uses but does not import, supplied by calls of `before`, `after` and `at_end` while it runs.
 
-    A library is supplied before the first statement, or after the last star import, which may bring it along. What another required
-    file (a partner) defines is supplied after the last definition, as the partner may import this file.
+    A library is supplied before the first statement, or after the last star import, which may bring it along. A name from another
+    required file (a partner) is supplied after this file's last definition, because the partner may import this file in turn.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ class MissingImports:
         self.supplied: list[str] = []
 
     def before(self, names: dict[str, Any]) -> None:
-        """Put missed libraries into the namespace `names` before a file's first statement, unless a star import may bring them."""
+        """Put libraries that a file without star imports forgot to import into its namespace `names`, before its first statement."""
         if self._last_star is None:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Put into the namespace `names` the missed names due after statement `node`; note for `at_end` what `node` defines."""
+        """Put forgotten imports into `names` after the last star import or definition; note for `at_end` what `node` defines."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:

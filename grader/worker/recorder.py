@@ -62,8 +62,8 @@ class Recorder:
     ) -> None:
         """Record a figure at an `event` such as "saved", if it is not recorded yet; at most twelve figures per `take`.
 
-        A figure that was empty then, or is saved again, is recorded once more. `target`, `dpi` and `kind` (the format) are those of
-        `savefig`; `seen` is the small picture, if it was drawn already.
+        A figure that was empty when recorded, or is saved again, is recorded once more. `target`, `dpi` and `kind` (the format) are
+        those of `savefig`; `seen` is the small picture, if it was drawn already.
         """
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
@@ -106,7 +106,7 @@ RECORDER = Recorder()
 
 
 def watch(*, read_back: bool) -> None:
-    """Record every figure that is saved, shown, closed or cleared from now on; save pictures in full if `read_back`, else small."""
+    """Record every figure saved, shown, closed or cleared from now on; save small pictures, full ones if student code reads any."""
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backend_bases import FigureCanvasBase

@@ -24,7 +24,7 @@ def define(sources: Mapping[str, str]) -> None:
 def fill(path: str, names: dict[str, Any]) -> None:
     """Put stand-ins (the grader's definitions) into a file's namespace `names` for required names that it should define and lacks.
 
-    These are the names of the file, others whose definition in it failed, and names of required files that were not submitted.
+    The file should define its own names, those of required files that were not submitted, and any that it tried to define.
     """
     lacking = [name for name in STATE.standins if name not in names]
     own = compiling.defined(path) if lacking else set()

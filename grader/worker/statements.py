@@ -148,9 +148,9 @@ class StatementRunner:
         self.noted: list[dict[str, Any]] = []
 
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
-        """Run file `path`'s statements in the namespace `names`, but for those in `skipped`; call `after` with the node of each.
+        """Run file `path`'s statements in the namespace `names`; call `after` with the node of each, failed and skipped ones too.
 
-        Statements that raise, overrun their time or are skipped are added to `noted`.
+        Statements that raise, overrun their time or are listed in `skipped` are added to `noted`.
         """
         names["__builtins__"] = vars(builtins)  # those that all modules share: the worker's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
@@ -291,7 +291,7 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 
 
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
-    """Return a file's top-level statements, each compiled alone, a cell with `await` whole; SyntaxError if one cannot be.
+    """Return a file's top-level statements, each compiled alone, a cell with `await` as one; raise SyntaxError if any is invalid.
 
     `name` is the file name in tracebacks, `flags` those of `compile`: PyCF_ALLOW_TOP_LEVEL_AWAIT says that the text is a cell.
     """

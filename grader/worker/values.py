@@ -28,7 +28,7 @@ def numbers(value: Any) -> np.ndarray:
     """Return an array, a sequence or a number as float64, with NaN for masked values; raise TypeError or ValueError for others.
 
     This is the only rule for what counts as numbers, whatever the lab asks. Complex numbers count if no imaginary part differs from
-    zero, objects such as `Decimal` and `Fraction` if `float` accepts them. Text, booleans, dates and records are no numbers.
+    zero, objects such as `Decimal` and `Fraction` if `float` accepts them. Text, booleans, dates and structured arrays are none.
     """
     if isinstance(value, list | tuple):
         return np.array(value if all(map(_is_plain, value)) else [numbers(part) for part in value], dtype=np.float64)
@@ -66,7 +66,7 @@ def _number(value: Any) -> float:
 
 
 class Packer:
-    """Packer of values that student code returned, for an answer: nodes (dicts with a ``kind``, for JSON) and, by name, `arrays`.
+    """Packer of values that student code returned, into nodes (JSON objects with a ``kind``) and the `arrays` that nodes refer to.
 
     Arrays are called `prefix` and a number, so two packers whose arrays are sent in one message need different prefixes.
     """
@@ -81,7 +81,7 @@ class Packer:
         return key
 
     def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
-        """Describe a value as a node, a dict with a ``kind``. Student code (``__len__``, ``__array__``) may run here and raise.
+        """Describe a value as a node (dict with a ``kind``), its numbers in `arrays`. Student code (``__len__``) may run and raise.
 
         `depth` counts the containers around the value; at four, a container is described as an array or by its type alone.
         """
