@@ -50,7 +50,7 @@ class Trace:
 def live_plot(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds: float = 5.0) -> None:
     """Simulate on from the state in `data` and draw the torso IMU's six channels as they come in, 25 times a second.
 
-    In a window it takes as long as it simulates: where drawing is slow, pictures are left out, not more than for half a second.
+    In a window it runs in real time: where drawing is slow, pictures are left out, for half a second at most.
     Without a window it runs as fast as it can, and nothing is seen.
     """
     figure, traces = canvas(model, duration_seconds, start=data.time)
@@ -101,7 +101,7 @@ def frames(model: mujoco.MjModel, data: mujoco.MjData, traces: list[Trace], dura
 
 
 def canvas(model: mujoco.MjModel, duration_seconds: float, *, start: float) -> tuple[Any, list[Trace]]:
-    """Return a figure with a panel for each sensor, and its empty lines; time runs over the whole plot from `start` (s) on."""
+    """Return a figure with a panel for each sensor, and the panels, empty so far; time runs from `start` (s) to the plot's end."""
     figure, panels = plt.subplots(2, 1, figsize=(9, 6), sharex=True)
     traces = []
     for axes, (name, label, legend) in zip(panels, PANELS, strict=True):

@@ -33,7 +33,7 @@ Problem = tuple[str, str]
 
 
 class UnfitError(ValueError):
-    """Exception: the model cannot be graded. `problems` are pairs: "path", "accelerometer" or "gyroscope", and a sentence."""
+    """Exception: the model cannot be graded. `problems` pairs what is wrong ("path" or a kind of sensor) with a sentence."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__("; ".join(text for _, text in problems))
@@ -160,7 +160,7 @@ def is_steady(model: mujoco.MjModel) -> bool:
 
 
 def all_imus(model: mujoco.MjModel, first: tuple[str, str]) -> tuple[tuple[str, str], ...]:
-    """Return the IMU `first`, which is graded, then every other accelerometer together with the gyroscope at its site."""
+    """Return the IMU `first`, which is graded, then all other pairs of an accelerometer and a gyroscope at one site."""
     accels, gyros = (sensors(model, kind) for kind in _KINDS.values())
     at = {name: int(model.sensor_objid[model.sensor(name).id]) for name in (*accels, *gyros)}
     pairs = [(accel, gyro) for accel in accels for gyro in gyros if at[accel] == at[gyro]]

@@ -21,7 +21,7 @@ SPRING_TORQUE = 10.0  # N m, at most, in a random state: a throw, not an explosi
 
 @dataclass(frozen=True)
 class Recording:
-    """Correct arrays and scalars of one scenario. `model` is a key of `Bundle.models`, or None where nothing is simulated."""
+    """Correct arrays and scalars of a scenario, to judge answers by. `model` is a key of `Bundle.models`, None if not simulated."""
 
     name: str
     description: str
@@ -92,7 +92,7 @@ def first_line(record: Callable[[Scene], Recording]) -> str:
 
 
 def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
-    """Return random settings for hidden traces; `dirty_timestep`, for the run on used data, differs from `usual_timestep`."""
+    """Return random settings for hidden traces; `dirty_timestep`, for a run that reuses MjData, differs from `usual_timestep`."""
     timestep = float(rng.choice([each for each in (0.001, 0.0025, 0.004) if each != usual_timestep]))
     return Settings(
         push_s=round(0.01 * int(rng.integers(100, 151)), 2),
@@ -109,7 +109,7 @@ def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
 def paced(settings: Settings, timestep: float) -> Settings:
     """Return the settings with durations of 150 to 2,000 whole steps, for an instructor's robot with this time step.
 
-    `dirty_timestep`, for the run on used data, is made shorter than `timestep`: a longer one might not be stable.
+    `dirty_timestep`, for a run that reuses MjData, is made shorter than `timestep`: a longer one might not be stable.
     """
     n_steps = min(max(round(settings.push_s / timestep), _FEWEST_STEPS), _MOST_STEPS)
     other = round(timestep * min(settings.dirty_timestep / 0.005, 0.8), 9)

@@ -114,7 +114,7 @@ def _written_out(model: mujoco.MjModel) -> str:
 
 
 def numbers(values: FloatArray) -> str:
-    """Format a vector for MJCF without rounding, which could make an inertia that is just possible impossible."""
+    """Format a vector for MJCF without rounding, because MuJoCo rejects an inertia that rounding made impossible."""
     return " ".join(repr(float(value)) for value in np.atleast_1d(values))
 
 

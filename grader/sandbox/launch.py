@@ -41,7 +41,7 @@ _UCRED = struct.Struct("3i")
 
 
 class Zygote:
-    """Handle of a zygote, the warm parent of workers; making a handle starts and isolates it, `await_ready` waits for its imports.
+    """Handle of a zygote, the warm parent of workers. Making it starts and isolates the zygote; `await_ready` awaits the imports.
 
     Raises
     ------

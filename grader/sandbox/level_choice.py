@@ -68,7 +68,7 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 
 
 def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
-    """Return a pair: a zygote (the warm parent) on the best level that works here, or None if no level does; a text for reports.
+    """Return a zygote (the warm parent) on the best level that works here, or None if no level does; and a text for reports.
 
     The text says why no better level works, and what the level in use lacks on this kernel; "" if there is nothing to say.
     """

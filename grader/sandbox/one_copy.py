@@ -30,8 +30,7 @@ class Search:
 def search(isolation_level: IsolationLevel, libraries: tuple[str, ...] = ()) -> Search:
     """Find out which files a submission could open on this isolation level, and whether copies of the grader are among them.
 
-    This is for `imugrade doctor`. `libraries` are the lab's packages, which a sandbox shows. Raise GraderError if the isolation
-    level cannot be had here.
+    Used by `imugrade doctor`. `libraries` are the lab's packages, which a sandbox shows. Raise GraderError on a refused level.
     """
     # On an isolation level with the host's root, / itself cannot be listed.
     roots = ["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *surroundings.visible((), libraries)]

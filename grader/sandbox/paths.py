@@ -27,7 +27,7 @@ def is_below(path: str, folders: Iterable[str]) -> bool:
 def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
     """Resolve a path's symbolic links: return the path that it leads to, and a pair (link, target) for each link on the way.
 
-    Paths count from the folder `root`, where the host's files lie. The first is None if nothing exists there. A sandbox repeats
+    Paths count from the folder `root`, where the host's files lie. The path is None if nothing exists there. A sandbox repeats
     the links, such as /lib to usr/lib.
     """
     place, waiting = "/", list(PurePosixPath(path).parts[1:])

@@ -61,7 +61,7 @@ class Plan:
     fonts
         Matplotlib's lists of fonts, put into the zygote's cache, as they take 150 ms to make.
     scratch
-        Folders that workers start in: one for all if each worker mounts its own there, else one for each worker at a time.
+        Folders that workers start in: one for all if each worker mounts a new one there, else one for each running worker.
     cache
         The zygote's own writable folder.
     decoy

@@ -11,7 +11,7 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Return whether this is the main thread. The kernel may kill a child with the thread that started it: others end too early."""
+    """Return whether this is the main thread. Other threads end early, and a child can be set to die with its thread."""
     return threading.current_thread() is threading.main_thread()
 
 
@@ -37,7 +37,7 @@ class WallClock:
         return time.monotonic() - self._waited_s
 
     def read(self) -> float:
-        """Return the seconds since this clock was created. It never runs backwards, although the kernel reports a wait late."""
+        """Return the seconds since this clock was created, on Linux without waits for a CPU. The number never decreases."""
         self._read_s = max(self._read_s, self._now() - self._began)
         return self._read_s
 

@@ -108,7 +108,7 @@ class Sandbox:
         return worker
 
     def warm(self, modules: Sequence[str]) -> None:
-        """Let the zygote (the warm parent), if there is one, import these modules before it forks the next worker, for all new ones."""
+        """Let the zygote (the warm parent), if there is one, import these modules before its next fork, for all new workers."""
         new = [name for name in modules if name not in self._contents.warm]
         self._contents = replace(self._contents, warm=(*self._contents.warm, *new))
 

@@ -151,7 +151,7 @@ def zygote() -> str:
 
 
 def font_lists() -> tuple[str, ...]:
-    """Return the files with matplotlib's lists of fonts, at most eight, which a sandbox would need 150 ms to make."""
+    """Return the files with matplotlib's lists of fonts, at most eight, to copy into each sandbox: making them takes 150 ms."""
     folder = os.path.expanduser("~/.matplotlib")
     if sys.platform == "linux":
         folder = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "matplotlib")

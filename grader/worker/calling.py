@@ -106,9 +106,9 @@ def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
 def adapt(
     function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return a function that takes the lab sheet's positional arguments, and the names of the slots in which the original differs.
+    """Return a function that takes the lab sheet's positional arguments, and the names of those that `function` takes otherwise.
 
-    A slot is an argument of the call; `spares` holds values of those that are not on the sheet. A function that can be called as on
+    `slots` are the arguments; `spares` holds the values of those that are not on the sheet. A function that can be called as on
     the sheet is returned unchanged.
     """
     way = plan_call(function, slots)

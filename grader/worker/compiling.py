@@ -103,8 +103,7 @@ def _decoded(source: bytes) -> str:
 def defined(path: str) -> set[str]:
     """Return the names that a file or notebook defines at top level, and the right names of those that it misspells. No code runs.
 
-    Of text that does not parse, these are the names after ``def`` or ``class`` at the start of a line; of an undecodable file,
-    none.
+    Of text that does not parse, only names after ``def`` or ``class`` at a line's start are found; of an undecodable file, none.
     """
     content = Path(STATE.folder, path).read_bytes()
     try:

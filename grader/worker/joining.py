@@ -53,7 +53,7 @@ def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def is_chain(segments: list[Any]) -> bool:
-    """Return whether segments (points (k, 2) each) are one curve, cut for a colour gradient say: eight or more, end to end."""
+    """Return whether segments (points (k, 2) each) are one curve, cut up for a colour gradient, say: eight or more, end to end."""
     if len(segments) < MIN_PIECES or any(len(segment) < 2 for segment in segments):
         return False
     return all(np.array_equal(before[-1], after[0]) for before, after in itertools.pairwise(segments))

@@ -57,7 +57,7 @@ class MissingImports:
         self.supplied: list[str] = []
 
     def before(self, names: dict[str, Any]) -> None:
-        """Put libraries that a file without star imports forgot to import into its namespace `names`, before its first statement."""
+        """Put libraries that a file without star imports forgot to import into its namespace `names`, before it runs."""
         if self._last_star is None:
             self._supply(self._libraries, names)
 
@@ -74,8 +74,7 @@ class MissingImports:
     def at_end(self, names: dict[str, Any]) -> None:
         """Restore in `names` the required functions and classes that the file defined, and then deleted or made uncallable.
 
-        This is done for every file that parses, whether it misses an import or not. The object that the definition made is put
-        back, and reported as a supplied name.
+        The object that the definition made is put back and reported as supplied, also in a file that misses no import.
         """
         for name, made in self._defined.items():
             if isinstance(made, type | FunctionType) and not callable(names.get(name)):

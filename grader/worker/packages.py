@@ -35,7 +35,7 @@ def imported_packages(sources: Iterable[str], paths: Iterable[str], required: It
 
 
 def make_imports_absolute(tree: ast.Module, path: str) -> None:
-    """Make those relative imports of file `path` absolute that reach the submission's top folder, as it is no package."""
+    """Make absolute, in the syntax tree of file `path`, relative imports from the submission's top folder, which is no package."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level > path.count("/"):
             node.level, node.module = 0, node.module or _OWN

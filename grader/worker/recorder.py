@@ -106,7 +106,7 @@ RECORDER = Recorder()
 
 
 def watch(*, read_back: bool) -> None:
-    """Record every figure saved, shown, closed or cleared from now on; save small pictures, full ones if student code reads any."""
+    """Record each figure saved, shown, closed or cleared from now on; save it small, or in full if code will `read_back` files."""
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backend_bases import FigureCanvasBase

@@ -53,7 +53,7 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Replace clocks, process id and random bytes by repeatable ones; code outside `folder`, as of libraries, keeps the real id."""
+    """Replace clocks, process id and random bytes by repeatable ones; code outside `folder`, as of libraries, gets the real id."""
     _LIBRARY.own_folder = folder
     virtual_time.install(CLOCK)
     _replace_clocks()

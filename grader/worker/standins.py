@@ -60,7 +60,7 @@ def misspelled(path: str, units: list[statements.Unit]) -> dict[str, str]:
 
 
 def replace_defined(node: ast.stmt, meant: Mapping[str, str], names: dict[str, Any]) -> None:
-    """Replace what a statement has just defined by the grader's working definition of that name, if there is one.
+    """Replace in the namespace `names` what a statement has just defined by the grader's working definition, if there is one.
 
     `meant` maps misspelled names to right ones.
     """

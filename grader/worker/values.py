@@ -28,7 +28,7 @@ def numbers(value: Any) -> np.ndarray:
     """Return an array, a sequence or a number as float64, with NaN for masked values; raise TypeError or ValueError for others.
 
     This is the only rule for what counts as numbers, whatever the lab asks. Complex numbers count if no imaginary part differs from
-    zero, objects such as `Decimal` and `Fraction` if `float` accepts them. Text, booleans, dates and structured arrays are none.
+    zero, objects such as `Decimal` and `Fraction` if `float` accepts them. Text, booleans, dates and structured arrays do not.
     """
     if isinstance(value, list | tuple):
         return np.array(value if all(map(_is_plain, value)) else [numbers(part) for part in value], dtype=np.float64)
