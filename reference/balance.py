@@ -31,7 +31,7 @@ def missing_forces(model: mujoco.MjModel) -> NDArray[np.float64]:
 
 
 def pads(model: mujoco.MjModel) -> list[int]:
-    """Return the numbers of the geoms that the robot stands on, which their names tell: toe and heel pads."""
+    """Return the ids of the geoms that the robot stands on, its toe and heel pads, found by their names."""
     return [geom for geom in range(model.ngeom) if re.search("_(toe|heel)_", model.geom(geom).name or "")]
 
 
@@ -48,7 +48,7 @@ def settle(model: mujoco.MjModel) -> None:
 
 
 def balanced(text: str) -> str:
-    """Return the model's text with height, pads and springs in balance, and otherwise as it was, comments included."""
+    """Return the MJCF `text` with height, sole pads and springs changed so that the robot's initial pose rests; keep the rest."""
     model = mujoco.MjModel.from_xml_string(text)
     settle(model)
     text = _set_pos(text, r'<body name="pelvis" pos="', model.qpos0[:3])

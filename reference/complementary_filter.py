@@ -72,7 +72,7 @@ class ComplementaryFilter:
         Returns
         -------
         roll, pitch : float
-            In rad; roll in (−π, π], pitch in [−π/2, π/2] but for what the blend adds near the vertical.
+            In rad; roll in [−π, π), pitch in [−π/2, π/2] but for what the blend adds near the vertical.
         """
         tilt = tilt_of(accel)
         if not self._started:

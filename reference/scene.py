@@ -32,7 +32,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Settings:
-    """Durations, rates and noise of the scenarios: by default those of the public traces; `drawn_settings` gives hidden ones."""
+    """Durations, rates and noise of the scenarios: by default those of the public traces; hidden ones have `drawn_settings`."""
 
     push_s: float = 1.2
     dirty_s: float = 0.6
@@ -78,10 +78,7 @@ class Scene:
 
 
 def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
-    """Return a random generator for one purpose of the traces `name`, so that a new scenario changes no other one's numbers.
-
-    The same three texts give the same numbers.
-    """
+    """Return a random generator seeded by these three texts: with its own `purpose`, a new scenario changes no other's numbers."""
     digest = hashlib.sha256("\0".join(("imugrade", name, seed, purpose)).encode()).digest()
     return np.random.default_rng(np.frombuffer(digest, dtype="<u4").astype(np.uint64))
 
@@ -92,7 +89,10 @@ def first_line(record: Callable[[Scene], Recording]) -> str:
 
 
 def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
-    """Return random settings for hidden traces; `dirty_timestep`, for a run that reuses MjData, differs from `usual_timestep`."""
+    """Return random settings for hidden traces, which students never see.
+
+    `dirty_timestep`, for a run that reuses MjData, differs from the robot's `usual_timestep`, so that code with a fixed step fails.
+    """
     timestep = float(rng.choice([each for each in (0.001, 0.0025, 0.004) if each != usual_timestep]))
     return Settings(
         push_s=round(0.01 * int(rng.integers(100, 151)), 2),

@@ -115,7 +115,7 @@ class Shuffled:
 
 @dataclass(frozen=True)
 class Many:
-    """A generated model with many IMUs: its MJCF text, the places that have an IMU, and those of them that have a magnetometer."""
+    """A generated model with many IMUs: its MJCF text, the places ("tail", say) with an IMU, and those with a magnetometer."""
 
     xml: str
     places: tuple[str, ...]
@@ -238,7 +238,7 @@ def _sensors(imus: tuple[tuple[str, str], ...]) -> list[Sensor]:
 def many_imus(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Many:
     """Return a model of free bodies with an IMU each, whose sensors are named as in the lab model but have other addresses.
 
-    Some places have a magnetometer too, and one has an accelerometer alone: that is no IMU. `learnt` is as in `shuffled`.
+    Some places have a magnetometer too; one has an accelerometer alone, which is no IMU. `learnt` are addresses to avoid.
     """
     bodies = int(rng.integers(4, 7))
     chosen = [_MORE_PLACES[i] for i in rng.permutation(len(_MORE_PLACES))[: bodies + 1]]

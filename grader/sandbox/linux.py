@@ -51,7 +51,7 @@ def _checked(result: int, what: str) -> int:
 
 
 def syscall(name: str, *arguments: Any) -> int:
-    """Make the system call `name`, integers as C long; return its result. Raise OSError, or KeyError for an unknown name."""
+    """Make the system call `name`, passing an int as C long; return its result. Raise OSError, or KeyError for an unknown name."""
     values = [ctypes.c_long(a) if isinstance(a, int) else a for a in arguments]
     return _checked(_libc.syscall(ctypes.c_long(NUMBERS[name]), *values), name)
 

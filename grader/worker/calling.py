@@ -108,8 +108,7 @@ def adapt(
 ) -> tuple[Callable[..., Any], list[str]]:
     """Return a function that takes the lab sheet's positional arguments, and the names of those that `function` takes otherwise.
 
-    `slots` are the arguments; `spares` holds the values of those that are not on the sheet. A function that can be called as on
-    the sheet is returned unchanged.
+    `spares` holds values of arguments (`slots`) that are not on the sheet. A function that fits the sheet is returned unchanged.
     """
     way = plan_call(function, slots)
     if way.as_promised:

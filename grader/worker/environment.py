@@ -69,7 +69,7 @@ def is_redirected(path: Any) -> bool:
 
 
 def redirected(path: Any) -> Any:
-    """Return the file to open for a path: the path itself if it exists or has no redirected ending, else its replacement."""
+    """Return the file to open for a path: the path itself, or a replacement by `redirect_missing` if nothing exists there."""
     ending = _ending(path)
     if ending in _INSTEAD:
         try:

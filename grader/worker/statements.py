@@ -227,7 +227,7 @@ class StatementRunner:
         self.noted.append(told | about | {"within": sorted(within)})
 
     def defined(self, names: dict[str, Any]) -> list[str]:
-        """Return the required names that the namespace `names` defines; placeholders of failed imports do not count."""
+        """Return the names required by the lab that the namespace `names` defines; placeholders of failed imports do not count."""
         return [name for name in self.wanted if name in names and not isinstance(names[name], MissingName)]
 
     def _write_place(self) -> None:

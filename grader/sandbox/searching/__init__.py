@@ -22,7 +22,7 @@ def warm_up(thorough: bool) -> None:
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Answer a request: try to open all files below ``fields["roots"]``; return how many were ``opened``, and ``found`` paths.
 
-    The ``found`` paths, at most 100, have a name of the grader's or are sources that hold one of ``fields["phrases"]``. Paths in
+    The ``found`` paths, at most 100, are named like grader files or are sources that hold one of ``fields["phrases"]``. Paths in
     ``fields["own"]``, which every sandbox needs, are passed over; `op` and `arrays` are not used.
     """
     del op, arrays
