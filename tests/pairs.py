@@ -133,7 +133,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = [pair for pair in pairs(options.every) if any(options.only in name for name, *_ in pair)]
     counts = Counter[str]()
     with ProcessPoolExecutor(2) as pool:
-        for each in pool.map(_judged, chosen):
+        for number, each in enumerate(pool.map(_judged, chosen), 1):
+            print(f"{number} of {len(chosen)} pairs judged", end="\r", file=sys.stderr, flush=True)
             counts.update([each.cost, each.named, *each.troubles])
             for trouble in each.troubles:
                 print(f"{' and '.join(each.names)}: {trouble}", flush=True)

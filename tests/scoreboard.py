@@ -226,9 +226,10 @@ def graded_by(marker: Marking, case: Case) -> Verdict:
 
 
 def grade_all(chosen: Sequence[Case]) -> Iterator[Verdict]:
-    """Verdicts in order, with a line for each trouble as it is found."""
+    """Verdicts in order, with a line for each trouble as it is found, and the progress."""
     with ProcessPoolExecutor() as pool:
-        for verdict in pool.map(grade, chosen):
+        for number, verdict in enumerate(pool.map(grade, chosen), 1):
+            print(f"{number} of {len(chosen)} submissions graded", end="\r", file=sys.stderr, flush=True)
             for kind, text in verdict.troubles:
                 print(f"{verdict.case.part}/{verdict.case.name}: {kind}: {text}", flush=True)
             yield verdict
