@@ -35,7 +35,7 @@ class DoctorFinding:
 
 
 def examine(tell: Callable[[str], None]) -> list[tuple[str, list[DoctorFinding]]]:
-    """Try out the isolation levels and the recording of true motions; return all findings about this machine by heading.
+    """Try out the isolation levels and the recording of hidden scenarios; return all findings about this machine by heading.
 
     `tell` is called with a line on what is tried next, because each trial takes some seconds.
     """
@@ -66,7 +66,7 @@ def report(out: Path) -> list[str]:
 
 
 def packages_of(paths: Sequence[Path]) -> list[DoctorFinding]:
-    """Return a finding on each package that submissions import and this machine lacks, or one that it lacks none. No code runs."""
+    """Return a finding on each package that submissions import and this machine lacks; if none, one that says so. No code runs."""
     lab = chosen_lab()
     missing = missing_packages.of_class(read_class(paths, lab.files).entries, rubrics.load(lab))
     lines = missing_packages.lines(missing)

@@ -29,7 +29,7 @@ app = typer.Typer(
 def list_(seed: SeedOption = None, rubric: RubricOption = None) -> int:
     """List the scenarios of the traces, the true motions that grading compares with.
 
-    They are public ones, or with a secret hidden ones. A rubric may name another robot than the lab's.
+    They are the public scenarios, or with --seed the hidden ones. With --rubric, they use the robot that the rubric names.
     """
     from grader.report import truth  # noqa: PLC0415
 
@@ -94,7 +94,7 @@ def record(
     seed: SeedOption = None,
     rubric: RubricOption = None,
 ) -> int:
-    """Write the traces (true motions) as .npz and .json: the public ones, or the hidden ones of a secret.
+    """Write the traces (true motions) as .npz and .json: the public ones, or with --seed the hidden ones.
 
     \b
     Example:

@@ -64,7 +64,7 @@ class Summary:
 
 
 def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
-    """Draw `size` submissions of the class in `out`; write a page and a table for marks into `folder`; return lines on what to do.
+    """Draw up to `size` submissions of the class in `out`; write a page and a table for marks into `folder`; return the next steps.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
 
 
 def write_comparison(lab: Lab, out: Path, folder: Path, files: Sequence[Path]) -> list[str]:
-    """Compare the marks in `files`, one of each person, with the grades in `out`; write a page into `folder`, return lines to show.
+    """Compare the grades in `out` with the marks in `files`, one file per person; write a page into `folder`, return lines to show.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def short_digest(rubric: Rubric) -> str:
 
 
 def summarize(rubric: Rubric, final_grades: Mapping[str, FinalGrade], marks: Sequence[Marks]) -> Summary:
-    """Compare marks, one table of each person, with the final grades (by submission id) of a class that was graded by `rubric`.
+    """Compare marks, one `Marks` per person, with the final grades (by submission id) of a class that was graded by `rubric`.
 
     Raises
     ------

@@ -138,7 +138,7 @@ def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Return the row `title` of the comparison table: how far points and marks are apart in `cells`, which must not be empty."""
+    """Return the row `title` of the comparison table: how far grader and people are apart in `cells`, which must not be empty."""
     apart = [each.apart for each in cells if each.apart is not None]
     distances: dict[str, list[float]] = {}
     for each in cells:

@@ -48,7 +48,7 @@ class Proposal:
     before, after
         Mean distance in points from the marks, with the present and with the proposed deductions.
     unseen
-        `after`, with each submission measured by a proposal made without it: what to expect of work that nobody marked.
+        `after` by leave-one-out, each submission measured by a proposal from the others: what to expect of work that nobody marked.
     unnamed
         The part of `after` in criteria where the grader names no fault, which no deduction can change.
     moved

@@ -55,7 +55,7 @@ class GradingPlugin(WorkerPlugin):
     run
         Name of the plugin, unique to one `grade` command.
     made_by
-        The versions on the machine that distributes the submissions; a worker with others refuses to grade.
+        What `versions` returns on the machine that distributes the submissions; a worker with other versions refuses to grade.
     open_marker
         The pickled pair of marker factory and bounds. It is unpickled only if the versions agree.
     """

@@ -80,7 +80,7 @@ class Draft:
     unmatched: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield lines with the number of grades and the names of people or rows: blank, 0, replaced, locked, unmatched."""
+        """Yield a line with the number of grades, then one for each list that is not empty: its kind, size and names."""
         yield f"graded: {self.graded}"
         named = {
             "blank": self.blank,

@@ -45,8 +45,8 @@ class ClassSettings:
     attempts
         Which of several attempts counts: "latest" or "best".
     traces_sha256, hidden
-        Digest of the scenarios and the robot's model file, to notice a change of either. Whether the scenarios are hidden ones,
-        made from a secret; with the digest, it takes seconds to test one guess at the secret.
+        Digest of the scenarios and the robot's model file, to notice a change of either; whether the scenarios are hidden, made
+        from a secret. A reader of the digest can test guesses at the secret, some seconds each.
     grader
         Version of imugrade.
     isolation
@@ -134,7 +134,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
 
 
 def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
-    """Return the people of the roster who are in none of `hand_ins` (by submission id), to list as missing; none without roster."""
+    """Return the people of the roster who are in none of `hand_ins` (by submission id), to list as missing; empty if no roster."""
     known = {person for hand_in in hand_ins.values() for person in hand_in.people}
     unplaced = roster.place(
         roster_of(settings).people, hand_ins
@@ -229,7 +229,7 @@ def change(
     everyone
         The stored final grade of every submission, by id.
     hand_ins
-        By id of each submission to grade: who handed it in and when, with the new roster; None for one with several attempts.
+        By id of each submission to grade: who handed it in and when, with the new roster; None if there are several attempts.
     """
     differences = causes(old, new)
     if not differences:
@@ -309,7 +309,7 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
 def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
     """Refuse to grade one submission, such as a repaired one, on other scenarios than its class was graded on.
 
-    RequestError if the class, by its settings `old`, has hidden scenarios, and `traces` are recordings of others.
+    RequestError if the class, by its settings `old`, has hidden scenarios, and `traces` are recordings of other scenarios.
     """
     if old is not None and old.hidden and old.traces_sha256 != traces.sha256:
         raise RequestError(

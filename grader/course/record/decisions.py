@@ -18,7 +18,7 @@ _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decis
 
 
 def about(sentence: str, who: Sequence[str] = ()) -> str:
-    """Return a digest of a review queue item: its `sentence` and submission ids; if it changes, the item needs another review."""
+    """Return a digest of a review queue item's `sentence` and submission ids; if it changes, the item needs another review."""
     return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
@@ -28,7 +28,7 @@ def why_empty(result: Result) -> str:
 
 
 def is_reviewed(id_: str, result: Result, reviews: Collection[tuple[str, str, str]]) -> bool:
-    """Return whether `reviews`, keys of `Decisions.reviews`, has one for this empty or unreadable submission: it counts 0."""
+    """Return whether a submission is empty or unreadable and has a key of `Decisions.reviews` in `reviews`, so that it counts 0."""
     return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in reviews
 
 

@@ -172,7 +172,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
-        """Return whether a result with all checks judged is stored or can be made from one by `rubric`, without running code."""
+        """Return whether a result of `key` with all checks judged is stored, or one to regrade by `rubric` without running code."""
         if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
             return True
         with self._errors_in_one_line():
@@ -198,7 +198,7 @@ class Store(Decisions, RepairLog, Drafts):
         return after
 
     def present(self) -> dict[str, Result]:
-        """Return the current result of every submission, by which it counts, by id and in the order of the ids."""
+        """Return the current result of every submission, the one that counts, by submission id in the order of the ids."""
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._errors_in_one_line():
             return {id_: self._parsed(id_, record) for id_, record in self._db.execute(query)}
@@ -221,7 +221,7 @@ class Store(Decisions, RepairLog, Drafts):
         return self._read(unpacked, self.packed_charts(id_))
 
     def packed_charts(self, id_: str) -> bytes:
-        """Return the charts of a submission's current result as stored bytes, to notice that pages are outdated; may be empty."""
+        """Return the charts of a submission's current result as stored bytes, to notice outdated pages; empty without charts."""
         record = self._value("SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?", id_)
         return b"" if record is None else self._read(_blob, record)
 
@@ -248,7 +248,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
-        """Store who handed in a submission and when, in place of the earlier entry; nothing is written if that is equal."""
+        """Store who handed in a submission and when, in place of the earlier entry; nothing is written if both are equal."""
         row = (id_, _hand_in_text(hand_in))
         if self._value("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", *row) is None:
             self._write(_HAND_IN, *row)

@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack the bytes that `pack` made; no files from empty bytes. Damaged bytes raise an error that `database.read` handles."""
+    """Unpack submitted files that `pack` packed; empty bytes hold none. Damaged ones raise an error, for `database.read` to handle."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()
@@ -77,7 +77,7 @@ def source(path: str, content: bytes) -> str:
 
 
 def unshowable(content: bytes) -> str:
-    """Return why the review desk does not show a picture: it is no PNG, or larger than a browser should open; "" if it shows it."""
+    """Return why the review desk does not show a picture: no PNG, or larger than a browser should open; "" if the desk shows it."""
     if not content.startswith(PNG) or content[12:16] != b"IHDR":
         return "it is not a PNG"
     width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))

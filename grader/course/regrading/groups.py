@@ -33,7 +33,7 @@ class Group:
 
     @property
     def what(self) -> str:
-        """Return what a decision on this group is about, such as ``fault: <title>``, as it is stored and listed."""
+        """Return the subject of a decision on this group, as stored: ``fault: <title>``, ``lost: <check>`` or ``alike: <ids>``."""
         kind = {FAULT: "fault", CHECK: "lost", ALIKE: "alike"}[self.kind]
         return printable(f"{kind}: {self.title}", 200)
 

@@ -19,7 +19,7 @@ _NOTE = "There is no submission. A person gave the points."
 
 
 def absent_by_id(store: Store) -> dict[str, Person]:
-    """Return the people of the roster without a submission, by the id under which each can be given points."""
+    """Return the people of the roster without a submission, by ids made from number or name, under which they can get points."""
     return _by_id(store.settings(), store.final_grades())
 
 
@@ -32,7 +32,7 @@ def _by_id(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade
 def blank_grades(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:
     """Return a blank final grade by id for each person of the roster without a submission, so that pages can show them.
 
-    Nothing is stored. `final_grades` holds every submission in the class database; a class without any has no blank grades.
+    Nothing is stored. `final_grades` holds every submission in the class database; if it is empty, there are no blank grades.
     """
     if not final_grades:
         return {}

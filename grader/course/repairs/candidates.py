@@ -49,9 +49,9 @@ class Candidates:
 
 
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
-    """Return up to `most` results of `candidates` from a new process; none if it exceeds its memory or its CPU seconds, `cpu_s`.
+    """Make up to `most` possible repairs in a new process; none if the process exceeds its memory or `cpu_s` seconds of CPU time.
 
-    `content`, `row` and `name` are those of `candidates`.
+    The function `candidates` makes them and explains `content`, `row` and `name`.
     """
     with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)

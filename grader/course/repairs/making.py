@@ -90,19 +90,19 @@ class GradingSettings:
 
     @contextmanager
     def opened(self) -> Iterator[Grading]:
-        """Yield a `Grading` for this process. The sandbox starts when the first submission is graded, and is closed at the end."""
+        """Yield a `Grading` to grade repaired copies by. Its sandbox starts with the first copy and is closed at the end."""
         with ExitStack() as stack:
             marker = cache(lambda: stack.enter_context(self.open_marker()))
             yield self.by(lambda submission, cpu_s=None: marker().mark(submission, cpu_s))
 
 
 def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> str:
-    """Grade a submission with the repair in `request`, and store both; return a line with the grades. The caller writes the pages.
+    """Store the repair in `request` and the repaired copy's result; return a line with both grades. The caller writes the pages.
 
     Raises
     ------
     RequestError
-        If the submission or the file is not there, the patch does not apply, or the repaired copy earns less than the original.
+        If the submission is not there, the request is not valid, or for a reason that `repaired` lists.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
@@ -135,8 +135,8 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPrevie
     Raises
     ------
     RequestError
-        If the submission or the file is not there, the patch does not apply or changes nothing, or the original was not graded by
-        the settings in `grading`.
+        If the submission is not there, the request is not valid, such as a patch that does not apply, or the original was not
+        graded by the settings in `grading`.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
@@ -150,12 +150,12 @@ def preview(out: Path, request: RepairRequest, grading: Grading) -> RepairPrevie
 
 
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Suggestion | None]:
-    """Search for a repair of one place where the code of `who` (id or person), with earlier repairs, fails. Nothing is stored.
+    """Search for an edit that makes the code of `who` (id or person) run, after the repairs in force. Nothing is stored.
 
     Returns
     -------
-    The results before any deduction, without and with the repair, and the suggestion. Without one, both results are the same, and
-    the suggestion is None.
+    The results without and with the edit, before any deduction, and the suggestion. If no edit is found, both results are the
+    same and the suggestion is None.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, who)
@@ -297,7 +297,7 @@ def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
 
 
 def publish(out: Path, who: str, grading: Grading) -> None:
-    """Write the pages of a submission and of its class anew after a repair; `who` is the submission's id or person."""
+    """Write the pages of a submission and its class anew after a repair; `who` is its id or a student's name, e-mail or number."""
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)
@@ -309,7 +309,7 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
-    """Take back the last repair in force of `who` (id or person), the last of `file` unless that is ""; return a line on it.
+    """Take back the last repair in force of `who` (id or person); with `file`, the last of that file. Return a line to show.
 
     `author` is who takes it back. `grading` grades the copy with the other repairs, if any. The caller writes the pages.
 
