@@ -51,7 +51,7 @@ def fault_text(problem: BaseException, *, message: bool = True) -> str:
 
 
 def message_of(problem: BaseException) -> str:
-    """Return the text of an exception; if its `__str__` raises, as an instructor's check may, return a note that says so."""
+    """Return the text of an exception; if its `__str__` raises, as one in an instructor's check may, return a note that says so."""
     try:
         return str(problem)
     except (Exception, SystemExit) as unsayable:

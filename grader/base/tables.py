@@ -44,7 +44,7 @@ def titled(
 ) -> list[tuple[int, dict[str, str]]]:
     """Return (line number, {title: cell}) for each row of a CSV table whose first line holds the column titles, in any order.
 
-    Titles are stripped and in lower case. Columns not in `columns` are kept; blank rows are left out.
+    Titles are stripped and in lower case. All columns are kept, also those not in `columns`; blank rows are left out.
 
     Raises
     ------

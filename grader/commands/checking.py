@@ -62,7 +62,7 @@ def check_on_save(
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
-    """Yield once at the start, then after each change of a file under `path`, once all files are unchanged for a second.
+    """Yield once at the start, then after each change of a file under `path`, when all files have been unchanged for a second.
 
     Hidden files and those in `written`, the reports that the caller writes, do not count. Between two changes `waits` is called
     every `PAUSE_S` seconds. The iterator never ends by itself.

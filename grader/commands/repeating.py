@@ -74,7 +74,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 
 
 def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mapping[str, str]) -> Path:
-    """Write the program `text` as `repro.py`, and beside it the arrays of `questions` and the texts `beside`; return its path.
+    """Write the program `text` as `repro.py`, with the arrays of `questions` and the texts `beside`; return the program's path.
 
     `questions` are recorded calls of student code, which the program repeats. `beside` holds texts by file name. RequestError if
     a folder below `out` is a link: a submission could lead the files elsewhere.

@@ -104,7 +104,7 @@ class Agreement:
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The row's numbers as text for the columns `HEAD` of the table; "–" if `apart` is None, no "±" if `uncertainty` is."""
+        """The row's numbers as text for the columns `HEAD` of the table; if None, `apart` is "–" and `uncertainty` is left out."""
         return (
             str(self.cells),
             "–" if self.apart is None else f"{self.apart:.2f}",

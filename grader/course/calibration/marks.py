@@ -117,7 +117,7 @@ def _number(row: Mapping[str, str], column: str, most: float) -> float:
 
 
 def as_table(cells: Sequence[Cell], marks: Mapping[Cell, Mark], rubric: str) -> str:
-    """Return marks as CSV: a row per (submission id, criterion id) in `cells`, blank if unmarked; a column repeats `rubric`."""
+    """Return marks as CSV: a row per (submission id, criterion id) in `cells`, blank if unmarked; each has `rubric`, a digest."""
     rows: list[Sequence[str]] = [COLUMNS]
     for cell in cells:
         mark = marks.get(cell)

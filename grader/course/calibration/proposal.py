@@ -64,7 +64,7 @@ class Proposal:
     moved: tuple[tuple[str, float, float], ...]
 
     def sentences(self) -> list[str]:
-        """Return sentences on the distance from the marks before and after, the part that no change reduces, and changed grades."""
+        """Return sentences on the effect: distance from marks before and after, the part that no change reduces, changed grades."""
         rest = f"{self.unnamed:.2f} of it lies in cells where no fault is named. No deduction reaches them; read them one by one."
         remains = [rest] if self.unnamed >= 0.005 else []
         if not self.changes:

@@ -46,7 +46,7 @@ class BlindSubmission:
 def draw(results: Mapping[str, Result], size: int) -> list[str]:
     """Return at most `size` ids of submissions to mark by hand, the same for the same results, in an order that reveals no grade.
 
-    Up to a quarter have full points. The others are added one by one, each for its faults and lost criteria that are still rare.
+    Up to a quarter have full points. The rest are chosen one by one, for faults and lost points that the sample lacks so far.
 
     Raises
     ------

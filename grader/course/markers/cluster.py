@@ -51,7 +51,7 @@ def mark_all(
     Parameters
     ----------
     submissions
-        Taken as workers are free, so that a class need not fit into memory. If there is none, no cluster is needed.
+        Taken as workers are free, so that a class need not fit into memory. Without submissions, no cluster is needed.
     open_marker
         Opens a marker, which grades submissions; called in each worker process, so it must be picklable.
     address

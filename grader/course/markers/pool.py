@@ -66,7 +66,7 @@ MarkerAnswer: TypeAlias = "Result | Unmarked | Ended"
 
 @dataclass
 class Task:
-    """A submission being graded, with the reasons of failed attempts; `stopped` is the limit it exceeded, "" if none."""
+    """A submission being graded, with the reasons of failed attempts; `stopped` is the limit that an attempt exceeded, else ""."""
 
     submission: Submission
     reasons: list[str] = field(default_factory=list)
@@ -90,7 +90,7 @@ class Backlog:
     def failed(self, task: Task, reason: str) -> Unmarked | Ended | None:
         """Queue a failed task for another attempt and return None; after the last of `attempts`, return the outcome.
 
-        It is `Ended` if an attempt exceeded a limit on time or memory, else `Unmarked`.
+        The outcome is `Ended` if an attempt exceeded a limit on time or memory, else `Unmarked`.
         """
         task.reasons.append(reason)
         if len(task.reasons) < self._attempts:

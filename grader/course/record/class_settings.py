@@ -134,7 +134,7 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
 
 
 def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
-    """Return the people of the roster who are in none of `hand_ins` (by submission id), to list as missing; empty if no roster."""
+    """Return the people of the roster not named in `hand_ins` (by submission id), to list as missing; empty without a roster."""
     known = {person for hand_in in hand_ins.values() for person in hand_in.people}
     unplaced = roster.place(
         roster_of(settings).people, hand_ins

@@ -28,7 +28,7 @@ def why_empty(result: Result) -> str:
 
 
 def is_reviewed(id_: str, result: Result, reviews: Collection[tuple[str, str, str]]) -> bool:
-    """Return whether a submission is empty or unreadable and has a key of `Decisions.reviews` in `reviews`, so that it counts 0."""
+    """Return whether a submission is empty or unreadable and reviewed: then it counts 0. `reviews` is from `Decisions.reviews`."""
     return result.status in ("empty", "unreadable") and (id_, result.status, about(why_empty(result))) in reviews
 
 

@@ -75,7 +75,7 @@ class Store(Decisions, RepairLog, Drafts):
         super().__init__(out)
 
     def keep(self, key: Key, result: Result) -> None:
-        """Store one result at once, and make it the current one, by which the submission counts."""
+        """Store one result immediately, and make it the current one, by which the submission counts."""
         with self._errors_in_one_line(), self._transaction():
             evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
             self._db.execute(_KEEP, (*astuple(key), result.status, _text(result), *evidence))
@@ -100,11 +100,11 @@ class Store(Decisions, RepairLog, Drafts):
         return None if record is None else self._read(_result, record)
 
     def is_first_search(self, key: Key) -> bool:
-        """Note that a repair was searched for with this key; return whether for the first time, so that a long search runs once."""
+        """Record a search for a repair with this key; return whether it is the first one, so that a long search runs once."""
         return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """Regrade the submission of `key` by `rubric` from a stored result; store the new one as current. None if code must run."""
+        """Regrade the submission of `key` by `rubric` from a stored result; make the new result current. None if code must run."""
         with self._errors_in_one_line(), self._transaction():
             if (found := self._find_regradable(key, rubric)) is None:
                 return None
@@ -172,7 +172,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
-        """Return whether a result of `key` with all checks judged is stored, or one to regrade by `rubric` without running code."""
+        """Return whether a fully judged result of `key` is stored, or one that can be regraded by `rubric` without running code."""
         if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
             return True
         with self._errors_in_one_line():

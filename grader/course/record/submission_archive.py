@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack submitted files that `pack` packed; empty bytes hold none. Damaged ones raise an error, for `database.read` to handle."""
+    """Unpack files that `pack` packed; empty bytes hold none. Damaged bytes raise an error, for `database.read` to handle."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()

@@ -40,7 +40,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Decision:
-    """One decision of a person on several submissions; `made` counts them, `in_force` those without a later override.
+    """One decision of a person on several submissions; `made` is their number, `in_force` that of those without a later override.
 
     `what` is what the submissions have in common, `said` the criterion with its new points, or that it is a comment.
     """

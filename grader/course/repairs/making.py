@@ -79,7 +79,7 @@ class Grading:
 
 @dataclass(frozen=True)
 class GradingSettings:
-    """Settings that repaired copies of a class are graded by; `opened` starts a marker for them, `by` takes one that is open."""
+    """Settings that repaired copies are graded by, for a `Grading` with a new marker (`opened`) or a function that grades (`by`)."""
 
     rubric: Rubric
     traces: Traces
@@ -97,7 +97,7 @@ class GradingSettings:
 
 
 def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> str:
-    """Store the repair in `request` and the repaired copy's result; return a line with both grades. The caller writes the pages.
+    """Grade a copy with the repair in `request`; store repair and result; return the grades as a line. The caller writes the pages.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def suggestion(out: Path, who: str, grading: Grading) -> tuple[RepairPreview, Su
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
-    """Yield lines on a repair suggested for `who` (id or person): points and diff, or that there is none. Nothing is stored."""
+    """Yield lines on a repair suggested for `who` (id or person): points and diff, or that none was found. Nothing is stored."""
     grades, found = suggestion(out, who, grading)
     if found is None:
         yield f"{printable(who, 80)}: no repair to suggest"
@@ -286,7 +286,7 @@ def _final_grade(store: Store, who: str) -> FinalGrade:
 
 
 def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
-    """Return a submission as it was handed in, from the class database; RequestError if code may be missing there."""
+    """Return a submission as it was handed in, from the class database; RequestError if the database may lack some of its code."""
     sha256 = str(final_grade.result.provenance.get("submission_sha256", ""))
     kept = read(unpack, store.files(sha256))
     if not kept.files or kept.more or any(map(is_code, kept.others)):
