@@ -31,7 +31,7 @@ class Prints:
         self._lines.clear()
 
     def lines(self, lab: Lab) -> list[Text]:
-        """Return lines to show: under each criterion's title, from `lab`, what was printed, in order; or that nothing was printed."""
+        """Return lines to show: under each criterion's title, from `lab`, what was printed, in order; or that nothing was."""
         lines = [Text(), Text("Printed by your code")]
         for part, counted in self._lines.items():
             if counted:

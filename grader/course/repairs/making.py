@@ -79,7 +79,7 @@ class Grading:
 
 @dataclass(frozen=True)
 class GradingSettings:
-    """Settings that repaired copies are graded by, for a `Grading` with a new marker (`opened`) or a function that grades (`by`)."""
+    """Settings that repaired copies are graded by, for a `Grading` by a new marker (`opened`) or a function that grades (`by`)."""
 
     rubric: Rubric
     traces: Traces
