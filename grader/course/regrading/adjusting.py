@@ -182,7 +182,7 @@ def person_lookup(store: Store) -> PersonLookup:
 
 
 def listing(store: Store) -> Iterator[str]:
-    """Yield a line on every override, bonus and comment ever made, oldest first, with author and time; or that there is none yet."""
+    """Yield a line on every override, bonus and comment ever made, oldest first, with author and time; or that there is none."""
     decisions, history = store.decisions(), store.history()
     if not history:
         yield "no overrides on record"
