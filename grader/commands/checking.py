@@ -64,8 +64,8 @@ def check_on_save(
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
     """Yield once at the start, then after each change of a file under `path`, when all files have been unchanged for a second.
 
-    Hidden files and those in `written`, the reports that the caller writes, do not count. Between two changes `waits` is called
-    every `PAUSE_S` seconds. The iterator never ends by itself.
+    Hidden files, files that tools leave behind and those in `written`, the caller's reports, do not count. Between two changes
+    `waits` is called every `PAUSE_S` seconds. The iterator never ends by itself.
     """
     ours = {os.path.realpath(each) for each in written}
     marked: object = None

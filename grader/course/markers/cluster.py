@@ -62,7 +62,7 @@ def mark_all(
     Raises
     ------
     RequestError
-        If no cluster answers at `address`, or one of its workers cannot grade this class.
+        If Dask is not installed, no cluster answers at `address`, or one of its workers cannot grade this class.
     GraderError
         If the cluster is lost, or has no worker for `NO_WORKERS_TIMEOUT_S`.
     """
