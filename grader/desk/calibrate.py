@@ -18,7 +18,7 @@ from grader.intake.names import safe_id
 
 
 def show(book: Classbook, web_request: WebRequest) -> Response:
-    """Show the sample of submissions that people mark by hand to check the grader; with `id` in the address, the form for one.
+    """Show the sample of submissions to mark by hand as a test of the grader; with `id` in the query, the form for that submission.
 
     With `compare`, also show how far the grades are from the marks of all people.
     """

@@ -150,8 +150,8 @@ class Classbook:
     ) -> list[RecordedOverride]:
         """Store and return overrides as `adjusting.decide` does, and write the pages of these submissions in the background.
 
-        `seen` is the number of the last override that the author saw: OvertakenError if these submissions have a later one, None
-        skips this. `what` names the group, such as similar code, that the overrides decide on together; "" if there is none.
+        OvertakenError if these submissions have an override later than number `seen`, the last that the author saw; None skips
+        this test. `what` names the group, such as similar code, that the overrides decide on together; "" if there is none.
         """
         known = {**self.final_grades(), **admit(self.store, {each.id for each in overrides})}
         made = decide(self.store, known, overrides, author, seen=seen, what=what)
@@ -172,7 +172,7 @@ class Classbook:
         self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
 
     def mark_by(self, rubric: Rubric) -> None:
-        """Regrade the class by another rubric from stored results, running no code, and write its pages anew in the background."""
+        """Make `rubric` the class's: regrade stored results by it, run no code, and rewrite submission pages in the background."""
         marked = remark(self.out, self.store, rubric)
         self._rubric, self._seen = None, -1
         self._publisher.changed(marked)

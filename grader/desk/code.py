@@ -53,7 +53,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class SubmittedFiles:
-    """Submitted files on a page: text, pictures, `others` by name and size, and how many `more` are not even named."""
+    """Submitted files on a page: text, pictures, name and size of all `others`, and the number of `more` that are not named."""
 
     listings: tuple[Listing, ...]
     pictures: tuple[Picture, ...]

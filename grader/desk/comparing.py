@@ -63,7 +63,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:
-    """Return excerpts of the files with lines whose hash of code is in `shared`, files with most such lines first; 20 at most."""
+    """Return one excerpt for each file with lines whose hash of code is in `shared`, for the 20 files with most such lines."""
     found = []
     for path, content in files.items():
         if path.lower().endswith((".py", ".ipynb")):

@@ -18,7 +18,7 @@ Fields = list[list[str]]
 
 
 def keep(book: Classbook, web_request: WebRequest) -> Response:
-    """Store the fields of a form, which the page's script sends as JSON pairs of name and value; without fields drop the draft."""
+    """Store as a draft the fields of a form, which the page's script sends as JSON pairs of name and value; no fields delete it."""
     form, text = web_request.text("draft"), web_request.text("fields")
     if not _fields(text):
         book.store.drop_draft(web_request.author, form)
@@ -42,7 +42,7 @@ def of_page(book: Classbook, web_request: WebRequest) -> Mapping[str, Fields]:
 def unsaved(book: Classbook, web_request: WebRequest) -> dict[str, str]:
     """Return address and title of each page where text was typed and not sent, to list them on the first page.
 
-    The title is the student's name, or the path.
+    The title is the student's name; on a page about no submission, the path.
     """
     people = {address(each): words.distinct(each) for each in book.final_grades().values()}
     pages = map(_address, book.store.drafts(web_request.author))

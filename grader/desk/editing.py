@@ -14,7 +14,7 @@ _BOM = "\ufeff"
 
 @dataclass(frozen=True)
 class Editable:
-    """The text of a file for the repair editor; `why` says why it cannot be edited here, `note` what a person should know."""
+    """A file's text for the repair editor; `why` says why it cannot be edited ("" if it can), `note` warns if it is not UTF-8."""
 
     text: str = ""
     why: str = ""

@@ -28,7 +28,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 def send(book: Classbook, web_request: WebRequest) -> Response:
     """Send the grades or the reports as a download.
 
-    If a field is wrong, the export page shows the error instead; also if a grade cannot be right and the form lacks `anyway`.
+    Show the form with errors if a field is wrong, or if a grade cannot be right (`contradictions`) and `anyway` is not set.
     """
     feedback = web_request.text("do") == "feedback"
     try:

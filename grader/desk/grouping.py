@@ -64,7 +64,7 @@ def _page(book: Classbook, web_request: WebRequest, group: Group, errors: Mappin
 
 
 def decide(book: Classbook, web_request: WebRequest) -> Response:
-    """Store one override or comment for the selected submissions of a group, or show the form again with its errors."""
+    """Store an override or comment for the selected submissions of a group, such as all with one fault, or show what is wrong."""
     group = _requested_group(book, web_request)
     chosen = [id_ for id_ in group.ids if id_ in set(web_request.all("id"))]
     target, points, comment = map(web_request.text, ("target", "points", "comment"))

@@ -57,7 +57,7 @@ def review_queue(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def class_page(book: Classbook, web_request: WebRequest) -> Response:
-    """Return the desk's page of all submissions and of people without one, with search, filters and sorting."""
+    """Return the desk's page of all submissions, and of people without a submission, with search, filters and sorting."""
     waiting = Counter(id_ for each in queue(book) if each.review is None for id_ in each.ids)
     table = overview.class_table([*book.final_grades().values(), *book.absent().values()])
     return framed(
@@ -73,7 +73,7 @@ def class_page(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def find(book: Classbook, web_request: WebRequest) -> Response:
-    """Go to the page of the submission or person with the id in `who`; if there is none, to the class page with rows that match."""
+    """Redirect to the page of the submission or person with the id in the field `who`; else to the class page, searched for it."""
     who = web_request.text("who")
     if who in book.final_grades() or who in book.absent():
         return RedirectResponse(f"/submission/{quote(who, safe='')}", 303)
@@ -81,7 +81,7 @@ def find(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
-    """Mark items of the queue as reviewed, or open them again; RequestError if one has left the queue."""
+    """Mark items of the queue as reviewed, or open them again; RequestError if an item has left the queue."""
     known = {each.key: each for each in queue(book)}
     looked = [known.get(key) for key in web_request.all("look")]
     found = [(each.id, each.reason.kind, each.reason.about) for each in looked if each]

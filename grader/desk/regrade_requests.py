@@ -95,7 +95,7 @@ def _field(problem: str) -> str:
 
 
 def add(book: Classbook, web_request: WebRequest) -> Response:
-    """Store the requests in a form: one student's text, a JSON file, or a table of many; or show the form with its error."""
+    """Store the regrade requests in a form's text (one request, JSON, or a CSV table), or show the form with its error."""
     try:
         received = list(read(web_request.text("text"), web_request.text("who"), web_request.text("about")))
         requests, unplaced = placed(received, book.final_grades())
@@ -120,7 +120,7 @@ def added(new: int, read: int) -> str:
 def read_in(book: Classbook, path: Path) -> list[str]:
     """Read requests from a JSON, CSV or text file or a folder of these; return lines: how many were added, and why others were not.
 
-    The desk's page offers requests without a student or check to be added by hand. RequestError if a folder has no such file.
+    The desk offers those that name no known student or check, to be added by hand. RequestError if a folder has no such file.
     """
     files = sorted(each for each in path.iterdir() if each.suffix.lower() in _FILES) if path.is_dir() else [path]
     if not files:

@@ -74,10 +74,10 @@ class Job(ABC):
 
     @abstractmethod
     def run(self, grading: Grading) -> None:
-        """Do the work of the job with `grading`, on the thread that grades, while the page waits."""
+        """Do the work of the job on the thread that grades, with `grading`; meanwhile the submission's page shows `step`."""
 
     def grading_step(self) -> str:
-        """Return what the page shows as the present step while a copy is graded; a search for a repair adds which copy it is."""
+        """Return the `step` to show while an edited copy is graded; in a search for a repair, each call counts one more copy."""
         return "Grading the edited copy in the sandbox"
 
     @property

@@ -257,7 +257,7 @@ class PreviewJob(Job):
 
 @dataclass(kw_only=True)
 class SuggestJob(Job):
-    """Job that searches for a repair and puts its text and grade into the form; it fails if none is found. Nothing is stored."""
+    """Job that searches for a repair and puts it, with its grades, into the editor; fails if none is found. It stores nothing."""
 
     out: Path
     tried: int = 0

@@ -84,7 +84,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Item:
-    """One item of the queue: a reason for one submission, for several (`others`) or for the class (no id).
+    """One item of the review queue: a reason to review a submission, several (also `others`), or the class (`id` is "").
 
     `review` is None while the item is open. `gives_zero`: the grade is blank until a person has reviewed the item, and then 0.
     """
@@ -106,7 +106,7 @@ class Item:
 
     @property
     def key(self) -> str:
-        """Return the value by which a form names this item to mark it as reviewed. Kinds, digests and ids contain no slash."""
+        """Return ``kind/about/id``, by which a form names this item to mark it as reviewed. None of the three contains a slash."""
         return f"{self.reason.kind}/{self.reason.about}/{self.id}"
 
 

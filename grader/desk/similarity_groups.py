@@ -18,7 +18,7 @@ class SimilarityGroup:
 
 
 def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
-    """Yield groups of submissions all similar to each other, largest first; every pair of similar ones is in at least one."""
+    """Yield groups of submissions all similar to each other, largest first; each pair in `pairs` is in at least one group."""
     by_ids = {frozenset((pair.first, pair.second)): pair for pair in pairs}
     near: dict[str, set[str]] = {}
     for pair in pairs:

@@ -217,7 +217,7 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
-    """Return what is wrong with an override of `target` for any of these submissions, by form field; empty if it can be stored."""
+    """Return by form field why an override of `target`, such as a check, is refused for any of the submissions; else empty."""
     errors = {} if comment else {"comment": "say why in a comment"}
     for each in final_grades:
         request = OverrideRequest(each.id, target, points, comment, alone=not points)
@@ -242,7 +242,7 @@ def _comments(book: Classbook) -> list[str]:
 
 
 def one(book: Classbook, web_request: WebRequest) -> FinalGrade:
-    """Return the grade of the submission in the address, or the blank one of a person without; RequestError for an unknown id."""
+    """Return the final grade of the id in the address, blank for a person without a submission; RequestError for an unknown id."""
     id_ = web_request.path["id"]
     final_grade = book.final_grades().get(id_) or book.absent().get(id_)
     if final_grade is None:

@@ -33,9 +33,9 @@ class WebRequest:
     query
         The query parameters.
     path
-        The path parameters.
+        The parameters of the route, such as the ``id`` in ``/submission/{id}``.
     address
-        The path of the page.
+        The path of the URL, such as ``/submission/alice``.
     """
 
     author: str
@@ -48,7 +48,7 @@ class WebRequest:
         return (self.form.get(name) or self.query.get(name) or [""])[0].strip()
 
     def number(self, name: str) -> int | None:
-        """Return a form or query field as a whole number; None if it is missing or not one."""
+        """Return a form or query field as a whole number from 0; None if it is missing or holds anything else."""
         text = self.text(name)
         return int(text) if text.isascii() and text.isdigit() and len(text) < 16 else None
 

@@ -90,7 +90,7 @@ class Judge(Generic[Facts]):
     def judge(self, facts: Facts, table: Mapping[str, FaultRow]) -> Mapping[str, Charge | Exception]:
         """Return by check id the deductions of each check that loses points or shows a fault, or the exception that ended it.
 
-        `facts` is the measured record, `table` the lab's fault table by id (see `faults.rows`). Checks that pass are left out.
+        `facts` is the measured record, `table` the lab's fault table by id (see `faults.rows`). Other checks are left out.
 
         Raises
         ------

@@ -94,7 +94,7 @@ class CheckRun:
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:
-        """Return whether to run a check: not if its extension was not attempted, or if the run's `only` is another criterion."""
+        """Return whether to run a check. False for an extension that was not attempted and, if `only` is set, for other parts."""
         asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
         return asked_about and self._only in (None, this.criterion)
 
@@ -245,7 +245,7 @@ class Session:
         return {_check_of(item).id: _check_of(item) for item in self._items}
 
     def run(self, check_run: CheckRun) -> None:
-        """Run the checks that `check_run` wants, by criterion in the lab's order, each with its reruns (`other_partners`)."""
+        """Run the checks that `check_run` wants, one criterion after the other, each followed by its reruns (`other_partners`)."""
         self._examination = check_run
         wanted = [item for item in self._items if check_run.wants(_check_of(item))]
         for criterion, items in itertools.groupby(wanted, lambda item: _check_of(item).criterion):

@@ -204,7 +204,7 @@ class Picture:
     Attributes
     ----------
     size_px : width and height in pixels
-    ink : share of the pixels that have none of the most frequent colours
+    ink : share of the pixels that have none of the four most frequent colours, which count as background
     preview : (h, w) ndarray of uint8, the picture in fewer pixels, as row numbers of `palette`
     palette : (256, 3) ndarray of uint8, red, green and blue
     """

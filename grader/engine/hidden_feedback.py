@@ -48,9 +48,9 @@ def feedback_on(
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that findings (exceptions that end checks) share if their cause is one; None to report each, as in `feedback`.
+    """Return a key that findings (exceptions that end checks) share if their cause is one, as `feedback.cause_key` does.
 
-    The key holds no text of the student's. `part` is the id of the criterion.
+    None for a finding that each check reports for itself. The key holds no hidden data. `part` is the id of the criterion.
     """
     if isinstance(finding, Raised):
         return f"Raised: {part}: {_kind(finding)}"

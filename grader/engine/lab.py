@@ -33,7 +33,7 @@ class Part:
     Attributes
     ----------
     id, title : id and title in the rubric and on all pages
-    names : the functions or classes that a submission must define for it; feedback without a line points to the first
+    names : the functions or classes that a submission must define for it; feedback that names no line points to the first name
     home : the file in which the lab expects the names
     needed : whether other parts use its names. Such a part is graded before the others, and if it lost points, correct code
         (stand-ins) replaces its names for the parts that follow
@@ -63,8 +63,8 @@ class Part:
 class LabFile:
     """A file of the instructor's, such as a robot model, that a rubric names in place of the lab's.
 
-    `file` is its name, `text` its content, `traces` public ground truth recorded with it. `keys` is the path of rubric keys to the
-    line that names it, such as ``("model", "path")``.
+    `file` is its name, `text` its content, `traces` the public ground truth (`Traces`) recorded with it. `keys` is the path of
+    rubric keys to the line that names it, such as ``("model", "path")``.
     """
 
     traces: Traces
@@ -97,11 +97,11 @@ class Lab:
     model : the path of the model file that the sheet's code loads; "" if it loads none
     points_to : by check id, the required name that feedback points to; for a check that is not listed, the first name of its part
     calls : by required name, the source line that calls it, which reports show beside `imugrade repro`; a name may have none
-    waits_for : by operation that the sandbox is asked for, words for it in the message that the grader still waits for its answer
+    waits_for : by operation of the sandbox, such as ``read``, the function of the student's named in "Waiting for ..." messages
     settings : the rubric keys of this lab, each with a function that returns its value; the function gets the file's reader, the
         key's node (None if the key is left out) and the folder that relative paths start from
     plot : draws traces, and a submission's recordings over them, into a folder for `imugrade traces plot`; returns the files
-    recordings : returns what a submission's code records, by scenario, to plot it; calls its last argument with why one is missing
+    recordings : returns a submission's recordings by scenario, to plot; calls its last argument with why a recording is missing
     repeating : name of the module that records a submission's calls and writes the programs of `imugrade repro`; "" without one
     packages : packages that students may import, and whose versions the students' kit pins
     suffixes : suffixes of those files of a submission, code and data, that are copied into the sandbox
@@ -115,7 +115,7 @@ class Lab:
     truth : returns the traces to grade with, from a secret (None: the public traces) and the settings of a rubric
     match : raises RubricError for traces that do not belong to the settings of a rubric
     brought : returns the instructor's file that a rubric's settings name in place of one of the lab's, None if they name none
-    blind_spot : returns what grading with these traces cannot test, in a sentence; "" for nothing
+    blind_spot : returns what grading with given traces cannot test, in a sentence; "" for nothing
     handout : makes the extra files for students from the file that `brought` returned; None stands for the lab's own file
     """
 
@@ -180,7 +180,7 @@ class Lab:
 
     @cached_property
     def examined(self) -> tuple[str, ...]:
-        """The ids of the criteria in the order of grading; extensions come after them."""
+        """The ids of the criteria, without the extensions, in the order of grading."""
         return tuple(part.id for part in sorted(self.parts, key=lambda part: not part.needed))
 
     @cached_property

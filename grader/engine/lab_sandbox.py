@@ -40,5 +40,5 @@ def open_sandbox(
 
 
 def open_sandbox_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Sandbox:
-    """Open a sandbox for one submission. It is ready sooner than `open_sandbox`, as only what its `files` may need is prepared."""
+    """Open a sandbox as `open_sandbox` does, but for one submission: sooner, as only what its `files` may need is prepared."""
     return open_sandbox(lab, isolation_level, libraries=libraries_of(lab, files), thorough=False)

@@ -102,7 +102,7 @@ class Loaded:
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
-    """Return the report on the file `path` from the sandbox's reply to `load`, without the failed statements of imported files."""
+    """Return the report on `path` from the sandbox's reply to `load`; failed statements of files that it imports are left out."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
     misspelled = tuple((name, other) for name, other in frame.fields["misspelled"])
     names, unreadable = frozenset(frame.fields["names"]), StudentError.of(frame.fields["unreadable"])
@@ -168,7 +168,7 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number of recorded and suspected statements; if it grew while a process was asked, asking a new process may help."""
+        """Number of statements to skip, or suspected after a crash; if it grew while one process was asked, a new one may help."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
@@ -196,8 +196,8 @@ class DeadlyStatements:
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
         """Record the statements that a reply reports as interrupted after their time, so that new processes skip them.
 
-        `standins` are the names that correct code replaced in that process. A process with other stand-ins skips the
-        statement, too, unless the code of one of them was running when the statement was interrupted.
+        `standins` are the names that correct code replaced in the process that replied. A process with other stand-ins also
+        skips the statement, unless the statement was interrupted in code that these other stand-ins replace.
         """
         beside = frozenset(standins)
         new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]

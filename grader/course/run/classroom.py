@@ -105,7 +105,7 @@ def change(request: GradeRequest, found: Class) -> Change | None:
     ------
     RequestError
         If the class was graded on hidden scenarios and the request has the public ones, or if the settings change scores and
-        `request.only` names a part of the class.
+        `request.only` limits the run to some submissions.
     """
     if not (request.out / FILE_NAME).is_file():
         return None
@@ -169,7 +169,7 @@ def grade_class(request: GradeRequest, found: Class, progress: ProgressListener)
     Raises
     ------
     RequestError
-        If OUT cannot be written, nothing here isolates students' code, or scores would change without `request.change`.
+        If `request.out` cannot be written, nothing here isolates students' code, or scores would change without `request.change`.
     GraderError
         If no sandbox can be opened.
     """

@@ -15,10 +15,10 @@ from grader.people.roster import NO_ROSTER, Roster
 class GradeRequest:
     """Request of a user to `imugrade grade`: submissions, output folder, rubric, traces (reference recordings) and options.
 
-    An empty `only` grades all; `jobs` None starts one process per core; `force` grades again what has a stored result; `trusted`
-    allows code to run without isolation; `cluster` None grades on this machine. `shape` is the platform whose download each path
-    is, or "folders", None to recognise it. `attempts`, "latest" or "best", chooses the attempt that counts. `change` allows stored
-    scores to change. `at_least` is the weakest isolation level allowed, "" any.
+    `only` are ids, names or e-mails of students to grade, () all; `cluster` is the address of a Dask cluster, None this machine;
+    `jobs` None starts one process per core; `force` grades stored results again; `trusted` allows code to run without isolation.
+    `shape` is the platform that the paths were downloaded from, or "folders", None to recognise it. `attempts`, "latest" or "best",
+    is the attempt that counts. `change` allows stored scores to change. `at_least` is the weakest isolation level allowed, "" any.
     """
 
     paths: tuple[Path, ...]

@@ -43,7 +43,7 @@ _MANY, _SHARE = 3, 0.1
 def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
     """Return the well-known packages (`DISTRIBUTIONS`) that a submission imports, each with the points at risk if it is missing.
 
-    At risk are the criteria whose required names the importing files define, or all criteria if these files define none.
+    At risk are the points of the criteria whose required names the importing files define; of all criteria if they define none.
     """
     sources = {path: text for path, text in submission.files.items() if path.lower().endswith((".py", ".ipynb"))}
     own = {path.rpartition("/")[2].partition(".")[0] for path in submission.files}
@@ -61,9 +61,9 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 
 
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
-    """Return by submission id the well-known packages that are imported and not installed, with points at risk as in `imported`.
+    """Return for each submission, by id, the packages in `DISTRIBUTIONS` that it imports and that student code cannot import here.
 
-    Code is searched as text and not run.
+    Each package has the points at risk, as `imported` counts them. Code is searched as text and not run.
     """
     there = available(rubric.lab)
     with ReadingProcess() as reader:
@@ -72,7 +72,7 @@ def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
 
 
 def failed(result: Result) -> Mapping[str, float]:
-    """Return the well-known packages whose import failed in grading, each with the points that checks lost by exceptions."""
+    """Return the packages of `DISTRIBUTIONS` that failed to import, each with the points that all checks with an exception lost."""
     checks = [check for part in result.parts for check in part.checks]
     texts = (*result.notes, *(check.got for check in checks))
     lost = sum(check.max_points - (check.points or 0.0) for check in checks if check.outcome == "error")
@@ -87,7 +87,7 @@ def many(missing: Missing) -> Missing:
 
 
 def available(lab: Lab) -> set[str]:
-    """Return the names of installed packages that student code can import: the lab's and others, but not the grader's own."""
+    """Return the installed packages that student code can import: those of `Lab.packages` and others, but not the grader's own."""
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders(), lab.packages)}
 
 

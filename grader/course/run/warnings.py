@@ -40,7 +40,7 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
 
 
 def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
-    """Yield warnings: submissions that the platform calls late and the policy does not, and due dates for names in no submission.
+    """Yield warnings: submissions late by the platform but not by the policy, and people with a due date in it but no submission.
 
     There is no warning without a late policy.
     """
@@ -68,7 +68,7 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
 
 
 def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield warnings about submissions that are graded by other files than on record, with the final grades before and after."""
+    """Yield warnings that name the submissions whose graded files a run changed, with their final grades before and after."""
     changed = [
         f"{id_} ({_final(before[id_])} → {_final(now)})"
         for id_, now in after.items()
