@@ -26,7 +26,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Save a person's marks of one submission in a CSV in the output folder, and go on to the next one without marks.
+    """Save a person's marks of one submission in a CSV in the output folder, and go on to the next submission without marks.
 
     With `do=full`, blank fields get full points. A form with a wrong field is shown again, and nothing is saved.
     """

@@ -79,7 +79,7 @@ def submitted_files(kept: Kept, named: Mapping[str, set[int]]) -> SubmittedFiles
 
 
 def named_lines(checks: Iterable[CheckResult], paths: Iterable[str]) -> dict[str, set[int]]:
-    """Return the lines that the feedback of checks names, by file, to mark them; an empty set for a file without any."""
+    """Return the lines that the feedback of checks names, by file, to mark them; an empty set for a file without such a line."""
     named = [check.where for check in checks if check.where is not None]
     return {path: {each.line for each in named if each.file == path and each.line is not None} for path in paths}
 

@@ -279,7 +279,7 @@ class SuggestJob(Job):
 
 @dataclass(kw_only=True)
 class SaveJob(Job):
-    """Job that stores the repair for each submission in `ids`. It fails if the first one does; later failures are only reported."""
+    """Job that stores the repair for each submission in `ids`. It fails if the first one fails; later failures go to `lines`."""
 
     records = True
     book: Classbook

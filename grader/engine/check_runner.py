@@ -267,7 +267,7 @@ class Session:
 
     @pytest.fixture
     def truth(self) -> Traces:
-        """Return the ground truth to check against; pytest passes it to checks as the argument `truth`."""
+        """Return the traces (ground truth) to check against; pytest passes it to checks as the argument `truth`."""
         return self._now.truth
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:

@@ -81,7 +81,7 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that findings (exceptions that end checks) share if their cause is one, so that only one check reports it.
+    """Return a key that findings (exceptions that end checks) share if they have the same cause, so that one check reports it.
 
     None for a finding that each check reports for itself, such as `Charged`. `part` is the id of the criterion. All timeouts of
     a criterion share a key, although their messages differ: each call has less time than the one before.

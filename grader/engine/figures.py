@@ -118,7 +118,7 @@ class Curve:
 
     @cached_property
     def points(self) -> tuple[Array, Array]:
-        """The x and the y of those points of which both are finite; the output of a filter may be NaN while it warms up."""
+        """The x and the y of the points at which both are finite; the output of a filter may be NaN while it warms up."""
         known = np.isfinite(self.x) & np.isfinite(self.y)
         return self.x[known], self.y[known]
 

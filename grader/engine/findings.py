@@ -119,7 +119,7 @@ class Deviation(Generic[Numbers]):
     """How a measured property deviates from what its check asks. A check returns it, and `charging.Judge` deducts points for it.
 
     The judge finds the known fault that explains the deviation, and looks the fault up in the lab's table of deductions and texts
-    (`faults.rows`); without one it looks up the check.
+    (`faults.rows`); without a known fault it looks up the check.
 
     Attributes
     ----------

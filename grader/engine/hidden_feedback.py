@@ -48,7 +48,7 @@ def feedback_on(
 
 
 def cause_key(finding: BaseException, part: str) -> str | None:
-    """Return a key that findings (exceptions that end checks) share if their cause is one, as `feedback.cause_key` does.
+    """Return a key that findings (exceptions that end checks) share if they have one cause, as `feedback.cause_key` does.
 
     None for a finding that each check reports for itself. The key holds no hidden data. `part` is the id of the criterion.
     """

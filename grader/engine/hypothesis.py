@@ -40,7 +40,7 @@ class Reason(Generic[Seen]):
     cost : prior implausibility; the cheapest reason that fits is chosen
     cause : id of the fault in the fault table
     holds : tells whether the fault predicts the measured record
-    beside : whether the fault may hold together with others of the property; then it counts whenever it fits, also if not cheapest
+    beside : whether the fault may hold together with others of the property; then it counts if it fits, even if not the cheapest
     """
 
     of: str

@@ -78,7 +78,7 @@ class Handout:
     """Files and names that `imugrade kit` gives students beside the starter files.
 
     `files` are the extra files by path, `names` strings in the starter files (the lab sheet's sensor names), each with its
-    replacement (those of the class's robot).
+    replacement (the sensor names of the class's robot).
     """
 
     files: Mapping[str, bytes] = field(default_factory=dict)

@@ -22,7 +22,7 @@ _SHIPPED: Mapping[str, str] = {DEFAULT: "grader.labs.imu.lab"}
 
 
 def chosen_lab(on_record: str = "") -> Lab:
-    """Return the lab of a command: that which the variable `IMUGRADE_LAB` names, else that of the graded class, else the shipped.
+    """Return the lab of a command: the one that the variable `IMUGRADE_LAB` names, else the graded class's, else the shipped one.
 
     `on_record` is the id of the lab in a class's record; "" without a class.
 
