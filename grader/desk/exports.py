@@ -28,7 +28,7 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 def send(book: Classbook, web_request: WebRequest) -> Response:
     """Send the grades or the reports as a download.
 
-    Show the form with errors if a field is wrong, or if a grade cannot be right (`contradictions`) and `anyway` is not set.
+    Show the form with errors if a field is wrong, or if a grade cannot be right (`contradictions`) and the field `anyway` is empty.
     """
     feedback = web_request.text("do") == "feedback"
     try:

@@ -60,7 +60,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Evidence that a result carries beside its grade: packed charts for reports, and hashes of code to find similar submissions."""
+    """Evidence that a result carries beside its grade: packed charts for reports, and code hashes to find similar submissions."""
 
     charts: bytes = b""
     fingerprint: tuple[int, ...] = ()

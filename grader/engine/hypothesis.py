@@ -72,7 +72,7 @@ def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """Return the hypothesis that fits `seen` in the first level where any does; None if none does, or several of different cause.
+    """Return the hypothesis that fits `seen` in the first level where any does; None if none does, or if several differ in cause.
 
     Each level holds hypotheses of one cost, the cheapest level first. Later levels are not tried.
     """

@@ -87,7 +87,7 @@ def many(missing: Missing) -> Missing:
 
 
 def available(lab: Lab) -> set[str]:
-    """Return the installed packages that student code can import: those of `Lab.packages` and others, but not the grader's own."""
+    """Return the names of installed packages that student code can import: `Lab.packages` and others, but not the grader's own."""
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders(), lab.packages)}
 
 
