@@ -23,7 +23,7 @@ def unjudged(submission: Submission, request: GradeRequest, reason: str) -> Resu
 
 
 def stopped(submission: Submission, request: GradeRequest, reason: str) -> Result:
-    """Return the result, with `reason` as a note, of a submission that exceeded its time or memory limit twice: all checks earn 0."""
+    """Return the result, with `reason` as a note, of a submission that exceeded its time or memory limit twice: checks earn 0."""
     note = (
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
