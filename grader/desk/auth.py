@@ -33,7 +33,7 @@ HEADERS = {
 
 @dataclass(frozen=True)
 class Keys:
-    """Secrets of one running desk: the token in the printed address, and the cookie that the token is exchanged for.
+    """Secrets of the desk that runs on `port`: the token in the printed address, and the cookie that the token is exchanged for.
 
     Neither reveals the other.
     """

@@ -63,7 +63,7 @@ def address(group: Group) -> str:
 
 @dataclass(frozen=True)
 class Reason:
-    """Reason why a person should look at a submission, or at several (ids in `who`); `file` is the submitted file, if any.
+    """Reason, of a kind in `KINDS`, to look at a submission, or at several (ids in `who`); `file` is the submitted file, if any.
 
     A review is stored under `about`, a digest of `sentence` and `who`: if one of these changes, the item is open again.
     """
