@@ -17,7 +17,7 @@ from grader.engine.submission_session import SubmissionSession
 class PublicSession:
     """Sandbox session about a submission with public data only: its messages hold no hidden data, so students may read them.
 
-    The first use calls `start`, which opens the session. If `start` raises a RequestError or GraderError, there is no public data.
+    The first use calls `start`, which opens the session. If it raises a RequestError or GraderError, the methods give None or [].
     """
 
     def __init__(self, start: Callable[[], SubmissionSession]) -> None:
@@ -26,7 +26,7 @@ class PublicSession:
         self._failed = False
 
     def missing(self, name: str) -> Missing | None:
-        """Return why, with public data, no file defines a function or class of the lab; None if one does, or without an answer."""
+        """Return why, with public data, no file defines the lab's function or class `name`; None if one does or no answer came."""
         student = self._session()
         if student is None:
             return None

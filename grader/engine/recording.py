@@ -39,7 +39,7 @@ class Subject(Protocol):
 
     @property
     def identity(self) -> Sequence[str]:
-        """Values that a recording of this subject depends on, such as its file's digest; they are part of the cache key."""
+        """Values that a recording of this robot depends on, such as its file's digest; the recording's cache key contains them."""
         ...
 
     def options(self, folder: Path) -> list[str]:
@@ -132,7 +132,7 @@ def run(module: Sequence[str], what: str, text: str = "") -> subprocess.Complete
     Raises
     ------
     GraderError
-        If the process cannot be started or exceeds its time; the caller checks the exit code.
+        If the process cannot be started or exceeds `RECORDING_LIMIT_S`; the caller checks the exit code.
     """
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONSAFEPATH"} | {"MPLBACKEND": "Agg"}
     try:

@@ -101,7 +101,7 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check a list of nodes, nested in `depth` others; raise `Wrong` for a bad one, over `most`, or not `exactly` that many."""
+        """Check each node of a list with `node`, at this `depth`; raise `Wrong` for over `most`, or not `exactly` so many."""
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:

@@ -77,7 +77,7 @@ class CheckResult:
         return message_of(self.said, self.expected, self.got)
 
     def with_message(self, sentence: str) -> CheckResult:
-        """Return a copy with this sentence as its message and no place in a file, as after an interruption; `hint` stays."""
+        """Return a copy with this sentence as message and no place in a file, for a check that was not reached; `hint` stays."""
         return replace(self, said=sentence, expected="", got="", where=None)
 
 
@@ -200,7 +200,7 @@ class Result:
 
     @cached_property
     def score(self) -> float:
-        """Points of the criteria. After repairs, what is deducted for them is taken off, but not below the score before them."""
+        """Points of the criteria, minus the deductions for repairs; repairs never make the score lower than it was without them."""
         points = _total(tuple(criterion.points for criterion in self.criteria))
         if not self.repairs:
             return points

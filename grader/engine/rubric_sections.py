@@ -35,7 +35,7 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return what an extension without points of its own is worth, and the cap of all (None: no cap); 0, None without a section."""
+    """Return the points of an extension that names none, and the cap on all extensions (None: no cap); 0, None if no section."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
@@ -92,7 +92,7 @@ def _checks(reader: NodeReader, node: yaml.Node | None, part: str, points: float
 def divided(points: float, weights: Sequence[float]) -> list[float]:
     """Return the points of each check: `points` in proportion to the weights, in hundredths that sum to `points` exactly.
 
-    What is left after rounding down goes to the largest remainders, of equal ones to the first. All 0 if all weights are 0.
+    Points are rounded down; the hundredths left go to the largest remainders, earlier checks first. All 0 if all weights are 0.
     """
     decimals = [Fraction(str(weight)) for weight in weights]
     total = sum(decimals)
@@ -108,7 +108,7 @@ def divided(points: float, weights: Sequence[float]) -> list[float]:
 
 
 def read_limits(reader: NodeReader, node: yaml.Node | None) -> Limits:
-    """Return the limits of CPU time, 0 for a bad value; `reader` collects problems, such as less for a submission than a call."""
+    """Return the limits of CPU time, 0 for a bad value; `reader` collects problems, such as a call's limit above a submission's."""
     keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
     call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
     submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
@@ -185,7 +185,7 @@ _APPLY = {"suggested": True, "none": False}
 
 
 def read_repairs(reader: NodeReader, node: yaml.Node | None) -> RepairPolicy:
-    """Return the repair policy: whether suggested repairs are applied, and the deduction; the default without this section."""
+    """Return the repair policy: whether suggested repairs are applied, and the deduction; without a section `RepairPolicy()`."""
     if node is None:
         return RepairPolicy()
     keys = reader.fields(node, "repairs", ("apply", "deduct"), ())

@@ -139,7 +139,7 @@ class SandboxSession:
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use the submission's own definitions in this context, no correct code in their place; yield a dict of the answers."""
+        """Use only the submission's own definitions in this context; yield, as `beside` does, a dict of the answers given in it."""
         return self.beside(())
 
     @contextmanager
@@ -159,7 +159,7 @@ class SandboxSession:
             self.end_session()
 
     def remember(self, answers: Mapping[Any, Any]) -> None:
-        """Keep answers from a `beside` context for later questions; they replace earlier answers to the same questions."""
+        """Keep the answers that `beside` yielded, by question, for use after its context; they replace earlier answers."""
         self._answers |= answers
 
     def end_session(self) -> None:
@@ -244,9 +244,9 @@ class SandboxSession:
         self._part = part
 
     def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Frame:
-        """Ask the current sandbox process a question and return its reply; `once`, used with it, asks equal questions only once.
+        """Ask the current sandbox process a question, even if asked before, and return the reply; `once` reuses earlier answers.
 
-        `op` names the operation, whose input is `fields` and `arrays`. Its time is accounted to the current criterion.
+        `op` names the operation, whose input is `fields` and `arrays`. The time is accounted to the current criterion.
 
         Raises
         ------
@@ -322,7 +322,7 @@ class SandboxSession:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
     def once(self, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to question `key`; call `ask` only the first time. Its `NoAnswer` or `Missing` is raised again."""
+        """Return the answer to question `key`; `ask` runs only the first time, and its `NoAnswer` or `Missing` is raised again."""
         if key not in self._answers:
             try:
                 self._answers[key] = self.retried(ask)
@@ -334,7 +334,7 @@ class SandboxSession:
         return answer  # type: ignore[no-any-return]
 
     def once_named(self, called: str, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to question `key` as `once` does; charts find it by the name `called`, unless that is ""."""
+        """Return the answer to question `key` as `once` does, so that `stored_answer` finds it by the name `called` (not if "")."""
         if called:
             self._called[called] = key
         return self.once(key, ask)

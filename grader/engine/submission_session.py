@@ -39,7 +39,7 @@ class SubmissionSession(SandboxSession):
     withheld_note = False
 
     def answer(self, question: Question[T], called: str = "") -> T:
-        """Return student code's answer to a question, named `called` for charts; raise `Missing` or `NoAnswer` if there is none."""
+        """Return student code's answer to a question; charts find it as `called`. Raise `Missing` or `NoAnswer` if none comes."""
         return self.once_named(called, question.key, lambda: question.becomes(self._ask_where_defined(question)))
 
     def _ask_where_defined(self, question: Question[Any]) -> Frame:

@@ -68,7 +68,7 @@ class Traces:
 
     @property
     def models(self) -> Mapping[str, str]:
-        """The sources of the models that the scenarios simulate, by key."""
+        """The MJCF texts of the models that the scenarios simulate, by the key in `Scenario.model`."""
         models: Mapping[str, str] = self.manifest["models"]
         return models
 

@@ -54,7 +54,7 @@ class Submission:
     above: Mapping[str, int] = field(default_factory=dict)
 
     def origin(self, path: str) -> str:
-        """Return the path of one of `files` from the submission's top folder, for messages."""
+        """Return the path from the submission's top folder, for messages, of the file that `files` holds under `path`."""
         return outwards(self.folder, self.above.get(path, 0)) + path
 
 

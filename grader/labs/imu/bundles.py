@@ -21,7 +21,7 @@ _UNFIT = 4  # the reference's exit code where a model cannot be graded
 
 @cache
 def shipped() -> Traces:
-    """Return the public traces that lie in the package: of the lab's robot, or in a student's kit of the instructor's robot."""
+    """Return the package's public traces: of the lab's robot; in a student's kit, of the robot that the instructor grades with."""
     return load(beside(__package__, "public.npz"))
 
 
@@ -42,8 +42,9 @@ def obtain(lab: Lab, seed: str | None, cache_dir: Path | None = None, model: Mod
     Raises
     ------
     RequestError
-        If traces have to be recorded where the reference solution is not installed, or the seed is empty; a RubricError with the
-        line of the rubric if the model cannot be graded.
+        If traces have to be recorded where the reference solution is not installed, or the seed is empty.
+    RubricError
+        If the model cannot be graded; the message has the line of the rubric.
     GraderError
         If recording fails. For public traces of the lab's robot, the shipped ones are returned instead.
     """

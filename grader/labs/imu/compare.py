@@ -115,7 +115,7 @@ def distinct_texts(wanted: Array, got: Array) -> tuple[str, str]:
 
 
 def changed(disturbance: Array) -> NDArray[np.bool_]:
-    """Return a mask (4,): which of time, qpos, qvel, sensordata a call changed, by the size of each change (NaN counts as one)."""
+    """Return a mask (4,): which of time, qpos, qvel, sensordata a call changed, from the sizes of the changes (NaN: changed)."""
     return np.asarray(~(disturbance <= NO_CHANGE))
 
 

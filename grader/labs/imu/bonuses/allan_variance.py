@@ -171,7 +171,7 @@ def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_
 
 
 def meaning(records: Sequence[Record], rate: float) -> Meaning:
-    """Return the estimate and the unit of time that explain the curves of all records; `fault` is None if none explains them.
+    """Return the fault and the unit of time that explain the curves of all records; `fault` is None if nothing explains them.
 
     White noise alone is not enough: a missing factor one half looks like averaging times that are twice too long.
     """
@@ -248,7 +248,7 @@ class Allan:
 
 
 def measure(student: Student, truth: Traces) -> Allan:
-    """Ask for the Allan deviation of five records, of three axes together, and of each of these axes alone; return the answers."""
+    """Ask for the curves of five noise records, of three axes together, and of each of these axes alone; return the answers."""
     scenario = truth["allan"]
     rate = float(scenario.scalars["sample_rate_hz"])
     runs = {kind: allan(student, scenario[kind], rate) for kind in dict.fromkeys((*_RECORDS, *KINDS))}

@@ -138,7 +138,7 @@ class Tilt:
     level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; odd : the first such value, in words
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
     errors, alone : by check, the filter's RMS error in that check's motion, and the error of each sensor by itself, in rad
-    response : outputs after single changes of each sensor; None if some are missing
+    response : outputs after a turn about x, a turn about y, and a tilt; None if some are missing
     stopped : by check, the exception that is raised in its place because its property could not be measured
     """
 
@@ -157,7 +157,7 @@ class Tilt:
 
 
 def measure(student: Student, truth: Traces) -> Tilt:
-    """Run the filter at rest, in three motions (each with a time limit of its own) and over single changes; return the `Tilt`."""
+    """Run the filter at rest, in three motions (each with its own time limit), and for two turns and a tilt; return the `Tilt`."""
     level, *still = tilt(student, _at_rest(truth["tilt_start"]))
     stops: dict[str, Exception | None] = {
         LEVEL: level.raised,

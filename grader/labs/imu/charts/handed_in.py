@@ -10,7 +10,7 @@ from grader.engine.figures import Picture
 
 
 def chart(name: str, picture: Picture | None) -> Chart | None:
-    """Return a chart of the handed-in file `name` as the sandbox decoded it; None if it was not looked at or is unreadable."""
+    """Return a chart of `picture`, the decoded handed-in file `name`; None without a picture, as for an unreadable file."""
     if picture is None:
         return None
     width, height = picture.size_px

@@ -111,7 +111,7 @@ class Explained:
         return self.ends_at_once or self.last_alone
 
     def counts_by(self, fault: str) -> bool:
-        """Return whether the recordings' numbers of rows show this fault, an id from `counting_fault`; False without a second."""
+        """Return whether both recordings' row counts show this fault, an id from `counting_fault`; False if the second failed."""
         first, second = self.facts.push, self.facts.later
         if second is None or not (first.length or second.length) or self.few_rows_follow:
             return False
@@ -139,7 +139,7 @@ class Explained:
 
     @property
     def keeps_timestep(self) -> Run | None:
-        """The run whose stamps have the time step of another model, the fault `hard-coded-timestep`; None if no run has."""
+        """The run whose stamps have the time step of the students' model or of the other run, not its own; None if none has."""
         push, later = self.facts.push, self.facts.later
         if self.stamps_off > TIME_ATOL:
             return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
@@ -150,7 +150,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether another fault explains wrong stamps: not one for each row, one filled row, or a state set in each step."""
+        """Return whether another fault explains wrong stamps: fewer or more than rows, one filled row, or a state set each step."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -221,7 +221,7 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows are off by less than a real sensor's noise: altered numbers then cost only half."""
+        """Return whether both sensors' rows are within the sheet's noise of `true_rows`, so that altering the rows costs half."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
@@ -342,7 +342,7 @@ class Explained:
 
     @property
     def another_push(self) -> str:
-        """How the first run starts, in words, if not with the lab sheet's push; "" if with it, so that `applies_push` passes."""
+        """How the first recording starts, in words, for the check `applies_push`; "" if with the lab sheet's push or if unknown."""
         if self.pushed_apart and self.push_claim is not None:
             first, second = map(velocities_in_words, self.facts.velocities)
             return f"a recording that starts with {first}, and the next one with {second}"

@@ -41,7 +41,7 @@ _STAMPS = "time stamps; the returned value has none"
 
 
 def measured(student: Student, truth: Traces) -> Explained:
-    """Return the facts about two recordings by `simulate_and_collect`, and where the rows of each come from.
+    """Return the facts about two recordings by `simulate_and_collect`, and which simulated run each recording's rows come from.
 
     The student's code makes further recordings only if these two leave the cause of a fault open.
     """
@@ -72,7 +72,7 @@ def measured(student: Student, truth: Traces) -> Explained:
 
 
 def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
-    """Return where the rows of `run`, recorded in scenario `name`, come from (None if unknown), and `run` with simulations added.
+    """Return which simulated run the rows of `run` (scenario `name`) come from, None if unknown, and `run` with simulations added.
 
     The run of right code is tried first, then runs simulated from the start that the worker reports. If both predict the rows, the
     run of right code counts.

@@ -73,7 +73,7 @@ class Claim:
 
     @property
     def push(self) -> str:
-        """How the start differs from the lab sheet's push (``qvel[0] = 0.5``, once, at the start), in words; "" if it does not."""
+        """How the run starts, in words, if not with the lab sheet's push (``qvel[0] = 0.5``, once, at the first step); else ""."""
         pushed = np.flatnonzero(np.abs(self.qvel) > SAME_STATE)
         later = f"before step {self.set_at[0] + 1:.0f}" if len(self.set_at) else ""
         if self.force.any():
@@ -107,7 +107,7 @@ class Run:
     worlds : sensor values in each simulated run: name -> (acceleration, angular velocity), each (rows, 3)
     duration_s, model_timestep : duration and time step (s) that the function was called with
     model_steps : the number of steps in this duration
-    claim : the start from which all worlds but `TRUE_WORLD`, the run of right code, were simulated; None if that is the only one
+    claim : the start from which worlds were simulated besides `TRUE_WORLD`, the run of right code; None if there are no such worlds
     """
 
     series: Collection
@@ -222,8 +222,8 @@ def _run(series: Collection, scenario: Scenario, before: Collection | None = Non
 def with_claim(student: Student, truth: Traces, run: Run) -> Run:
     """Return the run with simulated runs (worlds) from the start that the worker reported, one of which may explain the rows.
 
-    No student code runs. Each world has the readings of other sensors: the right ones, those of another IMU, the last one (id -1),
-    or those with the ids of the students' model. If no start was reported, or it cannot be simulated, the run is unchanged.
+    No student code runs. The worlds differ in the sensors that are read: the right ones, those of another IMU, the last one
+    (id -1), or those with the ids of the students' model. Without a reported start that can be simulated, the run is unchanged.
     """
     start = run.series.first_step
     if not start:
@@ -268,7 +268,7 @@ _OTHER_PUSHES = ((0, 0.0), (0, _PUSH / 2), (0, 2 * _PUSH), (0, -_PUSH), (1, _PUS
 
 
 def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
-    """Return the run with one more simulated run: what the student's own `get_imu_readings` reads from the reported start on.
+    """Return the run with another simulated run, from the start that the worker reported, read by the student's `get_imu_readings`.
 
     Rows that match it are no fault of the recording. If the function fails, the run is unchanged.
     """
@@ -312,7 +312,7 @@ def _with_simulation(student: Student, truth: Traces, series: Collection) -> tup
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Return the starting velocities (nv,) of `push` and a second run, which differ if the push is random; () if one is unknown."""
+    """Return starting velocities (nv,) of `push` and a new run, which differ if the push is random; () unless both are known."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()
@@ -337,9 +337,8 @@ def rows_left(series: Collection, before: Collection | None = None) -> int:
 
     Parameters
     ----------
-    before
-        The earlier recording in the same process; None for the first one. If its rows are not there, the recording itself is
-        searched for the same rows twice: the file may have recorded once when it was imported.
+    before : the earlier recording in the same process; None for the first one. If `series` does not begin with its rows, `series`
+        is searched for the same rows twice: the file may have recorded once when it was imported
     """
     if series.time is None or series.acceleration is None or series.angular_velocity is None:
         return 0
