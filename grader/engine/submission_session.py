@@ -184,8 +184,8 @@ class SubmissionSession(SandboxSession):
     def note(self, text: str, hidden: GraderText | None = None) -> None:
         """Add a note to the report, unless it is there already.
 
-        When hidden scenarios are graded, `hidden` replaces `text` (None: `text` stays), and only `GraderText`, a constant of the
-        grader's code, is added. Any other text may hold hidden data; `PublicSession` then provides the notes about loading.
+        When hidden scenarios are graded, `hidden`, if given, replaces `text`, and only a `GraderText` (a constant of the grader's
+        code) is added. Other text is dropped, as it may hold hidden data; `PublicSession` then provides notes about loading.
         """
         said = hidden or text
         if self.secret and not isinstance(said, GraderText):

@@ -98,7 +98,7 @@ def _shortened(name: str, limit: int) -> str:
 
 
 def distinct_ids(names: Iterable[str]) -> list[str]:
-    """Return a safe folder name for each name, in order; names that would share one, but for case, are numbered (``-2``, …)."""
+    """Return a safe folder name for each name, in order; folders that would be equal, apart from case, are numbered (``-2``, …)."""
     names = list(names)
     ids: list[str] = []
     # A name that is safe as it stands keeps its id, even if the number of another would fall on it.

@@ -54,7 +54,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Finite averaging times and deviations (k,) of the first column, sorted by time, at most 200; None if none came."""
+        """Finite averaging times and deviations (k,) of the first column, sorted by time, at most 200; None if not returned."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))

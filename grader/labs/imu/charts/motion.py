@@ -15,7 +15,7 @@ _AXES = ("x", "y", "z")
 
 
 def chart(series: Collection | None, truth: Scenario) -> Chart | None:
-    """Return the chart of recorded and true readings for the report; None if nothing was recorded of either sensor."""
+    """Return the chart of recorded and true readings for the report; None if neither sensor has two rows."""
     if series is None:
         return None
     told = [
