@@ -35,7 +35,7 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """Protocol of what an instructor provides in place of the lab's robot: the recorder simulates it to record ground truth."""
+    """Protocol of a robot that an instructor provides in place of the lab's: the recorder simulates it to record ground truth."""
 
     @property
     def identity(self) -> Sequence[str]:

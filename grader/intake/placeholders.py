@@ -10,7 +10,7 @@ _HTML = re.compile(rb"\s*<(!doctype html|html)\b", re.IGNORECASE)
 
 
 def placeholder(path: str, content: bytes) -> str:
-    """Return what was handed in instead of a file (a Git LFS pointer, a web page), and what to do; "" for a real file."""
+    """Say for a note what was handed in instead of a file (a Git LFS pointer, a web page), and what to do; "" for a real file."""
     if re.fullmatch(r"\..+\.icloud", path.rpartition("/")[2]):
         return "iCloud had not downloaded the file (open it once in Finder, then hand in again)"
     if not is_code(path):

@@ -125,7 +125,7 @@ class Response:
 
     @property
     def follows_at_once(self) -> bool:
-        """Return whether the first output has nearly all of the tilt, as if the accelerometer had the gyroscope's 0.98."""
+        """Return whether the first output has nearly all of the tilt, as if the accelerometer had the gyroscope's weight, 0.98."""
         return bool(np.all(np.abs(self.first - 0.98) < 0.015))
 
 

@@ -150,7 +150,7 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether another fault explains wrong stamps: fewer or more than rows, one filled row, or a state set each step."""
+        """Return whether another fault explains wrong stamps: not one stamp a row, one filled row, or a state set in each step."""
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -221,7 +221,7 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows are within the sheet's noise of `true_rows`, so that altering the rows costs half."""
+        """Return whether both sensors' rows differ from `true_rows` by at most the sheet's noise: altering them costs half."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
