@@ -22,9 +22,9 @@ def brought(lab: Lab, model: Model) -> LabFile | None:
 
 
 def handout(lab: Lab, own: LabFile | None) -> Handout:
-    """Return what a kit (the folder for students) gets for a robot: model, tables of motions, and its names in the starter files.
+    """Return what a kit (the folder for students) gets for a robot: its model, tables of its motions, names for the starter files.
 
-    `own` is the instructor's robot, whose path and sensors replace the lab's in these files; None stands for the lab's robot.
+    `own` is the instructor's robot, whose path and sensor names replace the lab's in the starter files; None is the lab's robot.
     """
     traces = own.traces if own else shipped()
     robot = robot_of(traces)

@@ -26,10 +26,10 @@ CALL_REASONS: tuple[Reason[Any], ...] = tuple(Reason(fault, 1, fault, lambda _: 
 def departures(
     name: str, departs_of: Callable[[Facts], Sequence[str]]
 ) -> Mapping[str, Callable[[Facts], Deviation[Departure] | None]]:
-    """Return, for the id of each fault in `FAULTS`, a function that tests the student's function or class `name` for that fault.
+    """Return, by the id of each fault in `FAULTS`, a test for that fault in the student's function or class `name`.
 
     The test gets a criterion's facts and returns a `Deviation`, or None without the fault. `departs_of` takes from these facts the
-    lab sheet's names of the parameters, methods and globals that the student's code has otherwise.
+    lab sheet's names of parameters and methods that the student's code renames, moves or replaces by globals.
     """
 
     def measure_of(fault: str) -> Callable[[Facts], Deviation[Departure] | None]:

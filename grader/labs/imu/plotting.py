@@ -37,7 +37,7 @@ _FURTHER = 3  # programs that are run to see what they draw
 class Plotting(SubmissionSession):
     """Session with the sandbox that runs a submission's plotting code and returns what it draws, for the criterion *Visualization*.
 
-    `truth` holds the model that is graded; scripts find that model at the path from which the lab sheet loads it.
+    `truth` holds the MuJoCo model on which code is graded; scripts find it at the path from which the lab sheet loads its model.
     """
 
     def __init__(self, sandbox: Sandbox, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
@@ -232,7 +232,7 @@ class Plotting(SubmissionSession):
             return None
 
     def further_scripts(self) -> list[str]:
-        """Return up to three scripts beside the lab's files: they call `savefig`, or no file imports them; [] if no file saves."""
+        """Return up to three more scripts to run: those with `savefig`, then those that no file imports; [] if no file has it."""
         code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
         saving = {path for path, content in code.items() if b"savefig" in content}
         if not saving:

@@ -70,7 +70,7 @@ class Asked:
 
     @property
     def import_line(self) -> str:
-        """The line with which the program imports the student's file, even `imu-reader.py`, which `import` cannot name."""
+        """The line of the generated program that imports the student's file, even `imu-reader.py`, which `import` cannot name."""
         if self._can_be_imported:
             return f"import {self.module}"
         return f"{self.module} = importlib.import_module({self._dotted!r})"
@@ -126,7 +126,7 @@ class Recorder(Student):
 
 
 class Watched(CheckRun):
-    """Run of the checks that tells the session, a `Recorder`, when a check begins, so that it knows who asks for a call."""
+    """Run of the checks that tells the session, a `Recorder`, which check begins, so that it records each check's calls."""
 
     def begin(self, this: Check) -> None:
         self.student.now = this.id  # type: ignore[attr-defined] # a Recorder
@@ -158,7 +158,7 @@ def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -
     Parameters
     ----------
     said : the feedback of the check, which becomes the program's docstring
-    questions : the calls of the check; Python must be able to import their files
+    questions : the calls of the check, all of ``.py`` files, because the program imports the files that it calls
     folder : relative path from the program to the student's files
     """
     lines = [

@@ -35,7 +35,7 @@ def numbers(node: Node | None, arrays: Arrays) -> Array | None:
 
 
 def shape_in_words(node: Node | None, arrays: Arrays) -> str:
-    """Describe the form of a returned value in words, such as ``a tuple of 2 (an array of shape (3,), a number)``."""
+    """Describe in words a returned value (None: nothing), such as ``a tuple of 2 (an array of shape (3,), a number)``."""
     if node is None:
         return "nothing"
     kind = node["kind"]

@@ -55,7 +55,7 @@ def mean_bound(values: int, sigma: float) -> float:
 def correlation_bound(values: int) -> float:
     """Return the largest correlation of independent normal samples that chance explains (Fisher's z); 0.135 for 2,500 values.
 
-    A correlation of 0.2 is outside with probability 0.9996.
+    2,500 values whose true correlation is 0.2 exceed that bound with probability 0.9996.
     """
     return math.tanh(Z / math.sqrt(values - 3))
 
@@ -69,7 +69,7 @@ def geary(standardised: Array) -> float:
 def geary_bounds(values: int) -> tuple[float, float]:
     """Return (low, high), within which chance keeps Geary's ratio (see `geary`) of normal samples: nine standard errors each way.
 
-    By the normal approximation, which is poor in the far tail, 6.8 would do. With 7,500 values the bounds are 0.798 ± 0.022: a
+    `Z`, 6.8, would be too few: the ratio is not normal in the far tail. With 7,500 values the bounds are 0.798 ± 0.022: a
     uniform (0.866), a Laplace (0.707), an exponential (0.736) and a two-point law (1) are outside with probability > 0.9999.
     """
     centre, error = math.sqrt(2 / math.pi), math.sqrt((1 - 3 / math.pi) / values)
@@ -79,8 +79,8 @@ def geary_bounds(values: int) -> tuple[float, float]:
 def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return two pairs (standard deviation, mean absolute deviation): of unit normal noise clipped to ± `cut`, and redrawn outside.
 
-    Clipped: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; redrawn: without Q and divided by P, where p is the
-    density, P the probability of ± c and Q that of more than c (by parts).
+    Clipped at c = `cut`: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; redrawn: without Q and divided by P. Here
+    p is the normal density, P the probability of |x| < c, and Q that of x > c (by parts).
     """
     inside, beyond = float(2 * special.ndtr(cut) - 1), float(special.ndtr(-cut))
     top, edge = 1 / math.sqrt(2 * math.pi), math.exp(-(cut**2) / 2) / math.sqrt(2 * math.pi)

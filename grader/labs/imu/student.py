@@ -105,7 +105,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return what the student's `get_imu_readings` reads (steps, 6) in the run `course`, as of `replay`; None if it fails."""
+        """Return what `get_imu_readings` reads (steps, 6) after each step of `course` (see `replay`); None if that fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -164,7 +164,7 @@ class Student(Plotting):
         }  # fmt: skip
 
     def filter(self, cases: Sequence[FilterCase], called: str = "") -> list[FilterRun]:
-        """Return the output of a new `LowPassFilter` for each case, in the same order; in `error`, what it raises."""
+        """Run a new `LowPassFilter` for each case, in order; in `error`, what it raises. Charts find the runs by `called`."""
         arrays: dict[str, np.ndarray] = {}
         rows = []
         for number, case in enumerate(cases):

@@ -66,7 +66,7 @@ class RowOrigin:
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether this origin predicts a recording's rows; False for too few. Zeros at the end count only if `altered`."""
+        """Return whether this origin predicts a recording's rows (without zeros at the end, unless `altered`); False if too few."""
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -120,7 +120,7 @@ def moves(true: Array, atol: float, rows: Rows) -> bool:
 
 
 def explain(run: Run) -> RowOrigin | None:
-    """Return the simplest `RowOrigin` that predicts a recording's rows; None without, or if equally simple ones differ in cause."""
+    """Return the simplest `RowOrigin` that predicts a recording's rows; None if none does, or the simplest differ in cause."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 
@@ -211,8 +211,8 @@ def affine(got: Array, true: Array) -> Array | None:
 def time_error(time: Array, timestep: float, origin: RowOrigin) -> Array:
     """Return the error (n,), in seconds, of each time stamp against the right series of stamps.
 
-    The series may start at 0, after any step of the first row, or after the first samples if these are missing; the nearest start
-    counts. If rows are not equally far apart (`origin.at`), each row's right stamp is the time after its step.
+    The first stamp may be 0, the time after any of the steps of the first row, or a later one if the first samples are missing; the
+    nearest counts. If rows are not equally far apart (`origin.at`), each row's right stamp is the time after its step.
     """
     if origin.at:
         return np.abs(time - timestep * (np.array(origin.at) + 1.0)[: len(time)])

@@ -226,7 +226,7 @@ def _from_zero(facts: Facts) -> bool:
 
 
 def ignores_initial(run: Run) -> bool:
-    """Return whether the first output shows that the initial value was ignored: the measurement itself, or one filtered from zero.
+    """Return whether the first output shows that the initial value was ignored: the first measurement as it is, or times alpha.
 
     False if the run was given no initial value, or if its outputs do not depend on the output before.
     """

@@ -50,12 +50,12 @@ class Run:
 
     @cached_property
     def wanted(self) -> Array:
-        """Right outputs (n - 1, 3), from the second on: the lab sheet's recursion, applied to the output that the filter gave."""
+        """Right outputs (n - 1, 3), from the second on: the lab sheet's recursion from the filter's own output before each."""
         return self.made_of(self.alpha, 0.0, 1 - self.alpha)
 
     @cached_property
     def off(self) -> Array:
-        """Error (n - 1,) of each output from the second on against `wanted`, in m/s²: the largest of the three axes."""
+        """Error (n - 1,) of each output from the second on against the right one, in m/s²: the largest of the three axes."""
         return np.asarray(np.abs(self.y[1:] - self.wanted).max(axis=1))
 
     @property
@@ -115,7 +115,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Return whether outputs depend on earlier measurements, by more than two equal runs differ; True if not finite."""
+        """Return whether earlier measurements change outputs by far more than a rerun does; True if outputs are not all finite."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()
@@ -126,7 +126,7 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Return whether outputs `other` end as `alone` does: only their start differs, as by a state that another filter left."""
+        """Return whether outputs `other` end like `alone`: at most their start differs, as by a state that another filter left."""
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 
@@ -137,15 +137,15 @@ class Facts:
 
     Attributes
     ----------
-    runs : of a noisy signal, one with each alpha of the scenario, and last one without alpha (default 0.1) if that is possible
+    runs : runs of a noisy signal: one with each alpha of the scenario; then, if the filter needs no alpha, one with its default
     from_initial : runs of the same signal with an initial value given, and with zeros given as the initial value
     noise, slow, constant : runs of noise, of slow waves and of a constant (alpha 0.2)
     own : outputs that show whether other code can change the filter's state
     odd : in words, what `update` returned in place of a vector; "" if it always returned one
     nothing_at_first : whether `update` returned no vector for the first measurement alone
     needs_alpha : the exception that the filter raises if no alpha is given; None if it raises none
-    departs : the sheet's names of what the class has otherwise: parameters, "method …" for a method, "global …" for a parameter in
-        place of which it reads a global variable; each kind is a fault that loses points
+    departs : the sheet's names of parameters that the class has by other names or in other places; "method …" for a renamed method,
+        "global …" for a parameter in place of which it reads a global variable; each kind is a fault that loses points
     stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 
@@ -224,7 +224,7 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
 
 
 def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: StudentError | None = None) -> Facts:
-    """Return the facts of a filter from its answers to `cases`, in order; `stumbles`: what it raised after an earlier filter."""
+    """Return the facts of a filter from its answers to `cases`, in order; `stumbles` is what a second filter raises, or None."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}

@@ -49,8 +49,8 @@ def _diagnosed_by(find: Callable[[Facts], str], fault: str) -> Holds:
 def sizes_off(facts: Facts) -> list[int]:
     """Return the sensors (0 or 1) whose noise does not have the standard deviation that was asked for, whatever its distribution.
 
-    Both count, whatever was measured, if one fault such as swapped standard deviations predicts both sizes and the noise of a
-    sensor is not white and normal: its size may then be right by chance.
+    If a noise is not white and normal, its size may be right by chance: both sensors are then returned if one fault, such as
+    swapped standard deviations, explains both sizes.
     """
     another = any(_spread_is(fault)(facts, BOTH) for fault in _SPREADS) and any(s.law_is_off for s in facts.sensors)
     return [*BOTH] if another else sensors_that(facts, lambda sensor: not sensor.has_size)
@@ -70,8 +70,8 @@ def _lost_in_rounding(facts: Facts) -> bool:
 def no_draw(facts: Facts) -> bool:
     """Return whether reads hold no random draw: they count up, or are all equal for another reason than one draw that is repeated.
 
-    Equal reads hold no draw if a larger standard deviation does not change them, if each axis has the same multiple of it as error,
-    or if all `NoisyIMU`s begin with the same read and have no default bias.
+    Equal reads hold no draw if a larger standard deviation does not change them, if they are off by the same number of standard
+    deviations on every axis, or if all `NoisyIMU`s begin with the same read and have no default bias.
     """
     if counts(facts) or (facts.still and _is_reseeded(facts) and len(none_drawn(facts)) == len(BOTH)):
         return True
@@ -284,7 +284,7 @@ def _is_shared(facts: Facts) -> bool:
 
 
 def odd_laws(facts: Facts) -> list[int]:
-    """Return the sensors (0, 1) whose noise is not white, normal and of zero mean; if none, both if noise is rounded or absent."""
+    """Return the sensors (0, 1) whose noise is not white, normal and of zero mean; else both for rounded or absent noise."""
     odd = sensors_that(facts, lambda s: s.law_is_off) or off_centre(facts)
     return odd or ([*BOTH] if grain(facts) or facts.noiseless else [])
 

@@ -53,7 +53,7 @@ class Sensor:
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and with a given bias of zero
     default : (instances, reads, 3) biases of instances that were given none: readings without noise minus the truth. If these
-        vary or show no bias, readings with the same noise in each, minus the first of all; NaN if those vary within an instance
+        vary or show no bias, readings that share one draw of noise, minus the first one; NaN if they too vary within an instance
     drifts : whether the bias moves slowly from read to read
     twins : reads of instances with the same seed and one argument changed; `UNSEEDED` if not needed: noise and bias are right
     """
@@ -115,8 +115,8 @@ class Facts:
     disturbance : (4,) ndarray, largest change that a read makes in the simulator's time, qpos, qvel and sensordata
     timestep : time step of the robot's model, in seconds
     odd : the form in which the vectors were returned, in words; "" if it is the sheet's
-    departs : the sheet's names of what the class has otherwise: parameters, "method …" for a method, "global …" for a parameter in
-        place of which it reads a global variable; each kind is a fault that loses points
+    departs : the sheet's names of parameters that the class has by other names or in other places; "method …" for a renamed method,
+        "global …" for a parameter in place of which it reads a global variable; each kind is a fault that loses points
     stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 

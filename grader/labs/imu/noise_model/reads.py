@@ -207,8 +207,8 @@ class Reads:
     def clipped(self) -> bool:
         """Return whether the noise is normal, of the size that was asked for, but cut off at some bound.
 
-        True needs a largest error of 0.9 to 2.9 standard deviations, or extremes that repeat to the last digit; and the moments of
-        noise that is clipped, or drawn again, beyond the largest error.
+        The largest error must be 0.9 to 2.9 standard deviations, or extremes must repeat to the last digit. Spread and mean size of
+        the errors must be those of normal noise that is clipped at the largest error, or drawn again beyond it.
         """
         cut = float(np.abs(self.centred).max()) / self.std
         if self.still or not (_UNLIKE_UNIFORM < cut < _CUT or self._repeats_extremes()):
@@ -281,7 +281,7 @@ class Reads:
 
     @cached_property
     def paired(self) -> Reads:
-        """These reads with `pairs` in place of their noise, so that a drift of the bias does not spoil tests of the noise."""
+        """These reads with differences of neighbours (`pairs`) as noise, so that a drifting bias does not spoil tests of noise."""
         return replace(self, residual=self.bias + self.pairs)
 
 

@@ -66,7 +66,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """Ids of the faults of the addresses that are read: by the hypotheses, else `hard-coded-address` if ids have no effect."""
+        """Ids of the address faults in `sensors` (hypotheses), else `hard-coded-address` if other ids fail or do nothing."""
         known = _named_places([each for each in self.sensors if each])
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
@@ -91,7 +91,7 @@ class Explained:
 
     @property
     def share_altered(self) -> float:
-        """Share of the check `matches_truth` lost to altered values: 1; less if one sensor is wrong and gravity is not removed."""
+        """Share of `matches_truth` lost: 0.75 if only accelerations are wrong (1 without gravity), 0.5 if only rates, else 1."""
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 
@@ -114,7 +114,7 @@ class Explained:
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return an example of a wrong address for the message: readings in a scene, and a sensor; None if all are right."""
+        """Return a visit (readings in a scene) and a sensor that show a wrong address, for the message; None if all are right."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
@@ -133,7 +133,7 @@ class Explained:
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether too few finite numbers were returned for a sensor, and no wrong address explains it."""
+        """Return whether numbers of the robot's own IMU are missing, infinite or NaN, and no wrong address explains it."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 

@@ -49,7 +49,7 @@ class Hypothesis:
     def fits(self, seen: Seen) -> bool:
         """Return whether this hypothesis predicts every reading of a sensor in given visits (`seen`: the sensor, the visits).
 
-        False if it predicts only NaN, or only zeros as changed values, for the first visit: many faults predict these.
+        False if it predicts only NaN for the first visit, or, with a fault of the values, only zeros: many faults predict these.
         """
         sensor, visits = seen
         first = self.predict(visits[0].scene, sensor)
@@ -90,7 +90,7 @@ PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield the hypothesis of a fixed address for each address in sensordata that holds what `torso` returned in every state."""
+    """Yield, for each address in sensordata that holds all readings of `torso`, the hypothesis that code always reads there."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:

@@ -92,7 +92,7 @@ class Facts:
     disturbance : largest changes of time, qpos, qvel and sensordata while reading
     odd : in words, how the returned form differs from the sheet's; "" if it does not
     whole : whether each returned vector has three numbers
-    departs : the sheet's names of the parameters for which the reader had to be called in another way
+    departs : the sheet's names of parameters that the function has by other names or in other places, as in `Readings`
     reverse : accelerations and angular velocities from another process that visits the states in reverse; None if not asked for
     stopped : by name of a check, the exception that kept its property from being measured
     """

@@ -37,7 +37,7 @@ class Comparison:
 
     @property
     def noisy(self) -> bool:
-        """Return whether a saved raw curve has noise in it, as the sheet asks; also True if data without noise is accepted."""
+        """Return whether a saved raw curve has noise, as the sheet asks, or may lack it as the noise model failed (`clean`)."""
         return self.clean or any(pair.noisy for pairs in self.saved for pair in pairs)
 
     @property

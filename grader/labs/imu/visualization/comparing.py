@@ -74,7 +74,7 @@ def _last_points(curve: Curve) -> tuple[Array, Array]:
 
 
 def named_comparisons(figure: Figure) -> list[Compared]:
-    """Return each pair of visible curves that are named raw and filtered, for a filter that is broken and so may not smooth."""
+    """Return each pair of visible curves that are named raw and filtered, smoother or not, as a broken filter may not smooth."""
     drawn = _seen_curves(figure)
     raw, smooth = ([each for each in drawn if says(_name_on(*each))] for says in (says_raw, says_smooth))
     return [_compared(one, other) for one in raw for other in smooth]

@@ -116,7 +116,7 @@ class Plot:
 
     @property
     def titled_panels(self) -> list[Panel]:
-        """The main panels that show data and so need a title; if none shows data, all main panels."""
+        """The panels that need a title: those that show data (if none does, all), without insets, which repeat another panel."""
         return [panel for panel in self.main_panels if panel.shown] or self.main_panels
 
     def of_sensor(self, sensor: int) -> list[Panel]:
@@ -143,7 +143,7 @@ class Plot:
 
     @property
     def abscissae(self) -> set[str]:
-        """The kinds of x values (``s``, ``ms``, ``index``, …) of the curves that show a channel, to compare with the label."""
+        """The kinds of x values (``s``, ``ms``, ``index``, …) of the curves that show a channel, to compare with the x label."""
         return {shown.x for shown in self.shown}
 
     @property
@@ -228,7 +228,7 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether a channel of `series` (rows by key) is in none of the figures: the plot may need data in another form."""
+    """Return whether a channel of `series` (rows by key) is in none of the figures: the caller then tries another form of data."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
@@ -301,7 +301,7 @@ def names_of(panel: Panel, figure: Figure) -> list[str | None]:
 
 
 def names_of_curves(curves: Iterable[Curve], panel: Panel, figure: Figure) -> list[str | None]:
-    """Return for each of `curves`, of any data, its entry in a legend of panel or figure, else a text in its colour; else None."""
+    """Return the name of each of `curves`: its entry in a legend of panel or figure, else a text in its colour; else None."""
     axes = panel.axes
     entries = [*axes.legend, *figure.legend]
     for other in figure.axes:

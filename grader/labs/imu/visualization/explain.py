@@ -81,14 +81,14 @@ def _shows_others(facts: Facts) -> bool:
 
 
 def share_missing(facts: Facts) -> float:
-    """Return the share of points lost for curves drawn in part: the sum of their missing shares (0.2 or more each) over six."""
+    """Return the share of points lost for channels drawn in part: for each, a sixth of the missing part (at least 0.2)."""
     parts = facts.plot.in_part()
     return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
 
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return the `Deviation` of a plot without some channels, larger for more of them; None if all channels are drawn.
+    """Return the `Deviation` that deducts for channels without a curve, more for more of them; None if all are drawn.
 
     Other data in their place loses at least half of the points (`_OTHER_NUMBERS`).
     """
@@ -100,7 +100,7 @@ def missing_curves(facts: Facts) -> Deviation[Came] | None:
 
 @to_the_end
 def unseen_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return the `Deviation` of drawn channels that are hidden or outside the limits, or of a logarithmic axis; else None."""
+    """Return the `Deviation` that deducts for drawn channels hidden or outside the limits, or a logarithmic axis; else None."""
     if any(panel.axes.scales[1] == "log" for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor)):
         return Deviation({"came": "a logarithmic value axis, on which no value below zero can be drawn"})
     if not (facts.plot.hidden or facts.cut_off):
@@ -110,9 +110,9 @@ def unseen_curves(facts: Facts) -> Deviation[Came] | None:
 
 
 def label_problem(name: str) -> Callable[[Facts], Deviation[Came] | None]:
-    """Return a function that gives the `Deviation` of axis labels with the fault `name`, such as "no-units"; None if none has it.
+    """Return a function that gives the `Deviation` that deducts for the fault `name` of axis labels, such as "no-units".
 
-    Each such label loses a third of the points.
+    Each label with that fault loses a third of the points; if there is none, the function gives None.
     """
 
     def measured(facts: Facts) -> Deviation[Came] | None:
@@ -166,7 +166,7 @@ def another_unit(facts: Facts) -> str:
 
 
 def names_are_exchanged(facts: Facts) -> bool:
-    """Return whether every saved comparison calls the raw curve filtered and the filtered one raw; True if none is saved."""
+    """Return whether all saved figures of raw and filtered data exchange the names of the curves; True if none is saved."""
     return all(
         any(pair.exchanged for pair in pairs) and not any(pair.in_order for pair in pairs)
         for pairs in facts.comparison.saved

@@ -83,7 +83,7 @@ class Facts:
     cut_off : the channels of which more than half lies outside the axis limits, with the share that is inside
     recorded : by sensor, the unit in which the submission records, which a label may name; "" if all labels fit what is drawn
     error : the exception that stopped `plot_imu_data`; None if it ran to its end
-    departs : the sheet's names of parameters that `plot_imu_data` has otherwise, "global …" if it reads a global in place of one
+    departs : the sheet's names of parameters that `plot_imu_data` renames or moves; "global …" if it reads a global in place of one
     stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 
@@ -140,7 +140,7 @@ def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
 
 
 def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
-    """Return what `plot_imu_data` draws of the scenario `run` in `truth`, given with the keys of the submission's recording."""
+    """Return what `plot_imu_data` draws of the true data of scenario `run`, under the keys that the submission records."""
     series = series_of(truth, run)
     own = _own_recording(student, truth)
     return student.plot(
@@ -204,10 +204,10 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
-    """Return the figures that may be the plot: each of `drawing`, all saved ones joined, and these joined with overwritten ones.
+    """Return the figures of which `best_of` chooses: each of `drawing`, all saved ones joined, and all ever saved ones joined.
 
-    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the data that the plot was
-    given: those of a faulty `simulate_and_collect` if the plot accepts no others.
+    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the data that were plotted,
+    true ones or, if `plot_imu_data` accepts no others, those of the student's `simulate_and_collect`.
     """
     saved = [figure for figure in drawing.figures if figure.is_saved]
     ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]

@@ -24,9 +24,9 @@ def quoted(text: str) -> str:
 
 @dataclass(frozen=True)
 class Misnamed:
-    """Texts (`said`) on a panel that name only the other sensor; `shows` is the sensor that the panel shows.
+    """Texts (`said`) that name only the wrong sensor, on a panel that shows the sensor `shows`.
 
-    `share` is the share of points lost: 1 if every title and y label of the panel names only the other, else 0.5.
+    `share` is the share of points lost: 1 if title and y label of the panel (if not empty) are both such texts, else 0.5.
     """
 
     said: list[str]
@@ -59,7 +59,7 @@ def _claimed(axes: Axes) -> frozenset[int]:
 
 
 def missing_panel(plot: Plot) -> str:
-    """Return in words a sensor that no panel shows; "" for none, for several panels, or if empty axes are named after it."""
+    """Return in words a sensor that a plot's only panel does not show; "" for none, several panels, or empty axes with its name."""
     if len(plot.panels) > 1:
         return ""
     empty = [axes for axes in plot.figure.visible_axes if axes not in [panel.axes for panel in plot.panels]]
@@ -201,7 +201,7 @@ def exchanged_name(plot: Plot) -> str:
 def share_untitled(plot: Plot) -> float:
     """Return the share of points lost for lack of titles: 1 if no panel has one, 0.5 if some have, 0 if all or the figure has one.
 
-    0 also if a title stands over each column of panels, unless there are only two panels and a title names one sensor alone.
+    One title in each column of panels is enough, too; but if there are only two panels, not a title that names just one sensor.
     """
     figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title

@@ -162,10 +162,10 @@ def reading_arguments(fields: Mapping[str, Any], model: Any, data: Any) -> dict[
 def adapt_collector(
     function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return a function of model, data and duration that calls the student's `function`, and the sheet's names of what differs.
+    """Return a function of model, data and duration that calls the student's `function`, and the names of what differs.
 
-    `function` is `simulate_and_collect` or `live_plot`. If it has parameters for them, it also gets the sensor ids in `ids` (keys
-    ``accel``, ``gyro``) and the number of steps in `duration_s`.
+    These are the sheet's names of parameters that `function` (`simulate_and_collect` or `live_plot`) renames or moves. It also gets
+    the sensor ids in `ids` (keys ``accel``, ``gyro``) and the number of steps in `duration_s` if it has parameters for them.
     """
     steps = round(duration_s / model.opt.timestep)
     return adapt(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})
@@ -177,7 +177,7 @@ _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 
 
 def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
-    """Return a function that builds the student's `LowPassFilter`, `kind`, from options, and the sheet's names of what differs.
+    """Return a function that builds the student's `LowPassFilter`, `kind`, from options, and the names of those it renames.
 
     The options are those of the lab sheet, ``alpha`` and ``initial_value``; either may be left out. If the filter takes a cutoff or
     a time constant RC instead of alpha, these follow from alpha = dt / (RC + dt) and cutoff = 1 / (2 pi RC).

@@ -30,12 +30,12 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``, ``model`` (XML text), ``duration_s``, ``timestep``, ``push`` (m/s), ``accel_id``, ``gyro_id``
+    fields : ``path`` (the student's file), ``model`` (XML), ``duration_s``, ``timestep``, ``push`` (m/s), ``accel_id``, ``gyro_id``
 
     Returns
     -------
     arrays ``events`` (k, 3): simulated time (s), points drawn, number of changes of the curves so far; ``returned``:
-    whether the call ended; ``curves``: at a few moments, each with ``label``, ``x``, ``y`` (array names), ``moment`` (simulated s).
+    whether the call ended; ``curves`` at a few moments: ``label``, ``x``, ``y`` (array names), ``moment`` (simulated s) of each.
     """
     import mujoco
 
