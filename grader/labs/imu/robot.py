@@ -44,7 +44,7 @@ class Model:
 
     @property
     def file(self) -> str:
-        """The file name of the model, without its folder, as messages and kits have it."""
+        """The file name of the model, without its folder, for messages and for the kits that students get."""
         return self.path.name if self.path else LAB_FILE
 
     def line(self, key: str) -> int:
@@ -76,7 +76,7 @@ LAB_MODEL = Model()
 
 
 def read_model(reader: NodeReader, node: yaml.Node | None, folder: Path) -> Model:
-    """Return the robot that `node`, the entry `model` of a rubric, names; the lab's for None. Its path is relative to `folder`.
+    """Return the robot that `node`, the entry `model` of a rubric, names; the lab's for None. A path in it starts at `folder`.
 
     Problems, such as a missing file, are added to those of `reader`, whose caller reports them together.
     """

@@ -42,7 +42,7 @@ class FilterCase:
 
 
 class Student(Plotting):
-    """Session with the sandbox about one submission: each method asks for calls of the student's code, once for all checks.
+    """Session with the sandbox about one submission: each method calls the student's code, once for all checks that ask alike.
 
     A call may have a name (`called`), by which the charts of a report find its answer.
     """
@@ -148,7 +148,7 @@ class Student(Plotting):
 
     def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, stds: tuple[float, float],
                      one_draw: bool = False) -> NoiseRun:  # fmt: skip
-        """Make many `NoisyIMU`s without bias arguments, so that each chooses its default, and return three reads of each.
+        """Make many `NoisyIMU`s without bias arguments, so that each chooses its default; return three reads of each in one state.
 
         The reads are (instances, 3, 3). If `one_draw`, all random generators are seeded alike before each read, so that
         all reads have the same noise and differ by the bias alone.
@@ -177,7 +177,7 @@ class Student(Plotting):
         return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
 
     def filter_alone(self, case: FilterCase) -> FilterRun:
-        """Return the output for one filter case in a new process, so that no earlier filter has changed a state that all share."""
+        """Return the output for one filter case in a new process, so that no earlier filter has changed a shared state."""
         self.end_session()
         return self.filter([case])[0]
 

@@ -142,7 +142,7 @@ class Offset:
     together: bool = False
 
     def fits(self, seen: Sequence[tuple[Reads, Reads]], /) -> bool:
-        """Return whether the fault predicts each mean error in `seen`: pairs of a wrong sensor's reads and the other's reads."""
+        """Return whether the fault predicts each wrong mean in `seen` (a sensor's reads, the other's); if `together`, of both."""
         enough = len(seen) == len(BOTH) or not self.together
         return enough and all(any(map(reads.offset_is, self.predict(reads, other))) for reads, other in seen)
 

@@ -137,7 +137,7 @@ class Facts:
 
     @cached_property
     def noiseless(self) -> bool:
-        """Return whether neither sensor has noise: its reads are equal, rarely differ, or can be predicted from those before."""
+        """Return whether neither sensor has noise: reads are equal, rarely differ, or can be predicted from those before."""
         return not any(sensor.noise.is_noise for sensor in self.sensors)
 
     @cached_property

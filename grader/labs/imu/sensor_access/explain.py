@@ -133,7 +133,7 @@ class Explained:
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether numbers of the robot's own IMU are missing, infinite or NaN, and no wrong address explains it."""
+        """Return whether a sensor of the robot's own IMU has missing, infinite or NaN numbers that no wrong address explains."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 

@@ -90,7 +90,7 @@ PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield, for each address in sensordata that holds all readings of `torso`, the hypothesis that code always reads there."""
+    """Yield, for each address in sensordata with all readings of `sensor` in `torso`, a hypothesis that code always reads there."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:

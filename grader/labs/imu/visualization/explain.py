@@ -152,7 +152,7 @@ def part_in_words(parts: Mapping[Channel, float]) -> str:
 def another_unit(facts: Facts) -> str:
     """Describe a curve drawn in another unit than its label says or, without a label, than the data have; "" for none.
 
-    A label may also name the unit in which the submission itself records: the plot is then right for its own data.
+    A label with the unit in which the submission itself records is right, too: the plot then fits the submission's own data.
     """
     for shown, label, said in words.labelled_units(facts.plot):
         family = curves.UNITS[shown.sensor]

@@ -28,7 +28,7 @@ _KINDS = {
 def languages() -> Mapping[str, Mapping[str, Any]]:
     """Return the words that labels may use for sensors, axes and units, by language code, from `languages.yaml`.
 
-    AssertionError if a language in that file lacks a key or has one of its own.
+    AssertionError if a language in that file lacks a key or has an unknown one.
     """
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
