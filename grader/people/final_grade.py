@@ -40,12 +40,12 @@ class Person:
 
 @dataclass(frozen=True)
 class Lateness:
-    """Judgement of the late policy on one submission: how late it is, and what that deducts.
+    """Lateness of a submission that is not in time, and what the late policy deducts for it.
 
     Attributes
     ----------
     due : due date of the people who handed in, ISO 8601 with offset; "" without a policy
-    seconds : seconds between `due` and the hand-in; None if the platform only says "late"
+    seconds : seconds from `due` to the hand-in, more than 0; None if the platform only says "late"
     days : days begun after `due` for which points are deducted; 0 if grace days cover them all
     deduction : points that the policy deducts, not yet limited to the points earned
     refused : whether the hand-in came after the cut-off, so that it earns nothing
@@ -71,7 +71,7 @@ class HandIn:
     due : due date that the roster gives the people, ISO 8601 with offset; "" if they have none
     grace_days : late days without a deduction that the roster gives the people
     marked_late : whether the platform says that the hand-in is late
-    late : verdict of the late policy; None if the hand-in is not late, or its time is unknown
+    late : how late the hand-in is; None if it is not late, or nobody knows
     reply : prefix of a file name in the platform's upload that returns the file to the people; "" if the platform has none
     number : the platform's number of the submission; "" if it has none
     """
@@ -139,8 +139,8 @@ class FinalGrade:
 
     `final` is the score, with overrides, plus bonus and extra credit, minus the deductions for repairs and lateness; `terms` holds
     these numbers. An override of the total replaces this sum: only a bonus is added to it. `final` is None while a check is not
-    judged because the grader failed, and while the submission is `unseen`. `reviewed` says that an instructor marked an empty or
-    unreadable submission as reviewed. `namesake` says that another student of the class has the same name.
+    judged because the grader failed, and while an empty or unreadable submission is `unseen`: no instructor has overridden its
+    points or marked it as `reviewed`. `namesake` says that another student of the class has the same name.
     """
 
     id: str
@@ -152,7 +152,7 @@ class FinalGrade:
 
     @property
     def people(self) -> tuple[Person, ...]:
-        """Return the people who handed in; if no platform names them, one named as the submission. Names are untrusted text."""
+        """Return the people who handed in; if no platform names them, a person named as the submission. Names are untrusted."""
         return self.hand_in.people or (Person(self.result.submission, self.id),)
 
     @property
@@ -207,17 +207,17 @@ class FinalGrade:
 
     @property
     def adjusted(self) -> float | None:
-        """Return the final grade before the late deduction; None while a check is not judged or the submission is `unseen`."""
+        """Return the final grade before the late deduction; None as long as there is no final grade."""
         return _sum_of(each for each in self.terms if each.name != "late") if self.terms else None
 
     @property
     def deduction(self) -> float:
-        """Return the late deduction, at most the adjusted points; 0 if an instructor set the total."""
+        """Return the late deduction, at most the grade without it; 0 if not late, or if an instructor set the total."""
         return next((-each.points for each in self.terms if each.name == "late"), 0.0)
 
     @property
     def final(self) -> float | None:
-        """Return the final grade, the sum of its terms; None while a check is not judged or the submission is `unseen`."""
+        """Return the final grade, the sum of its terms; None while a check is not judged or a review is due (see `unseen`)."""
         return _sum_of(self.terms) if self.terms else None
 
     @property
@@ -240,9 +240,9 @@ class FinalGrade:
         return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
-        """Return a criterion's points, from overrides or else automatic; None if a check is not judged or the submission `unseen`.
+        """Return a criterion's points, overrides before automatic ones; None while a check is not judged.
 
-        If nothing was handed in, a criterion without an override has None.
+        They are also None for a submission that is `unseen` (empty or unreadable, not reviewed) or missing, without an override.
         """
         targets = {criterion.id, *(check.id for check in criterion.checks)}
         by_hand = any(each.criterion in targets and not each.alone for each in self.adjustments)
@@ -290,8 +290,8 @@ def _sum_of(terms: Iterable[Term]) -> float:
 def untimed(final_grades: Iterable[FinalGrade]) -> list[str]:
     """Return the ids of submissions of unknown time, from which a late policy can deduct nothing.
 
-    A submission whose total a person has set is left out: that settles its lateness. If the platform marks late submissions,
-    unmarked ones are in time, so only marked ones are returned.
+    Submissions whose total an instructor set are left out, as nothing is deducted from such a total. If the platform marks late
+    submissions, unmarked ones are in time, so only marked ones are returned.
     """
     handed_in = [each for each in final_grades if not each.has_no_submission]
     open_ = [each for each in handed_in if not each.hand_in.submitted and not each.total_is_set]

@@ -69,7 +69,7 @@ class Directory:
     def find_each(self, rows: Sequence[PersonRow]) -> list[Match | None]:
         """Return the match of each row, None for a row without one.
 
-        If rows match the same person, only the one with the surest kind of identifier keeps its match; of equally sure ones none.
+        If rows match the same person, only the row with the surest kind of identifier keeps its match, if just one has it.
         A platform's own number is the surest; then come other numbers, e-mail address and name.
         """
         found = [self._best_match(row) for row in rows]
@@ -83,7 +83,7 @@ class Directory:
         ]
 
     def why_not(self, row: PersonRow) -> str:
-        """Return for a warning why a row has no match; "" if nobody resembles it.
+        """Return for a warning why a row has no match; "" if nobody resembles the person in the row.
 
         Possible reasons: it fits several submissions; another row means the same person; its identifiers contradict the person's.
         """

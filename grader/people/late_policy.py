@@ -15,7 +15,7 @@ DAY = 86_400
 
 
 def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -> HandIn:
-    """Return the hand-in with its lateness computed by this policy, in place of any earlier one.
+    """Return the hand-in with its lateness by this policy, in place of an earlier lateness, and its time in the class's time zone.
 
     Parameters
     ----------

@@ -55,9 +55,9 @@ _NOBODY = ("Points Possible", "Student, Test")
 
 @dataclass(frozen=True)
 class RosterRow:
-    """One person of a roster file. `due` is None and `submitted` is "" if the roster has none; `place` is file and line.
+    """A person's row of a roster file, with an own `due` date or None; `submitted` is the hand-in time, ISO 8601, "" if unknown.
 
-    `marked_late` says that Moodle's worksheet calls the submission late.
+    `place` is file and line. `marked_late` says that Moodle's worksheet calls the submission late.
     """
 
     who: PersonRow
@@ -91,7 +91,7 @@ class RosterRow:
         )
 
     def merged(self, other: RosterRow) -> RosterRow:
-        """Return this row joined with one of the same person or group: later dates, most grace days, first section and group."""
+        """Return this row joined with a row of the same person or group: later dates, most grace days, first section and group."""
         return replace(
             self, **{fact: of_two(getattr(self, fact), getattr(other, fact)) for fact, of_two in _FACTS.items()}
         )
@@ -129,7 +129,7 @@ NO_ROSTER = Roster()
 
 
 def load(path: Path, zone: tzinfo | None = None) -> Roster:
-    """Read and return a class's roster (CSV). `zone` is the time zone of a Moodle worksheet's times; None leaves these out.
+    """Read and return a class's roster (CSV). `zone` is the time zone of a Moodle worksheet's times; None ignores the times.
 
     Raises
     ------
@@ -200,7 +200,7 @@ def _with_offset(text: str, zone: tzinfo | None) -> str:
 
 @dataclass(frozen=True)
 class RosterMatch:
-    """The hand-ins of a class completed by the roster, and the rows of the roster that match none.
+    """The hand-ins of a class, with people as the roster has them, and the rows of the roster that match none.
 
     `rows` has one merged row for each hand-in that matches, `absent` the rows without a hand-in, and `doubtful` a line on each row
     that contradicts another one, or that resembles somebody and matches nobody.
@@ -218,7 +218,7 @@ class RosterMatch:
 
 
 def place(roster: Sequence[RosterRow], hand_ins: Mapping[str, HandIn]) -> RosterMatch:
-    """Match the rows of a roster with a class's hand-ins; in the result these have the names, sections and dates of the rows.
+    """Match the rows of a roster with a class's hand-ins, and complete the people of the hand-ins: names, numbers and sections.
 
     `hand_ins` are those that the platform lists, by id of the submission.
     """

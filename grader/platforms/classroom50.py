@@ -29,7 +29,7 @@ _REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE
 
 
 def identity_of(environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the fields that identify a submission, from the runner's environment; Classroom 50 refuses other values.
+    """Return the fields of `result.json` that identify a submission, with the values that Classroom 50 set in the environment.
 
     Raise RequestError if a variable is missing; the message names it.
     """

@@ -31,7 +31,7 @@ class Filled:
     unmatched
         Rows that match nobody who handed in, or several, with the name in the file. They are left unchanged.
     missing
-        Names in rows of people without a submission that were given the grade for it (`Template.missing`).
+        Names in rows of people without a submission that were given the grade `Template.missing`.
     kept
         Names in rows whose grade the platform has locked.
     replaced
@@ -66,7 +66,7 @@ class TemplateLayout:
     who, name
         Functions that return a row's person for matching, and the person's name for messages.
     out_of
-        Function that returns the maximum of a grade in the file; "" if the file has none.
+        Function that returns the maximum of a row's grade; "" if the file has none.
     locked
         Function that returns whether the platform has locked a row's grade, which is then kept.
     is_student
@@ -181,7 +181,7 @@ def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
 
 
 def match_rows(rows: Iterable[tuple[int, PersonRow]], known: Directory) -> dict[int, Match | None]:
-    """Return whom of `known` each row of a platform's file means, by row number; None if unclear, or if several mean one person."""
+    """Return whom of `known` each row of a platform's file means, by row number; None if unclear, or if several rows mean one."""
     found = {number: known.find(who) for number, who in rows}
     owners: dict[Match, list[int]] = {}
     for number, match in found.items():

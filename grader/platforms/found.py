@@ -23,7 +23,7 @@ class Found:
     id_source
         Readable text that becomes the submission's id, such as name and number of the student; equal for all attempts.
     name
-        Name of the submission in results.
+        Name of the submission in results, such as the names of all its students.
     path, sources
         The download, and files or folders in it, each with its name in the submission; empty where all of `path` is the submission.
     order

@@ -36,7 +36,7 @@ def unassigned(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
 
 
 def clone(download: Download, folder: str, row: Mapping[str, str]) -> Found:
-    """Return the submission in a clone; `row` of Classroom 50's `scores.csv` names the student; if empty, the folder does."""
+    """Return the submission in a clone; `row` of Classroom 50's `scores.csv` names the student, or the folder if `row` is {}."""
     user = row.get("username") or folder
     name = " ".join(filter(None, (row.get("first_name"), row.get("last_name")))) or user
     person = Person(

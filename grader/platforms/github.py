@@ -94,7 +94,7 @@ def _property(text: str) -> str:
 
 
 def summary(result: Result, lab: Lab) -> str:
-    """Return Markdown for the step summary: the table of points, the checks of plots, deductions with hints, and notes."""
+    """Return Markdown for the step summary: points, outcomes of the checks of plots, deductions with hints, and notes."""
     blocks = [f"## {result.lab.label}: {escaped(words.total_points(result))}"]
     blocks += [f"**{escaped(words.STATUS[result.status])}**"] if words.STATUS[result.status] else []
     blocks += [_table(result), *_plots(result, lab), *_findings(result)]

@@ -75,7 +75,7 @@ def submission_of(platform: Platform, root: Path = Path("/")) -> Path:
 
 
 def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
-    """Return the default path of a job's output; None (standard output) if the platform names no file, or the folder is missing."""
+    """Return the default path of a job's output; None (standard output) if the platform names no file, or its folder is missing."""
     if "/" not in platform.answer:
         return Path(platform.answer) if platform.answer else None
     place = root / platform.answer
@@ -89,7 +89,7 @@ def run(job: CiJob) -> Result:
     ------
     RequestError
         If hidden scenarios are requested where students can read the job's files, or where nothing isolates their code;
-        if there is nothing at the path; if the output cannot be written; if the platform has no CI output.
+        if there is nothing at the path; if the output cannot be written; if the platform refuses the job or has no CI output.
     GraderError
         If a part was not judged and the platform's format cannot express that.
     """

@@ -155,7 +155,7 @@ _FEEDBACK = "feedback, not handed in by the student"
 def read(download: Download) -> Shape | None:
     """Return the submissions of the students or teams in a Moodle download; None for any other download.
 
-    Each is a folder or loose files named `<full name>_<number>_assignsubmission_file[_]`.
+    Each submission is a folder or loose files, named `<full name>_<number>_assignsubmission_file[_]`.
     """
     matches = {name: _NAME.fullmatch(name) for name in download.top}
     if not at_least_half(match is not None for match in matches.values()):

@@ -36,7 +36,7 @@ class Places:
     definitions: Mapping[str, FileLine] = field(default_factory=dict)
 
     def line_for(self, check: CheckResult) -> FileLine | None:
-        """Return the line where the CI shows a check's message: the one that it names, else the checked definition, else None."""
+        """Return the line where the CI shows a check's message: its own place (`where`), else the checked definition, else None."""
         return self._named_line(check) or self.definitions.get(self.lab.name_of(check.id))
 
     def _named_line(self, check: CheckResult) -> FileLine | None:

@@ -100,7 +100,7 @@ class Platform:
     refuse
         Function that is called before grading with the environment and `--min-score`; raises RequestError if the job cannot run.
     aside
-        Second output of a CI job; None if it has only one.
+        Second output of a CI job, such as GitHub's step summary; None without one.
     submission
         Path of the submission, without the leading slash; "" is the working folder.
     answer
@@ -111,7 +111,7 @@ class Platform:
         Function that returns the submissions of a download; None for downloads of other platforms.
     fill
         Function that fills the grades of a class into a file that the platform exported. It raises RequestError if it is no such
-        file, or its maximum is refused.
+        file, or if its maximum differs from the rubric's and points are not scaled.
     write
         Function that returns the grades of a class as a file: from the final grades by id, the people of the roster without a
         submission, and the grade of those people, "" for a blank cell.

@@ -45,9 +45,9 @@ def names(*deeds: Deed) -> tuple[str, ...]:
 
 
 def platform(name: str) -> Platform:
-    """Return the record of a listed platform; its module is imported only now.
+    """Return the record of a platform in `LISTED`, by its name there; its module is imported only now.
 
-    Raise GraderError if the record does not support exactly what its line in the list of platforms says.
+    Raise GraderError if the record does not support exactly what its line in `LISTED` says.
     """
     module, listed = LISTED[name]
     record: Platform = importlib.import_module(module).PLATFORM

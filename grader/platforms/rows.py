@@ -24,9 +24,9 @@ def parts(result: Result) -> Iterator[ResultPart]:
 
 
 def require_complete(result: Result) -> None:
-    """Raise GraderError for a result with a check that was not judged, for a format that can only tell points.
+    """Raise GraderError if a check was not judged; formats that hold only points call this, as a zero would be unfair.
 
-    The platform then reports that the autograder failed, and the instructor runs it again; a zero would be unfair.
+    The platform then reports that the autograder failed, and the instructor runs it again.
     """
     if result.status == "incomplete":
         raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")

@@ -71,7 +71,7 @@ class PluginRun:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_make_collect_report(self, collector: pytest.Collector) -> pytest.CollectReport | None:
-        """Report, for a session, the student's files that the lab asks for, not test files; None leaves the rest to pytest."""
+        """Report the student's files, in place of test files, if `collector` is the session; None leaves any other to pytest."""
         if not isinstance(collector, pytest.Session):
             return None
         files: dict[Path, list[str]] = {}

@@ -16,7 +16,7 @@ _CODE = (".py", ".ipynb")
 class Name:
     """Selection of checks by one argument of `pytest --imugrade`: by file, by criterion, or a single check.
 
-    `file` is the file under which pytest lists the checks, None for any. `names` is a criterion's id, or that and the name of
+    `file` is the file under which pytest lists the checks, None for any. `names` is a criterion's id, or its id and the name of
     one of its checks; () selects all checks of the file.
     """
 

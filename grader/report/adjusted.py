@@ -50,7 +50,7 @@ def total(final_grade: FinalGrade) -> tuple[str, str]:
 def explained(final_grade: FinalGrade) -> str:
     """Return how the final grade came about: ``final 66 = score 78 (with overrides) + bonus 2 − repair 4 − late 10``.
 
-    The text is "" as long as there is no final grade. Every report, comment, class page and desk page shows it.
+    The text is "" as long as there is no final grade. Moodle comments always show it, pages only if `is_composed`.
     """
     if final_grade.final is None:
         return ""
@@ -95,7 +95,7 @@ def _above(final_grade: FinalGrade) -> str:
 
 
 def late(final_grade: FinalGrade) -> tuple[str, str] | None:
-    """Return two texts, the late deduction, and the due and hand-in times that it follows from; None if it is not late."""
+    """Return two texts: the late deduction; and its reason, such as due and hand-in times. None if the submission is not late."""
     late = final_grade.late
     if late is None:
         return None

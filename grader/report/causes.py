@@ -57,7 +57,7 @@ class Stop:
     error
         Python's own message, or that the call had no answer.
     lost
-        Points lost now because of this place, including those of checks of other code that needs the failing code.
+        Points lost because of this place, including those of checks of other code that needs the failing code.
     """
 
     file: str
@@ -67,7 +67,7 @@ class Stop:
 
     @property
     def sentence(self) -> str:
-        """Return ``filters.py, line 19: SyntaxError: expected ':'. Costs 20 points.``"""
+        """Return place (if known), error and loss: ``filters.py, line 19: SyntaxError: expected ':'. Costs 20 points.``"""
         where = f"{self.file}, line {self.line}" if self.line else self.file
         error = self.error.removesuffix(f" at {where}")
         return f"{where}{': ' if where else ''}{error.rstrip('.')}. Costs {words.counted_points(self.lost)}."
@@ -119,7 +119,7 @@ def part_of(check: CheckResult) -> str:
 
 
 def parts_of(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
-    """Return the criteria and attempted extensions to show, or only that with the id `only`; [] if nothing could be read."""
+    """Return the criteria and attempted extensions to show (with `only`, that one); [] for an empty or unreadable submission."""
     if result.status in ("empty", "unreadable"):
         return []  # all rows would say the same
     attempted = [extension for extension in result.extensions if extension.attempted and extension.checks]
@@ -178,7 +178,7 @@ def points_of(check: CheckResult) -> str:
 
 
 def cost_now(cause: Cause) -> list[words.LabelledLine]:
-    """Return the line on what code that does not run costs, and how many checks could not run; [] for a fault of code that runs."""
+    """Return the line *Costs* for code that does not run: points lost, and how many checks could not run; [] for other faults."""
     if not cause.does_not_run or not cause.lost:
         return []
     points = f"{words.counted_points(cause.lost)} now"
@@ -188,7 +188,7 @@ def cost_now(cause: Cause) -> list[words.LabelledLine]:
 
 
 def lines_by_check(cause: Cause) -> list[tuple[CheckResult, list[words.LabelledLine]]]:
-    """Return the failed checks of a cause, each with its feedback but for hints; an empty list if earlier checks showed it all."""
+    """Return the failed checks of a cause, with feedback but no hints; [] for a check if earlier ones of the cause say the same."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 
@@ -210,7 +210,7 @@ def _where(said: Iterable[words.LabelledLine]) -> list[words.LabelledLine]:
 
 
 def next_lines(cause: Cause, lab: LabName) -> list[words.LabelledLine]:
-    """Return what a student does next about one fault: the cost if code does not run, then the hints and what to read."""
+    """Return the last lines on a fault: *Costs* if code does not run (`cost_now`), then *Try* (hints) and *Read* (what to read)."""
     hints = dict.fromkeys(
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
     )

@@ -1,4 +1,4 @@
-"""The section "Deductions" of a report: each fault with the checks that failed for it, why it is one, and what to do next."""
+"""The section "Deductions" of a report: each fault with its explanation, the checks that failed for it, and what to do next."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grader.report.causes import Cause, causes_of, part_of
 class DeductedCheck:
     """A check that lost points in a deduction, with the part of its feedback that no earlier check of the deduction has shown.
 
-    `anchor` is the check's HTML id where the page links to it, "" in any later deduction of the same check.
+    `anchor` is the HTML id to which the page's links to the check lead; "" if an earlier deduction has that id.
     """
 
     anchor: str
@@ -27,7 +27,7 @@ class DeductedCheck:
 
 @dataclass(frozen=True)
 class Deduction:
-    """One entry of "Deductions": a fault, why it is one, the checks that failed for it, and what to do next.
+    """One entry of "Deductions": a fault, its explanation (`why`), the checks that failed for it, and what to do next.
 
     `waiting` tells number and points of the checks that could not be graded because of the fault; "" if there are none.
     """

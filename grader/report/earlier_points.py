@@ -16,14 +16,14 @@ class EarlierPoints:
     before: Mapping[str, float]
 
     def total_change(self, criteria: Iterable[CriterionResult]) -> str:
-        """Return ``+9.5 since the last check``, or ``no change …``; "" if a check was not judged then or is not judged now."""
+        """Return how the score changed: ``+9.5 since the last check``, ``no change …``; "" unless both runs judged every check."""
         points = _gained(self.before, [check for criterion in criteria for check in criterion.checks])
         if points is None:
             return ""
         return f"{_signed(points) if points else 'no change'} since the last check"
 
     def change_of(self, checks: Iterable[CheckResult]) -> str:
-        """Return how the points of a criterion's checks changed, as ``+6``; "" if not at all, or if a run did not judge a check."""
+        """Return how a criterion's points changed, as ``+6``; "" if not at all, or if not both runs judged every check."""
         points = _gained(self.before, checks)
         return _signed(points) if points else ""
 

@@ -49,7 +49,7 @@ def listing(lab: Lab) -> str:
 
 
 def groups(lab: Lab) -> dict[str, str]:
-    """Return the headings under which faults are listed, by `FaultRow.group`: a criterion's id, "extensions" or "any"."""
+    """Return the headings under which faults are listed, by `FaultRow.group`: a criterion's id, "extensions" or "any" (file)."""
     return {**{part.id: part.title for part in lab.parts}, "extensions": "Extensions", "any": "Any file"}
 
 

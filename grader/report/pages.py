@@ -40,7 +40,7 @@ _LIBRARIES = ("Python", "MuJoCo", "NumPy", "SciPy", "matplotlib")
 
 @dataclass(frozen=True)
 class DrawnChart:
-    """A chart laid out for the template that writes it as SVG; `png` is a picture beside the panels, in base64; "" without one."""
+    """A chart laid out for the template: panels (`views`) to write as SVG, or a picture `png` in base64, "" if there are panels."""
 
     title: str
     caption: str
@@ -56,7 +56,7 @@ Rows = tuple[tuple[str, words.CheckText], ...]
 
 @dataclass(frozen=True)
 class PartOnPage:
-    """A criterion or an extension on a student's report page; `share` is the percentage of its points.
+    """A criterion or an extension on a student's report page; `share` is the percentage of its points that were earned.
 
     `folded` is the HTML of the closed lists: checks that were not graded, and checks that passed.
     """

@@ -12,13 +12,13 @@ from grader.report import words
 
 
 def result_line(id_: str, result: Result) -> str:
-    """Return a submission's id and score as ``alice 87.5``, or its id and the status that leaves its grade blank."""
+    """Return a submission's id and score as ``alice 87.5``; without a score ``alice not judged``, or "empty" or "unreadable"."""
     blank = {"incomplete": "not judged", "empty": "empty", "unreadable": "unreadable"}.get(result.status)
     return f"{printable(id_, words.NAME_LIMIT)} {blank or words.number(result.score)}"
 
 
 class ProgressLines:
-    """Printer of ``12/300 alice 87.5`` for each submission graded in this run; results of an earlier run are counted only."""
+    """Printer of ``12/300 alice 87.5`` for each submission graded in this run; results of an earlier run only raise the count."""
 
     def __init__(self) -> None:
         self._total = 0

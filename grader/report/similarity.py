@@ -46,13 +46,13 @@ class Pair:
 def pairs(
     fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = frozenset(), most: int = _MOST
 ) -> list[Pair]:
-    """Return the most similar pairs, largest share first. Code of the lab, and code that half of the class has, does not count.
+    """Return the pairs that share at least 20 hashes and half of the smaller submission's own hashes, largest share first.
 
     Parameters
     ----------
     fingerprints : id of the submission -> hashes of its code
-    given : hashes of the lab's own code
-    most : how many pairs to return
+    given : hashes of the lab's code, which is not a submission's own (see `own_hashes`)
+    most : how many pairs to return at most
     """
     own = own_hashes(fingerprints, given)
     ids = sorted(id_ for id_, hashes in own.items() if len(hashes) >= FEWEST)
@@ -74,7 +74,7 @@ def pairs(
 
 
 def own_hashes(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
-    """Return the hashes of each submission's own code, by id: without the lab's, and without code that half of the class has."""
+    """Return the hashes of each submission's own code, by id: without those `given` by the lab or in over half of the class."""
     own = {id_: frozenset(hashes) - given for id_, hashes in fingerprints.items()}
     counts = Counter(value for hashes in own.values() for value in hashes)
     most = max(_CLASS, _COMMON * len(own))  # handed-out code that the grader does not know

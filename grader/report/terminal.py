@@ -49,7 +49,7 @@ def screen(
     console
         The output. Lines have at most 100 columns on a terminal and are unbroken in a pipe.
     lab
-        Supplies the names to work on next and the files to hand in.
+        Supplies the functions that checks are about, and the files to hand in.
     only
         The id of the one criterion or extension to show; None shows all.
     before

@@ -17,7 +17,7 @@ from grader.engine.traces import Scenario, Traces
 
 
 def listing(traces: Traces) -> str:
-    """Describe traces (true recordings) in text: name, hash and versions, and the scenarios with the shapes of their arrays."""
+    """Describe traces (true recordings): name, hash, versions of the packages that recorded them, scenarios and array shapes."""
     versions = ", ".join(f"{name} {number}" for name, number in traces.versions.items())
     head = [f"{traces.name} traces, {traces.sha256[:16]}, recorded with {versions}"]
     return "\n".join([*head, *(line for scenario in traces.scenarios.values() for line in _described(scenario))])

@@ -53,7 +53,7 @@ STATUS: dict[Status, str] = {
 
 @dataclass(frozen=True)
 class LabelledLine:
-    """One labelled line below a check: Expected, Got, Try, Read or Rerun. A line without a label is a plain sentence."""
+    """One labelled line below a check, such as Expected, Got, Try, Read or Rerun. A line without a label is a plain sentence."""
 
     label: str
     text: str
@@ -61,7 +61,7 @@ class LabelledLine:
 
 @dataclass(frozen=True)
 class CheckText:
-    """The feedback of one check as text; `read` is the lab step to read, `again` the command to rerun it, "" without feedback."""
+    """One check as text; `read` is a lab step to read, `again` a command that grades the criterion again; "" if there is none."""
 
     outcome: Word
     title: str
@@ -72,7 +72,7 @@ class CheckText:
 
 
 def row(check: CheckResult, part: str, lab: LabName) -> CheckText:
-    """Format the feedback on a check of the criterion or extension with id `part`; `read` names the step on the sheet of `lab`."""
+    """Format a check: outcome, points, feedback, the step of `lab` to read, the command to grade its criterion (`part`) again."""
     lost = tells(check)
     return CheckText(
         outcome=_WORDS[_outcome(check)],
@@ -152,7 +152,7 @@ def name(result: Result) -> str:
 
 
 def person(final_grade: FinalGrade) -> str:
-    """Return the names of the people who submitted, or the submission's name where nobody is known; "(no name)" without any."""
+    """Return the names of the people who submitted, or the submission's name if no platform names them; "(no name)" if blank."""
     return printable(final_grade.name, NAME_LIMIT) or "(no name)"
 
 
@@ -179,7 +179,7 @@ def submissions(final_grades: Iterable[FinalGrade]) -> str:
 
 
 def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]:
-    """Return the names of people without a submission, with an identifier if others, here or in `hand_ins`, have the same name."""
+    """Return the names of the people in `absent`, with an identifier if others there or in `hand_ins` have the same name."""
     listed = [person.name for person in absent]
     names = Counter(name.casefold() for name in [*listed, *(p.name for each in hand_ins for p in each.people)])
     known = [person.number for person in absent]
@@ -190,7 +190,7 @@ def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]
 
 
 def late(final_grade: FinalGrade) -> str:
-    """Format how late a submission is as ``2 d 3 h``; "late" if nobody knows how much, "" if it is not late."""
+    """Format how late a submission is: ``2 d 3 h``, or ``…, after the cut-off``; "late" if unknown how late, "" if not late."""
     if final_grade.late is None:
         return ""
     if final_grade.late.seconds is None:

@@ -26,7 +26,7 @@ class Confinement:
     Attributes
     ----------
     isolation_level
-        Which of the mechanisms are used.
+        The isolation level, on which the mechanisms depend that are used.
     machine
         Architecture, for the system call numbers of seccomp.
     landlock_abi
@@ -37,8 +37,8 @@ class Confinement:
     proc
         Descriptor of the host's /proc, or -1 without one. The worker closes it before student code runs.
     zygote
-        The zygote's pid, by which a worker recognises that its zygote has died, and then ends itself; 0 for workers with a pid
-        namespace, who do not see it.
+        The zygote's pid, by which a worker recognises that its zygote has died, and then ends itself; 0 for workers in a pid
+        namespace of their own, where the zygote has no pid.
     """
 
     isolation_level: IsolationLevel
@@ -75,7 +75,7 @@ def confine(confinement: Confinement, scratch: str) -> None:
 
 @lru_cache(maxsize=2)
 def seccomp_program(confinement: Confinement, pid: int) -> bytes:
-    """Return the seccomp filter for a worker that is process `pid`, the only one that it may signal; it is built once per `pid`."""
+    """Return the seccomp filter, built once per `pid`, for a worker that is process `pid` and may send signals only to itself."""
     return seccomp.program(confinement.machine, pid, own_files_only=confinement.isolation_level.own_namespaces)
 
 

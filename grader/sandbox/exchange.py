@@ -33,9 +33,9 @@ class DeadlineError(Exception):
 
 
 class Deadline:
-    """Time limit of one answer: `cpu_s` of CPU time, and `wall_s` in which next to no CPU time is used, as by code that sleeps.
+    """Time limit of one answer: `cpu_s` seconds of CPU time, or `wall_s` seconds that use hardly any, as when code sleeps.
 
-    At ten times `wall_s`, or at `most_s` if that is earlier, the answer is cut off whatever the code does. Both clocks return
+    After ten times `wall_s`, or `most_s` if that is less, the answer is cut off whatever the code does. Both clocks return
     the worker's seconds so far. So that grades do not depend on how busy the machine is, `wall_clock` leaves out (on Linux) waits
     for a processor. Time in which the grader itself stood still, as after Ctrl-Z, does not count either.
     """
@@ -54,7 +54,7 @@ class Deadline:
         self._seen, self._idle_s, self._stood_s = (0.0, 0.0), 0.0, 0.0
 
     def nap(self) -> float:
-        """Return for how many seconds to sleep, as no limit can be exceeded before; raise DeadlineError if one is exceeded."""
+        """Return how many seconds to wait before the limits must be checked again; raise DeadlineError if a limit is exceeded."""
         cpu_s, wall_s = self._cpu() - self._cpu_start, self._wall() - self._wall_start - self._stood_s
         last_cpu_s, last_wall_s = self._seen
         if wall_s - last_wall_s > _STOOD_S:

@@ -30,7 +30,7 @@ _GIVE_VERSION = 1
 
 
 def abi() -> int:
-    """Return the version of Landlock in this kernel, for `ruleset`, as older ones know fewer access rights; 0 without Landlock."""
+    """Return the kernel's version of Landlock, for `ruleset`, as older versions know fewer access rights; 0 without Landlock."""
     try:
         return linux.syscall("landlock_create_ruleset", None, 0, _GIVE_VERSION)
     except (OSError, KeyError):
@@ -40,8 +40,8 @@ def abi() -> int:
 def ruleset(version: int, readable: Iterable[str], listed: Iterable[str], writable: Iterable[str]) -> int:
     """Make a rule set for `enforce`, and return its file descriptor; raise OSError if the kernel refuses.
 
-    It allows reading below the paths `readable`, listing folders below `listed`, and below `writable` all but special files and
-    execution; devices such as /dev/null may be written. Missing paths are left out. An older `version` (of `abi`) restricts less.
+    It allows reading below the paths `readable`, listing folders below `listed`, and all below `writable` but execution and new
+    special files; devices such as /dev/null may be written. Missing paths are left out. An older `version` (`abi`) restricts less.
     """
     known = (1 << _RIGHTS_BY_ABI[min(version, len(_RIGHTS_BY_ABI) - 1)]) - 1
     network = _NETWORK if version >= 4 else 0

@@ -42,7 +42,7 @@ def provide_ids(ids: Mapping[str, int]) -> None:
 
 
 def provide_ids_of(model: Any) -> None:
-    """Give the ids of the robot's IMU in `model` to globals as `provide_ids` does; do nothing if the model has no such IMU."""
+    """Set unset globals to the sensor ids of the robot's IMU in `model`, as `provide_ids` does; without such an IMU do nothing."""
     import mujoco
 
     names = submission.STATE.lab_configuration.get("imu", ())
@@ -55,8 +55,8 @@ def provide_ids_of(model: Any) -> None:
 def set_model_and_data(model: Any, data: Any) -> Iterator[None]:
     """Set the globals that student functions read as model and data to `model` and `data`; restore the globals on exit.
 
-    These are globals that hold an MjModel or MjData, and unset globals with such a name. If the globals hold different models,
-    no model is set, as it is unknown which one is meant; the same holds for the data.
+    These are globals that hold an MjModel or MjData, and unset globals with a name such as ``mj_model``. If the globals hold
+    different models, no model is set, as it is unknown which one is meant; the same holds for the data.
     """
     with ExitStack() as stack:
         for name, given in (("model", model), ("data", data)):
@@ -114,7 +114,7 @@ def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Itera
 
     Yields
     ------
-    ``["global imu_data"]``, for the report, if the global is set and a parameter for the recording is not used; else an empty list
+    ``["global imu_data"]``, for the report, if the global is set although the function has a parameter for it; else an empty list
     """
     owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]

@@ -25,7 +25,7 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 
 @contextmanager
 def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
-    """Catch any exception of student code, and put its description into ``answer["error"]``."""
+    """Run student code in the scratch folder; catch any exception, and put its description into ``answer["error"]``."""
     try:
         with environment.in_scratch_folder(submission.STATE.folder):
             yield
@@ -55,7 +55,7 @@ def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]
 
 
 def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `get_imu_readings` with every pair of sensors in every state; report each reading at once and after the next step.
+    """Call `get_imu_readings` with every pair of sensors in every state, to check its values and whether they are views.
 
     Parameters
     ----------
@@ -64,10 +64,10 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : a description of the returned value for each pair and state; ``later`` : for each pair the reading of the first
-        state, described again after a step and a second reading: it differs if the student returned a view
-    array ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by each reading. The rows of a pair are the
-        first state, the second reading after the step, and the other states
+    ``calls`` : a description of the value returned for each pair and state; ``later`` : for each pair, a new description of the
+        value from the first state, after a step and another call: it differs if that value is a view into MuJoCo's data
+    array ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata by each call. The rows of a pair are the
+        first state, the other call after the step, and the other states
     """
     reader = submission.find("get_imu_readings", fields["path"])
     packer = Packer()
@@ -102,7 +102,7 @@ def _compiled(xml: str) -> Any:
 
 
 def model_of(xml: str) -> Any:
-    """Return a fresh copy of a compiled model, so that student code cannot change the model of a later request."""
+    """Return a fresh copy of the model in `xml` (MJCF), compiled once, so that student code cannot change it for later requests."""
     return _compiled(xml).__copy__()
 
 
@@ -150,15 +150,15 @@ def step_and_shift(model: Any, data: Any) -> None:
 
 
 def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call the student's `simulate_and_collect` on a model, with data in a used state (not a reset one) if one is given.
+    """Call the student's `simulate_and_collect` on a model, with data that are just reset, or in the state ``qpos`` and ``qvel``.
 
     The reply has the returned ``value``, what the call ``changed`` in the model, and the run for `replay` (``first_…`` arrays).
 
     Parameters
     ----------
     fields : ``path``, ``model`` (XML text), ``duration_s``, ``timestep`` (None: the model's), ``accel_id``, ``gyro_id``,
-        ``time_s`` of the used state
-    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,), the used state; optional ``gravity`` (3,) in place of the model's
+        ``time_s`` of the state
+    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,), the state; optional ``gravity`` (3,) in place of the model's
     """
     import mujoco
 
@@ -271,14 +271,14 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``; ``keys``: the name in `arrays` of each series, by the submission's own name for it; ``recorder``: None, or
-        the file, model, sensor ids and ``shows`` (names in `arrays`) with which to call the submission's `simulate_and_collect`.
-        Its sensors then measure the series in ``shows``, and the plot gets its return value, with the series in ``keys`` put in
+    fields : ``path``; ``keys``: the submission's name of each series -> the name in `arrays`; ``recorder``: None to plot a dict of
+        these series, else ``path``, ``model``, ``accel_id`` and ``gyro_id`` of a call of `simulate_and_collect`, whose result is
+        plotted with these series in it, and ``shows``: names in `arrays` of the time, accel and gyro that its sensors measure
     arrays : the plotted data; a number is an array without dimensions
 
     Returns
     -------
-    the figures that it drew; ``given`` : a description of the recorder's value that the plot got; None without a recorder
+    ``figures`` : what it drew; ``given`` : a description of the recorded value that the plot got; None without a recorder
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)

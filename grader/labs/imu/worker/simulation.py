@@ -189,7 +189,7 @@ def watch_next_run() -> None:
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """Stop recording and return the run by name (start, number of steps, states set later), to repeat it; {} without a run."""
+    """Stop recording and return the run for `replay`: start, number of steps, and states that code set later; {} without a run."""
     global _RECORDER
     course, _RECORDER = _RECORDER, None
     return course.arrays() if course else {}
