@@ -37,7 +37,7 @@ def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     """Return Moodle's grading worksheet with grades and comments filled in, to upload again; teachers' comments are kept.
 
     `template.column` is the title of the grades' column, None for "Grade". Raise RequestError if the file is no grading worksheet,
-    or the maximum of the assignment differs from the rubric's.
+    or the maximum of the assignment differs from the rubric's and is not scaled.
     """
     sheet, column = read_sheet(template.data, template.source), template.column or "Grade"
     grade = sheet.column(column)

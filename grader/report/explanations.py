@@ -37,7 +37,7 @@ def explain(lab: Lab, id_: str) -> str:
 
 
 def listing(lab: Lab) -> str:
-    """Return the ids that `imugrade explain` accepts, each on a line with its title: first the faults, then the checks."""
+    """Return the list of `imugrade explain`: the ids of faults, then those of checks, each on a line with its title."""
     lines = []
     for group, title in groups(lab).items():
         lines += ["", f"Faults: {title}", ""]

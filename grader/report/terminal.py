@@ -41,7 +41,7 @@ def screen(
 ) -> list[Text]:
     """Return the lines of a result: code that does not run, totals, next step, deductions by cause, the command to run again.
 
-    The first cause and code that does not run are shown with all lines, the other causes without what to read and to run. Passed
+    Code that does not run, or else the first cause, is shown with all lines, other causes without what to read and to run. Passed
     checks are folded into the totals, or into one line where only one criterion is shown.
 
     Parameters
@@ -51,7 +51,7 @@ def screen(
     lab
         Supplies the functions that checks are about, and the files to hand in.
     only
-        The id of the one criterion or extension to show; None shows all.
+        The id of the one criterion or extension to show, with all lines; None shows all.
     before
         The points of each check in the last run, by the check's id; None if there was no such run.
     command
