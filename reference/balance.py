@@ -22,8 +22,8 @@ ROUNDS = 20
 def missing_forces(model: mujoco.MjModel) -> NDArray[np.float64]:
     """Return the generalised forces (nv,) that would have to be added for the initial pose to rest; zero in balance.
 
-    Inverse dynamics at zero velocity and zero acceleration. The soft contacts' forces follow from how deep the pads are in the
-    floor alone, so this is exact.
+    Inverse dynamics at zero velocity and zero acceleration. The forces of soft contacts then depend only on how deep the
+    pads are in the floor, so the result is exact.
     """
     data = mujoco.MjData(model)
     mujoco.mj_inverse(model, data)

@@ -33,7 +33,7 @@ class Wave:
     phase: FloatArray
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return angle or position and two derivatives, each (n,), at the times (n,) in s, as inverse dynamics needs them."""
+        """Return the joint's angle or position and two time derivatives, (n,) each, at times (n,) in s, for inverse dynamics."""
         omega = 2.0 * np.pi * self.frequency
         angle = time[:, None] * omega + self.phase
         return (

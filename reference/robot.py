@@ -33,7 +33,7 @@ Problem = tuple[str, str]
 
 
 class UnfitError(ValueError):
-    """Exception: the model cannot be graded. `problems` are (key, sentence); the key is "path" (the file) or a sensor's kind."""
+    """Exception: the model cannot be graded. `problems` are (key, text); keys: "path" (the file), "accelerometer", "gyroscope"."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__("; ".join(text for _, text in problems))

@@ -89,7 +89,7 @@ def first_line(record: Callable[[Scene], Recording]) -> str:
 
 
 def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
-    """Return random settings for hidden traces, which students never see.
+    """Return random durations, rates and noise for hidden traces, which students never see.
 
     `dirty_timestep`, for a run that reuses MjData, differs from the robot's `usual_timestep`, so that code with a fixed step fails.
     """
@@ -169,7 +169,7 @@ def readings(
     states: Sequence[tuple[FloatArray, FloatArray]],
     pairs: Sequence[tuple[str, str]],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return arrays and scalars by name: sensor values and motion of bodies in the k `states`, and the model's sensors.
+    """Return arrays (sensor values, sites' and bodies' motion in k `states`) and scalars (sensor names, gravity), both by name.
 
     `states` are pairs (qpos, qvel); `pairs` name the accelerometer and gyroscope of each IMU whose site and body are recorded.
     """

@@ -24,7 +24,7 @@ _CLOSE = 1e-3
 
 
 class NotOneTextError(ValueError):
-    """Exception for a model whose text alone, without the other files that it loads, does not make the same model."""
+    """Exception: a model loads other files, and no text without them makes a model that simulates the same."""
 
 
 def self_contained(path: Path) -> str:
@@ -40,7 +40,7 @@ def self_contained(path: Path) -> str:
     ValueError
         If MuJoCo does not load it; the message is MuJoCo's.
     NotOneTextError
-        If its text alone does not make the same model.
+        If no text without the other files makes a model that simulates the same.
     """
     model = mujoco.MjModel.from_xml_path(str(path))
     if not _needs_files(ET.parse(path).getroot()):

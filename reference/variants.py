@@ -54,7 +54,7 @@ def vary(xml: str, rng: np.random.Generator) -> str:
     Returns
     -------
     str
-        MJCF with the same bodies, joints and geoms, and with every sensor of `xml` under its own name among others.
+        MJCF with the same bodies, joints and geoms, and with every sensor of `xml` under its own name, among additional sensors.
     """
     robot = Robot.of(xml)
     _vary_bodies(robot, rng)
@@ -68,7 +68,7 @@ def vary(xml: str, rng: np.random.Generator) -> str:
 
 @dataclass(frozen=True)
 class Robot:
-    """A model as its XML tree, to be changed, and as MuJoCo compiles it. Both have bodies, joints and geoms in the same order."""
+    """A model as XML tree, which `vary` changes, and as MuJoCo compiles it, with bodies, joints and geoms in the same order."""
 
     root: ET.Element
     model: mujoco.MjModel

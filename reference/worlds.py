@@ -115,7 +115,7 @@ class Shuffled:
 
 @dataclass(frozen=True)
 class Many:
-    """A generated model with many IMUs: its MJCF text, the places ("tail", say) with an IMU, and those with a magnetometer."""
+    """A generated model with many IMUs: its MJCF text, places with an IMU (as in "tail_gyroscope"), places with a magnetometer."""
 
     xml: str
     places: tuple[str, ...]

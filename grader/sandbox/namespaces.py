@@ -19,9 +19,9 @@ _WORKER = linux.CLONE_NEWUSER | linux.CLONE_NEWNS | linux.CLONE_NEWIPC | linux.C
 
 
 def may_drop_root() -> bool:
-    """Return whether this process is root and may become another user; some containers map root alone or lack CAP_SETUID.
+    """Return whether this process is root and may become another user: some containers map no other user or lack CAP_SETUID.
 
-    If so, the sandbox is built as root, which alone can read a Python below /root (mode 700); if not, in a user namespace.
+    If it may, the sandbox is built as root, which alone can read a Python below /root (mode 700); if not, in a user namespace.
     """
     if os.geteuid() != 0:
         return False
@@ -84,7 +84,7 @@ def enter_as_worker(proc: int) -> None:
 def fork_as_first(own_pid_namespace: int) -> int:
     """Fork a child that is pid 1 of a new pid namespace, so that all that it started ends with it; return as `os.fork` does.
 
-    `own_pid_namespace` is a pidfd of this process, by which it returns to its namespace: otherwise the next call is refused.
+    By `own_pid_namespace`, a pidfd of this process, the parent returns to its own namespace; otherwise the next fork would fail.
     """
     linux.unshare(linux.CLONE_NEWPID)
     try:

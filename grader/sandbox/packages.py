@@ -50,7 +50,7 @@ class Installed:
 
 
 def folders() -> tuple[str, ...]:
-    """Return the package folders (site-packages) of this Python, a user's own, too, and the one with numpy, whatever its name."""
+    """Return this Python's package folders (site-packages), with the user's own and the one that holds numpy, whatever its name."""
     found = [os.path.abspath(path) for path in sys.path if os.path.basename(path) in FOLDER_NAMES]
     spec = importlib.util.find_spec("numpy")
     if spec and spec.origin:
@@ -67,7 +67,7 @@ def shown(folders: tuple[str, ...], libraries: tuple[str, ...] = ()) -> tuple[st
 
 
 def for_students(distributions: Sequence[Installed], libraries: Iterable[str] = ()) -> list[Installed]:
-    """Return the distributions that student code may import: NumPy, matplotlib, the lab's `libraries`, and others with their needs.
+    """Return the distributions that student code may import: NumPy, matplotlib, the lab's `libraries`, others, and what these need.
 
     Others are all that the grader does not need or that a person installed by name; the grader and installers (pip) are left out.
     """

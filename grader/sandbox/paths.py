@@ -98,7 +98,7 @@ def shown_and_listed(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
 
 
 def empty_folder(folder: str) -> None:
-    """Empty `folder` of what a hostile program left, however deep and whatever its modes; follow no links. May raise OSError."""
+    """Delete all in `folder`, even a hostile program's deep trees and locked folders; follow no links. May raise OSError."""
     fresh = 0
     while entries := list(os.scandir(folder)):
         for entry in entries:

@@ -13,21 +13,20 @@ from .isolation_levels import LEVELS, IsolationLevel
 
 @dataclass(frozen=True)
 class Contents:
-    """The code that runs in a sandbox beside student code, and what it needs; whoever opens a sandbox fills it in.
+    """The code that runs in a sandbox beside student code, and what it needs; the caller that opens a sandbox fills it in.
 
     Attributes
     ----------
     worker_code
         A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
     questions
-        Folder of the lab's package that answers its own requests, the second argument of `warm_up`; None if it has none.
+        Folder of the lab's package that answers further requests, None without one; `warm_up` gets it as second argument.
     readable
         Further paths that the sandbox shows read-only.
     packages
         Names of distributions that the sandbox shows, with what they need; others that only the grader needs stay hidden.
     warm
-        Modules that are imported once for all workers; `Sandbox.warm` adds some later. On the lowest level each worker
-        imports what it needs.
+        Modules imported once for all workers (on the lowest level, by each that needs them); `Sandbox.warm` can add more.
     thorough
         Whether the worker code also uses each library once before the first worker: it pays if many workers follow.
     """

@@ -11,7 +11,7 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Return whether this is the main thread. Other threads end early, and a child can be set to die with its thread."""
+    """Return whether this is the main thread. Another thread ends early, and a child set to die with it would die too soon."""
     return threading.current_thread() is threading.main_thread()
 
 
@@ -37,7 +37,7 @@ class WallClock:
         return time.monotonic() - self._waited_s
 
     def read(self) -> float:
-        """Return the seconds since this clock was created, on Linux without waits for a CPU. The number never decreases."""
+        """Return the seconds since this clock was created, on Linux without its process's waits for a CPU; they never decrease."""
         self._read_s = max(self._read_s, self._now() - self._began)
         return self._read_s
 

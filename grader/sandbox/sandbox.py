@@ -94,7 +94,7 @@ class Sandbox:
     def worker(self) -> Worker:
         """Return a new worker without any state of the earlier ones. The levels `bubblewrap` and `landlock` allow four at a time.
 
-        Raise GraderError for a fifth on these, after `close`, or if none can be had, even from a new zygote (the warm parent).
+        Raise GraderError for a fifth worker at these levels, after `close`, or if even a new zygote (warm parent) forks none.
         """
         if self._closed:
             raise GraderError("the sandbox is closed")

@@ -36,7 +36,7 @@ class _GraderGoneError(Exception):
 
 
 def main(control_fd: int) -> Callable[[], None] | None:
-    """Run the zygote: fork workers until the grader closes the socket, then exit. In a forked worker, return the function to run.
+    """Run the zygote (warm parent) until the grader hangs up, then exit. In a worker it forks, return what answers requests.
 
     `control_fd` is the socket to the grader. Return None in the zygote if isolation or an import failed; the grader was told why.
     """

@@ -77,7 +77,7 @@ def search(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """Return `sys.path` for the level `landlock`: as `search`, with the folder `links` (of `link_packages`) as package folder."""
+    """Return `sys.path` for the level `landlock`: `search(shown)`, but packages are found in `links` (see `link_packages`)."""
     return (*_search_whole(shown), links)
 
 
@@ -108,7 +108,7 @@ def search_without_isolation() -> tuple[str, ...]:
 
 
 def hidden() -> tuple[str, ...]:
-    """Return the folders that a sandbox shows empty: grader, reference, package folders (`visible` has the packages one by one)."""
+    """Return the folders that a sandbox shows empty: grader, reference, and package folders but for packages in `visible`."""
     grader = _HERE.parent
     return str(grader), str(grader.parent / "reference"), *packages.folders(), *_package_folders(_libraries())
 
@@ -162,7 +162,7 @@ def font_lists() -> tuple[str, ...]:
 def environment(scratch: str, cache: str) -> dict[str, str]:
     """Return all environment variables of a sandboxed process: none of the grader's own, but LD_LIBRARY_PATH if there is one.
 
-    `scratch` is its home and temporary folder, `cache` matplotlib's.
+    `scratch` is its home and temporary folder, `cache` the folder for matplotlib's cache.
     """
     literal = {
         "PATH": "/usr/bin:/bin",

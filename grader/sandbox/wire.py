@@ -78,7 +78,7 @@ def pack(
     """Return the bytes of a frame (message). `nonce`, 16 bytes, tells which request it belongs to: an answer repeats the request's.
 
     `errors` says what becomes of lone surrogates, as for `str.encode`. Raise WireError if a value is no JSON, an array's dtype is
-    not in `arrays.DTYPES`, or the frame is larger than `caps` allow.
+    not in `DTYPES` of the module `arrays`, or the frame is larger than `caps` allow.
     """
     try:
         layout, chunks = _arrays().pack(arrays, caps.body)
@@ -97,7 +97,7 @@ def pack(
 def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER) -> Frame:
     """Return the frame (message) that consists of `text`, its JSON, and `body`, the bytes of its arrays.
 
-    Raise WireError if they are not exactly what `pack` could have written.
+    Raise WireError if `pack` could not have written them, or if there are more arrays than `caps` allow.
     """
     message = _parse(bytes(text))
     if not isinstance(message, dict) or set(message) != {"fields", "arrays"}:
@@ -137,7 +137,7 @@ class Incoming:
             self._total += text_bytes + body_bytes
 
     def finish(self) -> tuple[bytes, Frame]:
-        """Return the nonce (which request is answered) and the frame; raise WireError if bytes are missing or wrong."""
+        """Return the nonce (which request is answered) and the frame; raise WireError if bytes are missing or are no frame."""
         if self._sizes is None or self.wanted:
             raise WireError("the frame is incomplete")
         start, stop = HEADER.size, HEADER.size + self._sizes[0]

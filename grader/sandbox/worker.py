@@ -92,7 +92,7 @@ class _Printed(io.RawIOBase):
 
 
 def take_streams() -> None:
-    """Make print() write to descriptors 1 and 2 without delay, because the grader reads their file even after a crash."""
+    """Make print() write to descriptors 1 and 2 without delay, so that the grader can read the output even after a crash."""
     budget = [MAX_PRINTED_BYTES]
     sys.stdout, sys.stderr = _stream(1, budget), _stream(2, budget)
     vars(sys).update(__stdout__=sys.stdout, __stderr__=sys.stderr)

@@ -33,9 +33,9 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
     Parameters
     ----------
     thorough : whether to use each library once, too, because its first use is slow
-    questions : the lab's own module, whose parts are optional: `HANDLERS` maps names of requests to functions that answer them;
-        `warm_up(thorough)` is called here; `install(lab_configuration)` prepares each worker; `sheet_names` returns what a star
-        import from a file of the lab sheet brings
+    questions : the lab's own module, if it has one. It may define `HANDLERS`, {request: function that answers it};
+        `warm_up(thorough)`, called here; `install(lab_configuration)`, which prepares each worker; and `sheet_names`, which
+        returns what a star import from a file of the lab sheet brings
     """
     global _guard  # noqa: PLW0603 - there is one worker code in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))

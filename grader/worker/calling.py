@@ -39,7 +39,7 @@ class Slot:
     anywhere: bool = False
 
     def suits(self, parameter: inspect.Parameter) -> bool:
-        """Return whether a parameter's name fits and, for a spare (not on the sheet), its default is absent or of `replaces`."""
+        """Return whether a parameter's name fits and, for a spare (not on the sheet), any default has a type in `replaces`."""
         if parameter.name != self.name and not self.meaning.search(parameter.name):
             return False
         needed = parameter.default is parameter.empty
@@ -70,7 +70,7 @@ class CallPlan:
 
 
 def plan_call(function: Callable[..., Any], slots: Sequence[Slot]) -> CallPlan:
-    """Return how to call a function with these arguments (slots): as on the lab sheet if that fits, or if nothing else does."""
+    """Return how to call a function with arguments (`slots`): as on the lab sheet, or by its own parameters if only that fits."""
     promised = CallPlan(
         tuple(slot.name for slot in slots if slot.passed == "position"),
         {slot.name: slot.name for slot in slots if slot.passed == "option"},
@@ -106,9 +106,9 @@ def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
 def adapt(
     function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
 ) -> tuple[Callable[..., Any], list[str]]:
-    """Return a function that takes the lab sheet's positional arguments, and the names of those that `function` takes otherwise.
+    """Return `function` adapted to the lab sheet's positional arguments, and the names of slots in which it departs from the sheet.
 
-    `spares` holds values of arguments (`slots`) that are not on the sheet. A function that fits the sheet is returned unchanged.
+    `slots` are all arguments, `spares` {slot's name: value} of those not on the sheet. A function that fits is returned unchanged.
     """
     way = plan_call(function, slots)
     if way.as_promised:

@@ -43,7 +43,7 @@ def merge_conflict(source: bytes, path: str) -> dict[str, Any]:
 
 
 def units_that_parse(source: bytes, path: str) -> list[statements.Unit]:
-    """Return those statements of a file with syntax errors that parse, so that its plots are drawn; [] if eight or more do not."""
+    """Return those statements of a file with syntax errors that parse, so that its plots are drawn; [] if eight or more fail to."""
     own = faults.own_name(path)
     try:
         lines = _decoded(source).splitlines()
@@ -101,7 +101,7 @@ def _decoded(source: bytes) -> str:
 
 
 def defined(path: str) -> set[str]:
-    """Return the names that a file or notebook defines at top level, and the right names of those that it misspells. No code runs.
+    """Return the names that a file or notebook defines at top level, and the required names that it misspells. No code runs.
 
     Of text that does not parse, only names after ``def`` or ``class`` at a line's start are found; of an undecodable file, none.
     """

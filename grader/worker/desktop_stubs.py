@@ -28,7 +28,7 @@ class Stub(types.ModuleType):
     Parameters
     ----------
     name : the name of what is stubbed
-    members : keyword arguments, the attributes that have a value of their own
+    members : keyword arguments: attributes with these values; any other attribute is the stub itself
     """
 
     def __init__(self, name: str, **members: Any) -> None:

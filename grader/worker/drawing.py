@@ -301,7 +301,7 @@ def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any 
 def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
     """Save a figure in full by matplotlib's own method `really`, for a submission that reads its pictures back.
 
-    The parameters are those of `save`. A very large picture gets fewer dots per inch than `asked`, so that it costs no minutes.
+    The parameters are those of `save`. A very large picture gets fewer dots per inch than `asked`, as saving it would take minutes.
     """
     figure = canvas.figure
     dots = min(_dpi(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))

@@ -59,7 +59,7 @@ _INSTEAD: dict[str, str] = {}
 
 
 def redirect_missing(ending: str, place: str) -> None:
-    """Let `open` read the submission's file `place` for a missing path that ends with `ending`, as on a student's computer."""
+    """Let `open` read the submission's file `place` for a path that ends with `ending` and exists only on a student's disk."""
     _INSTEAD[ending] = place
 
 
@@ -69,7 +69,7 @@ def is_redirected(path: Any) -> bool:
 
 
 def redirected(path: Any) -> Any:
-    """Return the file to open for a path: the path itself, or a replacement by `redirect_missing` if nothing exists there."""
+    """Return `path`; but if nothing exists there and `redirect_missing` gave a file for its ending, return that file."""
     ending = _ending(path)
     if ending in _INSTEAD:
         try:
@@ -165,7 +165,7 @@ def _exit_on_own_signals() -> None:
 
 @contextlib.contextmanager
 def in_scratch_folder(folder: str) -> Iterator[None]:
-    """Run a block in the scratch folder, which holds the submission's files, and return there, wherever student code went."""
+    """Run a block in `folder`, the scratch folder with the submission's files; at the end, change back to it."""
     os.chdir(folder)
     try:
         yield

@@ -42,8 +42,8 @@ members_of = type.__dict__["__dict__"].__get__
 def alias_misspelled_method(own: Any, name: str, wanted: Collection[str], known: dict[str, str]) -> None:
     """Give class `own` its required methods under the right names, and add them to `known`, {``Class.method``: student's name}.
 
-    A method gets its right name if the class lacks it and exactly one method is nearly called so. `wanted` lists the required
-    methods as ``Class.method``; `name` is the class's name in it.
+    A method gets its right name if the class lacks it and just one method's name is near it (`is_near`). `wanted` lists the
+    required methods as ``Class.method``, where ``Class`` is `name` for those of this class.
     """
     for each in wanted:
         kind, _, method = each.partition(".")

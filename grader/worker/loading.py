@@ -42,8 +42,8 @@ _LEVELS = 1 + _ABOVE.count("/")
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Answer a request: write the submission's files into the scratch folder and prepare the process. Student code runs later.
 
-    ``fields["files"]`` lists (path, key in `arrays`, n). If n > 0, a copy goes n folders further up, where programs may look for
-    it. Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
+    ``fields["files"]`` lists (path, key in `arrays`, n). If n > 0, a copy goes n folders above the scratch folder, where programs
+    may look for it. Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
     STATE.stepper = statements.StatementRunner(skipped, tuple(fields["place"]), list(fields["homes"]))
@@ -74,7 +74,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Answer a request: import a file or notebook; report its definitions of required names, skipped statements, figures, errors.
 
-    ``fields["path"]`` is the file; its statements have ``fields["within_s"]`` seconds in all.
+    ``fields`` holds the file's ``path`` and ``within_s``, the seconds that its statements may take in all.
     """
     del arrays
     path: str = fields["path"]
@@ -88,7 +88,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: run ``path`` as `python FILE` does, for ``within_s`` s at most; return figures and first error or None."""
+    """Answer a request: run file ``path`` as `python FILE` does, for up to ``within_s`` s; return ``figures`` and any ``error``."""
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -109,7 +109,7 @@ def _main_module(path: str) -> types.ModuleType:
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: return as ``names`` {file: the names required by the lab that it defines at top level}. No code runs."""
+    """Answer a request without fields: return ``names``, {file: the required names that it defines at top level}. No code runs."""
     del fields, arrays
     found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in STATE.code())
     return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}

@@ -62,7 +62,7 @@ class MissingImports:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Put forgotten imports into `names` after the last star import or definition; note for `at_end` what `node` defines."""
+        """Put in `names` what is due after statement `node`: libraries, partners' names (see the class); note what it defined."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:

@@ -19,7 +19,7 @@ def imported(node: ast.AST) -> list[str]:
 
 
 def used(nodes: Sequence[ast.AST]) -> set[str]:
-    """Return the names that these nodes read, also in bodies of functions, built-in and local names included; no type hints."""
+    """Return the names that these nodes read, also in functions' bodies; built-in and local names count, type hints do not."""
     names, left = set(), list(nodes)
     while left:  # every file is analysed in every process: `ast.walk` takes ten times as long
         node = left.pop()

@@ -46,8 +46,8 @@ class PackageFinder:
 
     Parameters
     ----------
-    names : returns the package's names (several if the files disagree), as `imported_packages` does; called at the first need
-    load_init : returns the loader of the package's ``__init__.py``; None if there is none
+    names : function that returns the package's names (several if the files disagree), as `imported_packages` does; called once
+    load_init : function of the package's name that returns the loader of its ``__init__.py``; None if there is none
     """
 
     def __init__(self, names: Callable[[], set[str]], load_init: Callable[[str], Any]) -> None:

@@ -30,10 +30,10 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return data and arrays of the figures since the last `take`, matched to picture files below `folder`; close all figures.
+        """Return what was recorded since the last `take`, matched to picture files below `folder`; close all figures.
 
-        The data are {"figures": [one dict of panels, texts, curves and file for each]}. With `with_open`, figures that are still
-        open and were never saved are recorded first.
+        The result is ({"figures": [one dict of panels, texts, curves and file for each]}, the arrays that these dicts name). With
+        `with_open`, open figures that are not recorded yet are recorded first.
         """
         import matplotlib.pyplot as plt
 

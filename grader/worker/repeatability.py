@@ -53,7 +53,7 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Replace clocks, process id and random bytes by repeatable ones; code outside `folder`, as of libraries, gets the real id."""
+    """Make clocks, process id, random bytes, `np.empty` repeatable; libraries (outside `folder`) keep real `monotonic` and id."""
     _LIBRARY.own_folder = folder
     virtual_time.install(CLOCK)
     _replace_clocks()

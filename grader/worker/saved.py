@@ -58,7 +58,7 @@ def content_of(target: Any) -> tuple[bytes | None, str | None]:
 
 
 def match_files_to_figures(drawn: list[RecordedFigure], folder: str, known: dict[str, bytes | None]) -> None:
-    """Correct the ``event`` of recorded figures by the picture files that are there in the end.
+    """Correct the ``event`` of each recorded figure by the picture files that `folder` holds now, after the code has run.
 
     A figure that a picture file shows is "saved", whichever call wrote the file. One whose file now holds another picture is
     "overwritten"; one saved to a buffer that reached no file is "forgotten".

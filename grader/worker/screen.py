@@ -40,7 +40,7 @@ class Screen:
     # --- showing -------------------------------------------------------------------------------------------------------
 
     def show_figure(self, canvas: Any) -> None:
-        """Report a canvas's figure as shown and call its draw callbacks, which may draw again (five deep); draw no pixels."""
+        """Call `seen` with a canvas's figure, then its draw callbacks, which may draw again (five deep); draw no pixels."""
         from matplotlib.backend_bases import DrawEvent
 
         if self._depth > 4:
@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Fire timers as an event loop does, for `seconds` (None: no limit), until none is left, enough was seen or 2,000 fired."""
+        """Fire timers for `seconds` of virtual time (None: no limit), at most 2,000; stop early if none is left or `done()`."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):
@@ -105,7 +105,7 @@ class Screen:
         self._animations.append(weakref.ref(animation))
 
     def play(self, animation: Any) -> None:
-        """Report each frame of an animation that the program saves, the first 2,000 or so; no film is made."""
+        """Call `seen` at each frame of an animation that a program saves, up to about 2,000; make no film."""
         animation._init_draw()
         for number, frame in enumerate(animation.new_saved_frame_seq()):
             animation._draw_next_frame(frame, blit=False)
@@ -117,7 +117,7 @@ class Screen:
 
     @contextlib.contextmanager
     def installed(self) -> Iterator[None]:
-        """Replace the methods of matplotlib that show or save a figure while a block runs; restore them on exit."""
+        """While a block runs, let matplotlib's methods that show or save a figure call `seen`; restore them on exit."""
         import matplotlib.pyplot as plt
         from matplotlib import animation
         from matplotlib.backend_bases import FigureCanvasBase, TimerBase
@@ -223,7 +223,7 @@ def _write(target: Any, content: bytes) -> None:
 
 @contextlib.contextmanager
 def replaced(owner: Any, members: dict[str, Any]) -> Iterator[None]:
-    """Replace members of a class or module while a block runs; on exit restore them, or remove those that it did not have."""
+    """Replace members of a class or module while a block runs; on exit restore them, or remove those that the owner lacked."""
     own = {name: vars(owner)[name] for name in members if name in vars(owner)}
     for name, member in members.items():
         setattr(owner, name, member)

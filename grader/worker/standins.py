@@ -13,7 +13,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Keep stand-ins (working definitions for a student's broken ones) in `STATE`, made from `sources`, {name: source text}."""
+    """Keep stand-ins (definitions for a student's broken ones) in `STATE`, made from `sources`, {required name: source text}."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():
@@ -35,7 +35,7 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return {name: stand-in}, the grader's definitions of a module's names, where that module's file is missing or broken."""
+    """Return {required name: stand-in}, the grader's definitions of those of a module's names that are broken or missing."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
@@ -54,7 +54,7 @@ def standin_for(own: Any, name: str) -> Any:
 
 
 def misspelled(path: str, units: list[statements.Unit]) -> dict[str, str]:
-    """Return a file's misspelled definitions, {own name: required name}, so that the right names can be added."""
+    """Return {student's name: required name} for a file's misspelled definitions, found in `units` (statements), to alias them."""
     pairs = fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path))
     return {own: name for name, own in pairs}
 

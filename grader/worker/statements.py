@@ -291,7 +291,7 @@ def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
 
 
 def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
-    """Return a file's top-level statements, each compiled alone, a cell with `await` as one; raise SyntaxError if any is invalid.
+    """Return a file's top-level statements, each compiled alone, or a cell with `await` as one unit; SyntaxError if one is invalid.
 
     `name` is the file name in tracebacks, `flags` those of `compile`: PyCF_ALLOW_TOP_LEVEL_AWAIT says that the text is a cell.
     """

@@ -54,7 +54,7 @@ class Clock:
             self._threads[thread] = None
 
     def remove(self, thread: object) -> None:
-        """Remove a thread that ends, and let the next one run."""
+        """Remove a thread that ends, and let the next thread run."""
         with self._guard:
             self._threads.pop(thread, None)
             self._ignored.discard(thread)
