@@ -248,9 +248,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.scoreboard", description=__doc__)
     parser.add_argument("--only", default="", help="cases whose name holds this, or of this criterion")
     options = parser.parse_args(arguments)
-    verdicts = list(
-        grade_all([case for case in as_written() if options.only in case.name or options.only == case.criterion])
-    )
+    chosen = [case for case in as_written() if options.only in case.name or options.only == case.criterion]
+    if not chosen:
+        parser.error(f"no row of the corpus has {options.only!r} in its name, and no criterion is called so")
+    verdicts = list(grade_all(chosen))
     print(table(verdicts))
     return int(any(verdict.troubles for verdict in verdicts))
 

@@ -45,6 +45,8 @@ JUDGE: Judge[Facts] = Judge(
         reason("b", 1, "precise"),
         reason("b", 1, "cheap"),
         reason("form", 1, "odd"),
+        reason("a", 3, "quiet"),
+        reason("b", 3, "quiet"),
     ),
     {"form": lambda facts: Deviation({}) if "form" in facts.off.split() else None},
 )
@@ -77,6 +79,7 @@ ROWS = dict(
         row("as-dear", explanation="…"),
         row("beside", explanation="…", deducts={"a": 0.5}),
         row("precise", deducts={"b": 0.25}),
+        row("quiet", explanation="…", deducts={"b": 0}),
         row("odd", explanation="…", deducts={"other.x": 1.0, "part.a": 0.25}, expected="{form}"),
         row("part.a", expected="a that holds", got="{came}", deducts={"c": 0}),
         *(row(f"part.{name}", expected=f"{name} that holds", got="{came}") for name in "bc"),
@@ -107,6 +110,7 @@ def _short(charge: Charge | Exception) -> Exception | tuple[float, str]:
         ("a b", "cheap", {"a": (0.0, "cheap"), "b": (0.5, "cheap")}),
         ("a", "dear", {"a": (0.25, "dear"), "b": (0.5, "dear")}),
         ("a b", "dear", {"a": (0.25, "dear"), "b": (0.5, "dear")}),
+        ("a b", "quiet", {"a": (0.0, "quiet"), "b": (1.0, "A holds")}),
         # what a fault lists costs nothing more; what none lists is charged to its own check
         ("a c", "dear", {"a": (0.25, "dear"), "b": (0.5, "dear"), "c": (1.0, "A holds")}),
         ("a c", "cheap", {"a": (0.0, "cheap"), "c": (0.0, "part.c")}),

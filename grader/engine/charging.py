@@ -158,13 +158,13 @@ class Judge(Generic[Facts]):
         """Return by check id the share of points that a fault costs in this criterion; 0 at a check that only shows the fault.
 
         `row` is the fault's entry in the table, `seen` the deviations in which the fault shows. If the entry lists no share, each
-        of these deviations says what it costs. A share is multiplied by the affected fraction of the property.
+        of these deviations says what it costs, but where the entry lists a 0. A share is multiplied by the affected fraction.
         """
         of = self.id if row.group in (self.id, "checks") else row.group
         full = {name if "." in name else f"{of}.{name}": share for name, share in row.deducts.items()}
         listed = {name: share for name, share in full.items() if name in self.checks}
         if not any(listed.values()):
-            listed |= {name: found.share for name, found in seen.items() if name in self.checks}
+            listed = {name: found.share for name, found in seen.items() if name in self.checks} | listed
         affected = next(iter(seen.values())).affected
         return {name: share * (seen[name].affected if name in seen else affected) for name, share in listed.items()}
 

@@ -12,7 +12,7 @@ from grader.engine.faults import FaultRow, catalogue
 from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
 from grader.engine.rubric_nodes import did_you_mean
-from grader.report.words import number
+from grader.report.words import counted_points, number
 
 
 def explain(lab: Lab, id_: str) -> str:
@@ -73,7 +73,7 @@ def _deductions(lab: Lab, entry: FaultRow) -> str:
     shares = {_full(name, entry): share for name, share in entry.deducts.items() if share}
     points: dict[str, list[str]] = {}
     for name, share in shares.items():
-        points.setdefault(name.partition(".")[0], []).append(f"{number(share * worth[name])} points of `{name}`")
+        points.setdefault(name.partition(".")[0], []).append(f"{counted_points(share * worth[name])} of `{name}`")
     return f"\nDeducts: {' or '.join(' and '.join(each) for each in points.values())}.\n" if points else ""
 
 
@@ -86,14 +86,14 @@ def check(lab: Lab, weight: CheckWeight, *, level: int = 1) -> str:
     known = _checks(lab).get(weight.id)
     step = f" Read: {lab.label}, Step {known.lab_step}." if known else ""
     return (
-        f"{'#' * level} {weight.id}\n\n{_title(lab, weight.id)}.\n\nWorth {number(weight.max_points)} points.{step}\n\n"
+        f"{'#' * level} {weight.id}\n\n{_title(lab, weight.id)}.\n\nWorth {counted_points(weight.max_points)}.{step}\n\n"
         f"Rerun: `imugrade check --only {weight.id.partition('.')[0]}`\n"
     )
 
 
 def criterion(lab: Lab, part: Criterion | Extension, *, level: int = 1) -> str:
     """Return the points of a criterion or an extension in Markdown under a heading of `level`, with the table of its checks."""
-    worth = f"{number(part.points)} points." if part.points else "No points: reported beside the score."
+    worth = f"{counted_points(part.points)}." if part.points else "No points: reported beside the score."
     where = f" File: `{part.file}`." if isinstance(part, Extension) else ""
     rows = [f"| `{w.id.partition('.')[2]}` | {number(w.max_points)} | {_title(lab, w.id)} |" for w in part.checks]
     table = "\n".join(["| Check | Points | Tests |", "| --- | ---: | --- |", *rows])
