@@ -93,7 +93,7 @@ def never_written(values: Array) -> NDArray[np.bool_]:
 
 
 def not_finite_in_words(values: Array) -> str:
-    """Say for a message what the values that are not finite are: memory that was never written, else NaN or infinity."""
+    """Say for a message what in `values` is not finite: memory never written if `never_written` finds any, else NaN or infinity."""
     return "memory that was never written (np.empty)" if never_written(values).any() else "NaN or infinity"
 
 

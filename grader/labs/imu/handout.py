@@ -13,7 +13,7 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(lab: Lab, model: Model) -> LabFile | None:
-    """Return the file of the robot that a rubric names, and its ground truth, for students' kits; None for the lab's own robot."""
+    """Return the robot that a rubric names, with its public ground truth, for students' kits; None for the lab's own robot."""
     if model.is_lab:
         return None
     traces = obtain(lab, None, model=model)

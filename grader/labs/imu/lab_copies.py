@@ -27,7 +27,7 @@ def with_graded_robot(files: Mapping[str, bytes], robot: str, copy: str | None =
     """Return a submission's files with the graded model (`robot`, MJCF text) in place of each copy of the model that students have.
 
     The graded model may have its sensors in another order, so that sensor ids looked up in a handed-in copy would be wrong. `copy`
-    is the text that students have; None stands for the lab's model. A file with other differences than white space is kept.
+    is the text that students have; None stands for the lab's model. A file that differs in more than white space is kept.
     """
     ours = (shipped().models["lab"] if copy is None else copy).encode().split()
     return {path: robot.encode() if _is_copy(path, content, ours) else content for path, content in files.items()}

@@ -232,7 +232,7 @@ class Plotting(SubmissionSession):
             return None
 
     def further_scripts(self) -> list[str]:
-        """Return up to three more scripts to run: those with `savefig`, then those that no file imports; [] if no file has it."""
+        """Return up to three more scripts to run: those with `savefig`, then those never imported; [] if no file has `savefig`."""
         code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
         saving = {path for path, content in code.items() if b"savefig" in content}
         if not saving:

@@ -43,7 +43,7 @@ class Asked:
     """A call of the student's code (a question) that a failed check asked for, as `imugrade repro` writes it down.
 
     `op` is the kind of call, such as ``filter``; `fields` and `arrays` are its inputs. The arrays go into ``repro.npz`` as
-    ``<name>_<number>``; `number` counts the check's calls. `expected` is the correct answer, empty if several are correct.
+    ``<name>_<number>``; `number` counts the check's calls. `expected` holds the correct arrays, see the function `expected`.
     """
 
     number: int
@@ -58,7 +58,7 @@ class Asked:
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """The arrays of this call by the names under which `repro.npz` stores them, the model's text among them."""
+        """The arrays of this call by the names under which `repro.npz` stores them, the model's text and `expected` among them."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
         expected = {f"expected_{name}": array for name, array in self.expected.items()}
         return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model, **expected}.items()}
@@ -98,7 +98,7 @@ class Recorder(Student):
         self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Return the answer to a call; `ask` makes it only if its `key` is new. Record which check, or other call, needs it."""
+        """Return the answer to a call, which `ask` makes if `key` is new; record the check, or the outer call, that needs it."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)
@@ -134,7 +134,7 @@ class Watched(CheckRun):
 
 
 def expected(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Array], truth: Traces) -> dict[str, Array]:
-    """Return the arrays of the correct answer to a call of kind `op`, for the generated program; empty if several are correct."""
+    """Return the correct arrays with which `imugrade repro`'s program compares a "filter" or "simulate" call; {} if unknown."""
     if op == "filter":
         return {f"output_{i}": _filtered(case, arrays) for i, case in enumerate(fields["cases"])}
     if op == "simulate" and "gravity" not in arrays:

@@ -48,7 +48,7 @@ class Model:
         return self.path.name if self.path else LAB_FILE
 
     def line(self, key: str) -> int:
-        """Return the rubric's line of a key, for messages; for a key left out, the line of `path`, else of `model`, else 1."""
+        """Return the rubric's line number of `key`, for messages; for a key left out, that of `path`, else of `model`, else 1."""
         return self.lines.get(key, self.lines.get("path", self.lines.get("model", 1)))
 
 
@@ -66,7 +66,7 @@ class Robot:
         return (self.file, self.xml, *self.imu)
 
     def options(self, folder: Path) -> list[str]:
-        """Write the robot's model into `folder`; return the options of the reference solution's command for model and sensors."""
+        """Write the model into `folder`; return the options that name it and its sensors to the program that records traces."""
         path = folder / self.file
         path.write_text(self.xml, encoding="utf-8", newline="")
         return ["--model", str(path), "--accelerometer", self.imu[0], "--gyroscope", self.imu[1]]
@@ -98,7 +98,7 @@ def robot_of(traces: Traces) -> Robot:
 
 
 def is_of(model: Model, traces: Traces) -> bool:
-    """Return whether traces were recorded for the robot that a rubric names, by its file name and sensors."""
+    """Return whether traces are of the robot that a rubric names: whether model file name and sensor names are the same."""
     robot = robot_of(traces)
     return (robot.file, robot.imu) == (model.file, model.imu)
 

@@ -47,7 +47,7 @@ def spread_bounds(values: int, estimated_means: int) -> tuple[float, float]:
 def mean_bound(values: int, sigma: float) -> float:
     """Return the largest distance of a sample mean from the true mean that chance explains; 0.136 sigma for 2,500 values.
 
-    If their bias is off by a fifth of sigma, 2,500 values exceed that bound with probability 0.9993.
+    With a bias of a fifth of sigma, the mean of 2,500 values exceeds the bound with probability 0.9993.
     """
     return Z * sigma / math.sqrt(values)
 

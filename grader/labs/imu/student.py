@@ -42,7 +42,7 @@ class FilterCase:
 
 
 class Student(Plotting):
-    """Session with the sandbox about one submission: each method calls the student's code, once for all checks that ask alike.
+    """Session with the sandbox about one submission: each method calls the student's code; equal calls share one answer.
 
     A call may have a name (`called`), by which the charts of a report find its answer.
     """

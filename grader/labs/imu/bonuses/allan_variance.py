@@ -54,7 +54,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Finite averaging times and deviations (k,) of the first column, sorted by time, at most 200; None if not returned."""
+        """Finite averaging times and deviations (k,) of the first column of samples, by time, at most 200; None if not returned."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
@@ -183,9 +183,9 @@ def meaning(records: Sequence[Record], rate: float) -> Meaning:
 
 
 def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
-    """Return log-log slopes of a record's true Allan deviation and of its curve; `size` turns averaging times into cluster sizes.
+    """Return the log-log slopes of a record's true Allan deviation and of the student's curve for the record.
 
-    Averaging times with 30 clusters or more count; a slope is NaN with fewer than three of them.
+    `size` turns averaging times into cluster sizes. Only times with 30 clusters or more count; NaN with fewer than three such.
     """
     taus, curve, samples = record
     sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
@@ -227,7 +227,7 @@ class Allan:
 
     @cached_property
     def odd(self) -> int | None:
-        """Number of values for white noise that are not finite; None if no averaging times and deviations were returned."""
+        """Number of averaging times and deviations for white noise that are not finite; None unless both were returned."""
         taus, adev = self.white.taus, self.white.adev
         return None if taus is None or adev is None else int((~np.isfinite(taus)).sum() + (~np.isfinite(adev)).sum())
 
@@ -248,7 +248,7 @@ class Allan:
 
 
 def measure(student: Student, truth: Traces) -> Allan:
-    """Ask for the curves of five noise records, of three axes together, and of each of these axes alone; return the answers."""
+    """Ask for the curves of five noise records, of an (n, 3) record, and of each of its columns alone; return the answers."""
     scenario = truth["allan"]
     rate = float(scenario.scalars["sample_rate_hz"])
     runs = {kind: allan(student, scenario[kind], rate) for kind in dict.fromkeys((*_RECORDS, *KINDS))}

@@ -135,7 +135,7 @@ class Tilt:
 
     Attributes
     ----------
-    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers were returned; odd : the first such value, in words
+    level : (n, 2) roll and pitch at rest and level, NaN where no two numbers came; odd : in words, what first came instead, or ""
     settled, tilts : (2, 2) roll and pitch after 30 s at rest at two tilts, and these tilts, in rad
     errors, alone : by check, the filter's RMS error in that check's motion, and the error of each sensor by itself, in rad
     response : outputs after a turn about x, a turn about y, and a tilt; None if some are missing
@@ -222,7 +222,7 @@ def _probes() -> list[tuple[Array, Array]]:
 
 
 def response(outputs: list[Array]) -> Response | None:
-    """Return the `Response` shown by outputs (n, 2) for turns about x and y and a tilt; None if one is incomplete or not finite."""
+    """Return the `Response` shown by outputs (n, 2) for turns about x and y and a tilt; None if any is short or not finite."""
     if any(len(out) < BEFORE + 50 or not np.isfinite(out).all() for out in outputs):
         return None
     tilted = outputs[2]

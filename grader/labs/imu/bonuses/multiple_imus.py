@@ -105,7 +105,7 @@ class World:
 
     @property
     def repeats_one(self) -> bool:
-        """Return whether every IMU has the readings of the first, as code that ignores the name gives; False for a single IMU."""
+        """Return whether every IMU has the first one's readings, as if the code ignored the IMU's name; False for a single IMU."""
         rows = list(self.read.values())
         return len(rows) > 1 and all(same(each, rows[0], 1e-9) for each in rows[1:])
 

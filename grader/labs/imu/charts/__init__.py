@@ -11,7 +11,7 @@ from grader.labs.imu.student import Student
 
 
 def charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
-    """Return the charts of a report. Of hidden scenarios, only handed-in pictures are shown: other charts may show hidden data."""
+    """Return the charts of a report; with hidden traces, only the handed-in pictures, as other charts may show hidden data."""
     pictures = tuple(handed_in.chart(name, student.stored_answer(name)) for name in student.pictures)
     if truth.name != "public":
         return tuple(chart for chart in pictures if chart is not None)

@@ -145,7 +145,7 @@ class Facts:
     nothing_at_first : whether `update` returned no vector for the first measurement alone
     needs_alpha : the exception that the filter raises if no alpha is given; None if it raises none
     departs : the sheet's names of parameters that the class has by other names or in other places; "method …" for a renamed method,
-        "global …" for a parameter in place of which it reads a global variable; each kind is a fault that loses points
+        "global …" for a parameter in place of which it reads a global variable; each of these three loses points
     stopped : by name of a check, the exception with which it ends because its property could not be measured
     """
 
@@ -180,7 +180,7 @@ class Facts:
 
     @cached_property
     def off(self) -> list[NDArray[np.bool_]]:
-        """Masks, one a run, of the outputs from the second on that do not follow from the one before as in the lab sheet."""
+        """For each run, a mask of the outputs from the second on that do not follow from the previous output as on the sheet."""
         return [run.off > ATOL for run in self.runs]
 
     @property

@@ -54,7 +54,7 @@ class Comparison:
 
 
 def measure(student: Student) -> Comparison:
-    """Run the submission's files until one saves a figure of noisy and filtered data, and return the `Comparison` drawn.
+    """Run the submission's files until one saves a figure of noisy and filtered data; `saved` of the result is empty if none does.
 
     A saved figure without noise counts only if no other figure of two or more curves is named as the comparison: in any plot of a
     robot that comes to rest, one channel is smoother than another.

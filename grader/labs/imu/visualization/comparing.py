@@ -74,7 +74,7 @@ def _last_points(curve: Curve) -> tuple[Array, Array]:
 
 
 def named_comparisons(figure: Figure) -> list[Compared]:
-    """Return each pair of visible curves that are named raw and filtered, smoother or not, as a broken filter may not smooth."""
+    """Return each visible pair of a curve named raw and one named filtered, smoother or not, as the filter may be broken."""
     drawn = _seen_curves(figure)
     raw, smooth = ([each for each in drawn if says(_name_on(*each))] for says in (says_raw, says_smooth))
     return [_compared(one, other) for one in raw for other in smooth]

@@ -83,7 +83,7 @@ class Panel:
 
     @property
     def mainly(self) -> set[int]:
-        """Set of the sensor (0 or 1) that most curves show and labels should name; both in a tie, empty without curves of data."""
+        """The sensor (0 acceleration, 1 angular velocity) that most curves show; both in a tie, empty without curves of data."""
         counts = Counter(s.sensor for s in self.shown)
         return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
@@ -120,7 +120,7 @@ class Plot:
         return [panel for panel in self.main_panels if panel.shown] or self.main_panels
 
     def of_sensor(self, sensor: int) -> list[Panel]:
-        """Return the panels that mainly show this sensor (0 or 1); if there are none, all that show it at all, perhaps none."""
+        """Return the panels that mainly show a sensor (0 acceleration, 1 angular velocity); if none, all that show it at all."""
         own = [panel for panel in self.panels if panel.mainly == {sensor}]
         return own or [panel for panel in self.panels if sensor in panel.sensors]
 

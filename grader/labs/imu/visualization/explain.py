@@ -61,7 +61,7 @@ def is_no_png(facts: Facts) -> bool:
 
 
 def shares_a_panel(facts: Facts) -> bool:
-    """Return whether a sensor is drawn only on panels that show the other sensor as much or more, such as one panel for both."""
+    """Return whether a drawn sensor has no panel with more curves of it than of the other sensor, as where one panel shows both."""
     return any(panel.mainly != {sensor} for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor))
 
 
@@ -81,17 +81,14 @@ def _shows_others(facts: Facts) -> bool:
 
 
 def share_missing(facts: Facts) -> float:
-    """Return the share of points lost for channels drawn in part: for each, a sixth of the missing part (at least 0.2)."""
+    """Return the share of points lost for channels drawn in part: for each, a sixth of the part not drawn, taken as 0.2 or more."""
     parts = facts.plot.in_part()
     return sum(1 - min(_IN_PART, parts[c]) for c in facts.plot.drawn if c in parts) / len(CHANNELS)
 
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return the `Deviation` that deducts for channels without a curve, more for more of them; None if all are drawn.
-
-    Other data in their place loses at least half of the points (`_OTHER_NUMBERS`).
-    """
+    """Return the `Deviation` for channels without a curve: a sixth each, at least half if other curves replace them; else None."""
     if not (missing := _missing(facts)):
         return None
     affected = max(len(missing) / len(CHANNELS), _OTHER_NUMBERS if _shows_others(facts) else 0)
@@ -166,7 +163,7 @@ def another_unit(facts: Facts) -> str:
 
 
 def names_are_exchanged(facts: Facts) -> bool:
-    """Return whether all saved figures of raw and filtered data exchange the names of the curves; True if none is saved."""
+    """Return whether all saved figures of raw and filtered data exchange the curves' names; call it only if there are any."""
     return all(
         any(pair.exchanged for pair in pairs) and not any(pair.in_order for pair in pairs)
         for pairs in facts.comparison.saved

@@ -206,8 +206,8 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
     """Return the figures of which `best_of` chooses: each of `drawing`, all saved ones joined, and all ever saved ones joined.
 
-    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the data that were plotted,
-    true ones or, if `plot_imu_data` accepts no others, those of the student's `simulate_and_collect`.
+    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the plotted data: the
+    true ones, or what the student's `simulate_and_collect` gave to the plot (`drawing.given`).
     """
     saved = [figure for figure in drawing.figures if figure.is_saved]
     ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]
@@ -217,7 +217,7 @@ def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
 
 
 def best_of(plots: Sequence[Plot]) -> Plot | None:
-    """Return the plot that shows most of the six channels, of equal ones the first saved one; None if none has curves of data."""
+    """Return the plot with most of the six channels, in a tie the first saved, else the first; None if none has curves of data."""
     drawn = (plot for plot in plots if plot.panels)
     return max(drawn, key=lambda plot: (len(plot.drawn), plot.figure.is_saved), default=None)
 

@@ -35,7 +35,7 @@ class Misnamed:
 
 
 def misnamed(plot: Plot) -> Misnamed | None:
-    """Return the texts on the first panel that name only the sensor of another panel; None if there are no such texts."""
+    """Return the texts that name only the sensor of another panel, on the first panel that has such texts; None if none has."""
     for sensor, panel in [(which, panel) for which in (0, 1) for panel in plot.of_sensor(which)]:
         if said := _misnaming(plot, panel, sensor):
             written = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]
@@ -176,7 +176,7 @@ def _is_nameless(plot: Plot, panel: Panel) -> bool:
 
 
 def share_nameless(plot: Plot) -> float:
-    """Return the share of points lost for lack of names: 1 if no panel of several curves names them, 0.5 if some, 0 if all do."""
+    """Return the share of points lost for missing curve names: 1 if all panels that need names lack one, 0.5 if some do, else 0."""
     crowded = _crowded(plot)
     nameless = [panel for panel in crowded if _is_nameless(plot, panel)]
     return 0.0 if not nameless else 0.5 if len(nameless) < len(crowded) else 1.0
@@ -201,7 +201,7 @@ def exchanged_name(plot: Plot) -> str:
 def share_untitled(plot: Plot) -> float:
     """Return the share of points lost for lack of titles: 1 if no panel has one, 0.5 if some have, 0 if all or the figure has one.
 
-    One title in each column of panels is enough, too; but if there are only two panels, not a title that names just one sensor.
+    A title over each column of panels is enough, too; with only two panels, these titles must not name just one sensor.
     """
     figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title

@@ -180,7 +180,7 @@ def filter_builder(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any
     """Return a function that builds the student's `LowPassFilter`, `kind`, from options, and the names of those it renames.
 
     The options are those of the lab sheet, ``alpha`` and ``initial_value``; either may be left out. If the filter takes a cutoff or
-    a time constant RC instead of alpha, these follow from alpha = dt / (RC + dt) and cutoff = 1 / (2 pi RC).
+    a time constant RC instead of alpha, these follow from alpha = dt / (RC + dt), dt = 0.002 s, and cutoff = 1 / (2 pi RC).
     """
     in_time = None if has_place_for(FILTER[0], kind) else plan_call(kind, _FILTER_IN_TIME)
     if in_time is None or not {"cutoff", "time_constant"} & {*in_time.departs}:

@@ -26,7 +26,7 @@ Curve = tuple[str, np.ndarray, np.ndarray]
 
 
 def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Call `live_plot` on the lab model, pushed as in Step 3, with a headless back end that records what a window would show.
+    """Call `live_plot` on the lab model, pushed as in the lab sheet's Step 3; record what a window would show, but open none.
 
     Parameters
     ----------

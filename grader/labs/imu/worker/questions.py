@@ -152,7 +152,8 @@ def step_and_shift(model: Any, data: Any) -> None:
 def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """Call the student's `simulate_and_collect` on a model, with data that are just reset, or in the state ``qpos`` and ``qvel``.
 
-    The reply has the returned ``value``, what the call ``changed`` in the model, and the run for `replay` (``first_…`` arrays).
+    The reply has the returned ``value``, what the call ``changed`` in the model, and the run for `replay`: the
+    arrays of `watched_run`, named ``first_…``, such as ``first_qpos`` (before the first step) or ``first_steps`` (how many).
 
     Parameters
     ----------
@@ -273,7 +274,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     ----------
     fields : ``path``; ``keys``: the submission's name of each series -> the name in `arrays`; ``recorder``: None to plot a dict of
         these series, else ``path``, ``model``, ``accel_id`` and ``gyro_id`` of a call of `simulate_and_collect`, whose result is
-        plotted with these series in it, and ``shows``: names in `arrays` of the time, accel and gyro that its sensors measure
+        plotted with these series in it, and ``shows``: names in `arrays` of the time, accel and gyro that this call measures
     arrays : the plotted data; a number is an array without dimensions
 
     Returns

@@ -26,8 +26,8 @@ _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 def warm_up(thorough: bool) -> None:
     """Prepare MuJoCo once in the parent process; with `thorough`, also simulate a step, as the first step of a process is slow.
 
-    MuJoCo looks for its wrapper classes among the built-in functions of the caller. The caller of each step is worker code (see
-    `_watch_steps`), which has built-in functions of its own, so MuJoCo's classes are copied to those.
+    MuJoCo looks for its wrapper classes in the ``__builtins__`` of its caller. The caller of each step is this module (see
+    `_watch_steps`), which has a ``__builtins__`` of its own, so MuJoCo's classes are copied into it.
     """
     own = globals()["__builtins__"]
     own.update({name: value for name, value in vars(builtins).items() if name.startswith("__MUJOCO_")})
