@@ -279,7 +279,7 @@ class SuggestJob(Job):
 
 @dataclass(kw_only=True)
 class SaveJob(Job):
-    """Job that stores the repair for each submission in `ids`. It fails if the first one fails; later failures go to `lines`."""
+    """Job that stores the repair `request` for all submissions `ids` and adds each outcome to `lines`; fails if the first fails."""
 
     records = True
     book: Classbook

@@ -165,11 +165,11 @@ class CheckRun:
     def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
         """Yield, for each rerun of a criterion, the required names for which the rerun takes the lab sheet's code.
 
-        A function may fail only because of the functions that it is judged with. If the criterion lost points, and stand-ins
-        (correct code) replaced some functions, one rerun takes the student's own instead: an empty set. If student code raised,
-        another rerun takes the sheet's code for the first criterion, whose functions all others call. Unlike a stand-in, the
-        sheet's code takes the sheet's arguments only, so that it excuses no wrong call. No rerun of an extension, or of a
-        criterion whose functions no other needs.
+        A function may fail only because of the functions that it is judged with. If the criterion lost points while stand-ins
+        (correct code) replaced some functions, one rerun takes the student's code for all: the empty set. If student code raised
+        in the criterion, a rerun takes the sheet's code for the first criterion's functions, which all others call. Unlike a
+        stand-in, the sheet's code takes the sheet's arguments only, so that it excuses no wrong call. An extension, and a
+        criterion whose functions no other needs, has no rerun.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:

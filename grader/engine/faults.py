@@ -51,8 +51,8 @@ class FaultRow:
     def shown_by(self, error: StudentError) -> bool:
         """Return whether an exception of the student's code shows this fault, by the rules in `raised`; False without rules.
 
-        The rules are ``types`` of exceptions, ``names`` that are missing, and a pattern for the source ``line``. The exception's
-        message plays no part: it differs between versions of Python and of the libraries.
+        All rules given must hold: the exception's type is in ``types``, the missing name in ``names``, and the pattern ``line`` is
+        found in the source line. The message plays no part: it differs between versions of Python and of the libraries.
         """
         if error.type not in self.raised.get("types", ()) or error.name not in self.raised.get("names", (error.name,)):
             return False

@@ -53,7 +53,7 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
     Parameters
     ----------
     finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
-    earlier : title of an earlier check with the same cause (see `cause_key`), to which this text refers; None if it is the first
+    earlier : title of an earlier check with the same cause (see `cause_key`), to which the feedback refers; None without one
     table : the entries of the lab's fault table
     """
     if isinstance(finding, Charged):

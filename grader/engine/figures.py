@@ -62,7 +62,7 @@ _NOT_EXAMINED = VisibleParts(np.ones(PARTS, bool), np.zeros(PARTS, bool))
 
 @dataclass(frozen=True)
 class Entry:
-    """A legend entry: its text, and the colour (``#rrggbb``), line style, marker and stroke of the sample, to find its curve."""
+    """A legend entry: its text, and its sample's colour, line style, marker and stroke, as in `Curve`, to find the curve."""
 
     text: Short
     colour: Short

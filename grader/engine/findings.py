@@ -102,13 +102,13 @@ class NoNumbers(TypedDict):
 
 
 class Came(TypedDict):
-    """The `numbers` of a `Deviation` whose message needs one text: `came`, what the student's code returned instead."""
+    """Type of `Deviation.numbers` if the message quotes one text alone: `came`, what the student's code returned or did instead."""
 
     came: str
 
 
 class Form(TypedDict):
-    """The `numbers` of a `Deviation` for a value of a wrong form or shape: the `form` asked for, and what `came` instead."""
+    """Type of `Deviation.numbers` for a value of a wrong form or shape, in words: the `form` asked for, and what `came` instead."""
 
     form: str
     came: str
@@ -123,7 +123,7 @@ class Deviation(Generic[Numbers]):
 
     Attributes
     ----------
-    numbers : values by name that fill the message templates of the table
+    numbers : values by name, numbers or text, that fill the message templates of the table
     share : share of the check's points that is lost if the table lists none for the fault
     affected : affected fraction of the property, 0.5 for one of two sensors; the share is multiplied by it
     size : size of the error, which a message on hidden scenarios shows in place of the numbers; None shows no size
@@ -191,12 +191,12 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
 
     Parameters
     ----------
-    expected, got : the expected and the actual result: number, unit and place
+    expected, got : the expected and the actual result in words, such as a number, its unit and where in the data it is
     faults : ids, as in `imugrade explain`, of the faults that explain the failure; () if none does
     keeps : share of the points that is still earned, 0 to 1
     hint : hint to show instead of those of the faults; for a hidden scenario it is shown only if it is `GraderText`
-    off : size of the error, shown in place of the data for a hidden scenario
-    error : the exception that caused it; gives the place
+    off : size of the error, shown in place of `got` for a hidden scenario if no fault is named
+    error : the exception of student code that caused the failure; gives the line that students are shown
     """
 
     def __init__(

@@ -16,7 +16,7 @@ Seen = TypeVar("Seen")
 
 
 class Hypothesis(Protocol):
-    """Protocol of a possible cause of what was observed; `explain` chooses among several."""
+    """Protocol of a possible cause, such as a fault, of what was observed of student code; `explain` chooses among several."""
 
     @property
     def cause(self) -> Hashable:
@@ -40,7 +40,7 @@ class Reason(Generic[Seen]):
     cost : prior implausibility; the cheapest reason that fits is chosen
     cause : id of the fault in the fault table
     holds : tells whether the fault predicts the measured record
-    beside : whether the fault may hold together with others of the property; then it counts if it fits, even if not the cheapest
+    beside : whether the fault may hold together with other faults of the property; then it counts if it fits, cheapest or not
     """
 
     of: str

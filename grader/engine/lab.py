@@ -77,8 +77,8 @@ class LabFile:
 class Handout:
     """Files and names that `imugrade kit` gives students beside the starter files.
 
-    `files` are the extra files by path, `names` strings in the starter files (the lab sheet's sensor names), each with its
-    replacement (the sensor names of the class's robot).
+    `files` are the extra files by path. `names` maps strings in the starter files, such as the lab sheet's sensor names, to
+    their replacements, such as the sensor names of the class's robot.
     """
 
     files: Mapping[str, bytes] = field(default_factory=dict)

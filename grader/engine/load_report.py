@@ -168,11 +168,11 @@ class DeadlyStatements:
 
     @property
     def count(self) -> int:
-        """Number of statements to skip, or suspected after a crash; if it grew while one process was asked, a new one may help."""
+        """Number of statements to skip, or suspected after a crash; if it grew during a question, a new process may answer it."""
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """Return (file, number, reason) of the statements to skip in a new process in which correct code replaces `standins`."""
+        """Return (file, statement's number, reason) of what to skip in a new process in which correct code replaces `standins`."""
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:

@@ -26,7 +26,7 @@ class PublicSession:
         self._failed = False
 
     def missing(self, name: str) -> Missing | None:
-        """Return why, with public data, no file defines the lab's function or class `name`; None if one does or no answer came."""
+        """Return why, with public data, no file defines the function or class `name`; None if a file does or no answer came."""
         student = self._session()
         if student is None:
             return None
@@ -39,7 +39,7 @@ class PublicSession:
         return None
 
     def notes(self, names: Iterable[str]) -> list[str]:
-        """Return the notes about loading the files that define these functions and classes of the lab; [] without public data."""
+        """Return the notes about loading the files that define these functions and classes of the lab; [] if no session opened."""
         for name in names:
             self.missing(name)
         return self._started[0].notes if self._started else []

@@ -72,8 +72,8 @@ def default_cache_dir() -> Path:
 def stretched(secret: str) -> str:
     """Return the seed of hidden traces: scrypt makes it of the instructor's secret in a second, so that guesses are slow to test.
 
-    The seed is kept in memory only, because whoever reads a file made from the secret could test guesses without that second. So
-    each command computes the seed once, and hands the traces to the processes that grade.
+    The seed is not stored: to find it again, a file would need a name or digest of the secret, and who reads that could test
+    guesses fast. So each command computes the seed once, and hands the traces to the processes that grade.
     """
     salt, text = b"imugrade hidden scenarios", secret.encode("utf-8", "surrogatepass")
     return hashlib.scrypt(text, salt=salt, **SCRYPT_COST, maxmem=256 << 20, dklen=32).hex()

@@ -101,7 +101,7 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check each node of a list with `node`, at this `depth`; raise `Wrong` for over `most`, or not `exactly` so many."""
+        """Check each item of the list `values` with `node`, at `depth`; raise `Wrong` for over `most`, or not `exactly` so many."""
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:

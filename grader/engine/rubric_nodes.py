@@ -196,7 +196,7 @@ class NodeReader:
         return None
 
     def points(self, node: yaml.Node | None, what: str) -> float | None:
-        """Return the points of a node, None if no number. A third decimal is kept, but adds a problem about the node `what`."""
+        """Return the points of a node; None for None or after adding a problem. A third decimal adds a problem, but is kept."""
         value = self.number(node, what)
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")

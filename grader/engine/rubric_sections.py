@@ -35,7 +35,7 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the points of an extension that names none, and the cap on all extensions (None: no cap); 0, None if no section."""
+    """Return the points of an extension without `points` of its own, and the cap on all (None: no cap); 0, None if no section."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
@@ -46,7 +46,7 @@ def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float
 def read_extensions(
     reader: NodeReader, node: yaml.Node | None, ids: Sequence[str], each: float
 ) -> tuple[Extension, ...]:
-    """Return the extensions, in the order of the lab's `ids`, worth `each` points if they name none; `reader` collects problems."""
+    """Return the extensions, in the order of the lab's `ids`, worth `each` points if none are given; `reader` collects problems."""
     extensions = []
     for name, (item, keys) in reader.records(
         node, "extension", ids, ("id", "title", "file"), ("points", "checks")

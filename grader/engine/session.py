@@ -86,7 +86,7 @@ class SandboxSession:
     sandbox : provides the workers
     lab : the lab, whose required names may be asked about
     files : the submission's files: relative path -> content
-    above : paths in `files` that lie above the lab's folder, with the number of folders above it
+    above : for files above the lab's folder: relative path -> number of folders above the lab's
     lab_configuration : the lab's own settings, such as sensor names, for the worker and for code that replaces broken definitions
     call_cpu_s, submission_cpu_s : limits of CPU time, from the rubric
     waiting : called with a message if an answer takes long; None tells nothing
@@ -144,7 +144,7 @@ class SandboxSession:
 
     @contextmanager
     def beside(self, sheets_own: Collection[str]) -> Iterator[dict[Any, Any]]:
-        """Use the submission with the lab sheet's own code for exactly these names in this context, in a new process.
+        """Use the submission with the lab sheet's own code for the names `sheets_own` alone in this context, in a new process.
 
         So a caller sees how checks end without the faults in these names. Yields a dict of the answers given in the context, which
         are discarded at its end unless they are passed to `remember`.
@@ -238,7 +238,7 @@ class SandboxSession:
         return sum(self._used_cpu_s.values())
 
     def account_to(self, part: str) -> None:
-        """Account the time of further questions to this criterion, so that an endless loop takes no other criterion's time."""
+        """Account the time of further questions to `part` (a criterion or ``bonuses``): an endless loop takes no other's time."""
         if part != self._part:
             self._pass_on_prints()
         self._part = part
@@ -334,7 +334,7 @@ class SandboxSession:
         return answer  # type: ignore[no-any-return]
 
     def once_named(self, called: str, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to question `key` as `once` does, so that `stored_answer` finds it by the name `called` (not if "")."""
+        """Return the answer to question `key` as `once` does, and let `stored_answer` find it by the name `called` (not if "")."""
         if called:
             self._called[called] = key
         return self.once(key, ask)
@@ -345,10 +345,10 @@ class SandboxSession:
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Return what `ask` returns; if it fails, call it again in a new process, or raise its exception where that cannot help.
+        """Return what `ask` returns. After a NoAnswer or GraderError call it in a new process; in the end raise the last one.
 
-        A failure allows one more attempt, a timeout none. Each time that a failure reveals a statement that ends the process or
-        takes too long, there is a further attempt, because the new process skips that statement.
+        There is a further attempt whenever a statement was found that ended the process or took too long, as a new process skips
+        such a statement. Without such a statement there is one further attempt, after a timeout none.
         """
         tried = False
         while True:

@@ -32,7 +32,7 @@ class SubmissionSession(SandboxSession):
     Attributes
     ----------
     secret : whether the sandbox holds hidden data, which student code may put into any text that it can choose
-    withheld_note : whether a note was left out for that reason
+    withheld_note : whether `note` left out a text for the report, as it could hold hidden data
     """
 
     secret = False
@@ -49,8 +49,8 @@ class SubmissionSession(SandboxSession):
     def load(self, path: str) -> Loaded:
         """Load a file in the current sandbox process, unless it is loaded there, and return the report on it.
 
-        It is loaded again in a new process if another file, or data of a question, may have affected the report, or if loading
-        failed by chance. If no process can load it, the NoAnswer of the last one is raised, now and later.
+        A new process loads it again after a first crash, if a statement to skip was found, or if another file, or data of a
+        question, may have affected the report. If no process can load it, the NoAnswer of the last one is raised, now and later.
         """
         if path in self.deadly:
             raise self.deadly[path].with_traceback(None)

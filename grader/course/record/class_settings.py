@@ -36,8 +36,8 @@ class ClassSettings:
     Attributes
     ----------
     rubric, rubric_source, rubric_folder, own_checks
-        The whole text of the rubric, the name of its file, the folder in which its relative paths start, and the instructor's own
-        checks beside it.
+        The whole text of the rubric, the name of its file, the folder in which its relative paths start, and name and content
+        of each file of the instructor's own checks.
     rubric_sha256, late
         Digest of all in the rubric that scores depend on, and its late policy as text.
     roster, roster_source
