@@ -132,7 +132,7 @@ AUTOMATIC = "imugrade"
 class Repair:
     """A patch to a submitted file, so that it can be graded: a unified diff, and the points deducted for it.
 
-    `at` is the time at which it was made, as text, `score_before` the score of the submission as it was handed in.
+    `at` is the time at which it was made, as ISO 8601 text, `score_before` the score of the submission as it was handed in.
     """
 
     file: str
@@ -145,7 +145,7 @@ class Repair:
 
 
 class Unrepaired(NamedTuple):
-    """How a check ended before the repairs: its share of points and its faults. `Repair.score_before` is computed from them."""
+    """How a check ended before the repairs, to compute `Repair.score_before`: share of points (None: not judged) and faults."""
 
     keeps: float | None
     misconceptions: tuple[str, ...] = ()
@@ -310,7 +310,7 @@ def from_dict(record: Mapping[str, Any]) -> Result:
     Raises
     ------
     ValueError
-        If the schema is another one, or a field is missing or of another type.
+        If the data's schema is not this version's `SCHEMA`, or a field is missing or of another type.
     """
     if record.get("schema") != SCHEMA:
         raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")
