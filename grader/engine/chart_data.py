@@ -23,7 +23,7 @@ Role = Literal[
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve of a chart: name in the legend, drawing style (`role`, see `Role`), and the student's `colour`, "" for the style's."""
+    """One curve of a chart: name in the legend, drawing style `role` (see `Role`), the student's `colour`, "" for the style's."""
 
     name: str
     role: Role

@@ -26,7 +26,7 @@ class FaultRow:
     ----------
     id, group : key of the entry, and of the table's section: a criterion, ``extensions``, ``any`` (criterion) or ``checks``
     title, hint : what the student's code does, and what to do next
-    explanation, wrong, right : for `imugrade explain`; without an explanation, reports and rubrics do not name the fault
+    explanation, wrong, right : text, wrong and right code for `imugrade explain`; rubrics and reports name no fault without a text
     step : step of the lab sheet that shows the right code; None if none does
     deducts : share of points that each broken check loses, by the check's short name; 0 for a check that only shows the fault
     formerly : ids of faults that this entry replaces; a rubric that names one is refused with this entry's id

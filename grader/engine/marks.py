@@ -41,7 +41,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
 
 
 def fits(found: Result, rubric: Rubric) -> bool:
-    """Return whether a rubric can mark a recorded result: its criteria are all in the result; limits, settings, checks are equal."""
+    """Return whether a rubric can mark a recorded result: all its criteria are in the result; limits, settings, checks agree."""
     if found.asked_sha256 != rubric.asked_sha256:
         return False
     asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}
