@@ -26,7 +26,7 @@ class Slot:
     meaning : regular expression, searched in a parameter's name, for other names that mean the same
     passed : ``position``, as on the sheet; ``option``: by keyword, left out if no parameter takes it; ``spare``: not on the sheet,
         passed only if a parameter asks for it
-    replaces : types of default values in whose place a spare is passed; a parameter with any other default keeps its own
+    replaces : a spare is passed to a parameter with a default only if the default has one of these types
     free : whether it is no fault if the function takes this argument otherwise than on the sheet
     anywhere : whether a positional parameter that is left over may get this argument, whatever its name
     """
@@ -39,7 +39,7 @@ class Slot:
     anywhere: bool = False
 
     def suits(self, parameter: inspect.Parameter) -> bool:
-        """Return whether a parameter's name fits and, for a spare (not on the sheet), any default has a type in `replaces`."""
+        """Return whether a parameter's name fits; for a spare, a default value, if any, must also have a type in `replaces`."""
         if parameter.name != self.name and not self.meaning.search(parameter.name):
             return False
         needed = parameter.default is parameter.empty
@@ -54,7 +54,7 @@ class CallPlan:
     ----------
     positions : names of the slots that are passed by position, in order
     names : parameter name -> name of the slot passed to it by keyword
-    departs : names of the slots that the function takes out of order, by another keyword, beyond the lab sheet or not at all
+    departs : names of the slots that the function takes out of order, by another keyword, though not on the sheet, or not at all
     as_promised : whether the call is exactly the lab sheet's, because it fits the function or because no call does
     """
 

@@ -101,7 +101,7 @@ def _decoded(source: bytes) -> str:
 
 
 def defined(path: str) -> set[str]:
-    """Return the names that a file or notebook defines at top level, and the required names that it misspells. No code runs.
+    """Return the names that a file or notebook defines at top level; for a misspelled one, the required name too. No code runs.
 
     Of text that does not parse, only names after ``def`` or ``class`` at a line's start are found; of an undecodable file, none.
     """

@@ -309,7 +309,7 @@ def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: A
 
 
 def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
-    """Save raw pixels, such as a frame of a film, as the right number of zero bytes: nobody looks at them, and drawing is slow.
+    """Save raw pixels, such as a frame of a film, all with value 0, because nobody looks at them and drawing is slow.
 
     The parameters are those of `save`; `really` and `options` are not used.
     """
@@ -319,7 +319,7 @@ def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any,
 
 
 def blank(figure: Any, asked: Any) -> bytes:
-    """Return zero bytes in place of the figure's raw pixels at the dpi `asked`, for the frames of a film, which nobody looks at."""
+    """Return as many bytes of value 0 as the figure's raw pixels take at the dpi `asked`, for film frames: nobody looks at them."""
     dots = _dpi(asked, figure.dpi)
     width, height = (int(size * dots) for size in figure.get_size_inches())
     return bytes(4 * width * height)

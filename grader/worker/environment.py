@@ -45,7 +45,7 @@ def use_libraries() -> None:
 
 
 def install(*, run_magic: desktop_stubs.RunMagic) -> None:
-    """Replace, for student code, what asks a user, waits, opens files or differs from run to run; `run_magic` does ``%run``."""
+    """Replace, for student code, functions that ask a user, wait, open files or vary from run to run; `run_magic` does ``%run``."""
     _answer_input()
     compat.install()
     desktop_stubs.install(run_magic)

@@ -102,7 +102,7 @@ def _line_with_caret(error: BaseException) -> str:
 
 
 def message_of(error: BaseException) -> str:
-    """Return an exception's message, at most 400 characters, with addresses masked; "" if the student's `__str__` raises."""
+    """Return an exception's message, at most 400 characters, with memory addresses masked; "" if the student's `__str__` raises."""
     try:
         text = str(error)
     except BaseException:  # __str__ is the student's code

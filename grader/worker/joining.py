@@ -45,7 +45,7 @@ def joined(
 
 
 def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
-    """Concatenate the points (k, 2) of a curve's pieces; keep one of equal neighbours, as where two pieces meet."""
+    """Concatenate the points (k, 2) of a curve's pieces; keep one of equal adjacent points, as where two pieces meet."""
     points = np.concatenate([np.asarray(part, dtype=float) for part in parts])
     repeated = np.zeros(len(points), dtype=bool)
     repeated[1:] = (points[1:] == points[:-1]).all(axis=1)
@@ -53,7 +53,7 @@ def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def is_chain(segments: list[Any]) -> bool:
-    """Return whether segments (points (k, 2) each) are one curve, cut up for a colour gradient, say: eight or more, end to end."""
+    """Return whether eight or more segments (points (k, 2) each) lie end to end: one curve, cut up as for a colour gradient."""
     if len(segments) < MIN_PIECES or any(len(segment) < 2 for segment in segments):
         return False
     return all(np.array_equal(before[-1], after[0]) for before, after in itertools.pairwise(segments))

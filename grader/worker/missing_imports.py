@@ -57,12 +57,12 @@ class MissingImports:
         self.supplied: list[str] = []
 
     def before(self, names: dict[str, Any]) -> None:
-        """Put libraries that a file without star imports forgot to import into its namespace `names`, before it runs."""
+        """Before a file without star imports runs, put libraries that it forgot to import into its namespace `names`."""
         if self._last_star is None:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Put in `names` what is due after statement `node`: libraries, partners' names (see the class); note what it defined."""
+        """Note what statement `node` defined; after the last star import or definition, supply names in `names` (see the class)."""
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:
@@ -72,9 +72,9 @@ class MissingImports:
             self._supply([name for name in self._renamed if name in names], names)
 
     def at_end(self, names: dict[str, Any]) -> None:
-        """Restore in `names` the required functions and classes that the file defined, and then deleted or made uncallable.
+        """After the last statement, restore in `names` required functions and classes that the file deleted or made uncallable.
 
-        The object that the definition made is put back and reported as supplied, also in a file that misses no import.
+        They were noted by `after` when they were defined. Their names are added to `supplied`, which the report lists.
         """
         for name, made in self._defined.items():
             if isinstance(made, type | FunctionType) and not callable(names.get(name)):

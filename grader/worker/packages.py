@@ -35,7 +35,7 @@ def imported_packages(sources: Iterable[str], paths: Iterable[str], required: It
 
 
 def make_imports_absolute(tree: ast.Module, path: str) -> None:
-    """Make absolute, in the syntax tree of file `path`, relative imports from the submission's top folder, which is no package."""
+    """Make relative imports absolute in file `path` where they reach the submission's top folder, because it is no package."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level > path.count("/"):
             node.level, node.module = 0, node.module or _OWN

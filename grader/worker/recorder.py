@@ -30,10 +30,10 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return what was recorded since the last `take`, matched to picture files below `folder`; close all figures.
+        """Return the figures recorded since the last `take`; close all figures. With `with_open`, record those still open first.
 
-        The result is ({"figures": [one dict of panels, texts, curves and file for each]}, the arrays that these dicts name). With
-        `with_open`, open figures that are not recorded yet are recorded first.
+        The result is ({"figures": [one dict of panels, texts and curves for each]}, the arrays that these dicts name). Each dict's
+        ``event`` says whether the figure is in a picture file below `folder` (see `match_files_to_figures`).
         """
         import matplotlib.pyplot as plt
 

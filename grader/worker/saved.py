@@ -65,7 +65,7 @@ def match_files_to_figures(drawn: list[RecordedFigure], folder: str, known: dict
 
     Parameters
     ----------
-    drawn : the figures that were recorded, in the order in which they were
+    drawn : the figures, in the order of their recording
     known : the picture files below `folder` that were there before, with their content; updated to the present ones
     """
     files = {name: _read(os.path.join(folder, name)) for name in written_pictures(folder)[:_MOST_READ]}

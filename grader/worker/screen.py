@@ -40,7 +40,7 @@ class Screen:
     # --- showing -------------------------------------------------------------------------------------------------------
 
     def show_figure(self, canvas: Any) -> None:
-        """Call `seen` with a canvas's figure, then its draw callbacks, which may draw again (five deep); draw no pixels."""
+        """Call `seen` with a canvas's figure, then the canvas's draw callbacks; draw no pixels. A 6th nested call does nothing."""
         from matplotlib.backend_bases import DrawEvent
 
         if self._depth > 4:
@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Fire timers for `seconds` of virtual time (None: no limit), at most 2,000; stop early if none is left or `done()`."""
+        """Fire timers, up to 2,000 times, for `seconds` of virtual time (None: no limit), while timers are left and not `done`."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):

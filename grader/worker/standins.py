@@ -35,7 +35,7 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return {required name: stand-in}, the grader's definitions of those of a module's names that are broken or missing."""
+    """Return {name: stand-in (the grader's definition)} for a module's required names that are broken or missing."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
@@ -60,9 +60,9 @@ def misspelled(path: str, units: list[statements.Unit]) -> dict[str, str]:
 
 
 def replace_defined(node: ast.stmt, meant: Mapping[str, str], names: dict[str, Any]) -> None:
-    """Replace in the namespace `names` what a statement has just defined by the grader's working definition, if there is one.
+    """Put the stand-in (the grader's definition), if any, of each name that a statement just defined into the namespace `names`.
 
-    `meant` maps misspelled names to right ones.
+    The stand-in replaces the student's broken definition. `meant` maps misspelled names to right ones.
     """
     known = {own: meant.get(own, own) for own in statements.bound(node)}
     names.update({own: standin_for(names.get(own), n) for own, n in known.items() if n in STATE.standins})

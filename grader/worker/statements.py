@@ -137,7 +137,7 @@ class StatementRunner:
     Parameters
     ----------
     skipped : (file, number of a statement that ended an earlier process) -> the reason why it is not run again
-    place : (offset, size) in the file of descriptor 1, where the running statement is noted, to find one that kills the worker
+    place : (offset, size) in the file that stdout goes to; the running statement is noted there, to find one that kills the worker
     wanted : the required names; a failed statement is recorded with those that it would have defined
     """
 

@@ -81,7 +81,7 @@ class Packer:
         return key
 
     def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
-        """Describe a value as a node (dict with a ``kind``), its numbers in `arrays`. Student code (``__len__``) may run and raise.
+        """Describe a value as a node (dict with a ``kind``); put its numbers in `self.arrays`. Student code may run and raise.
 
         `depth` counts the containers around the value; at four, a container is described as an array or by its type alone.
         """

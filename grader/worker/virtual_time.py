@@ -49,7 +49,7 @@ class Clock:
         self._me[get_ident()] = thread
 
     def add(self, thread: object) -> None:
-        """Add a thread that starts next. From now on the others run only while it pauses or waits, so that one runs at a time."""
+        """Add a thread that starts next. From now on other threads run only while it pauses or waits, so one runs at a time."""
         with self._guard:
             self._threads[thread] = None
 
@@ -62,7 +62,7 @@ class Clock:
         self._wake_next()
 
     def advance(self, seconds: float) -> float:
-        """Let time pass for the calling thread: other threads run first if their pauses end before. Return the clock's seconds."""
+        """Let time pass for the calling thread; threads whose pauses end sooner run first. Return the clock's seconds."""
         if len(self._threads) <= 1 or get_ident() not in self._me:
             self.passed_s += seconds
         else:
