@@ -22,9 +22,9 @@ Push = TypedDict("Push", {"came": str, "n": int})
 class Rows(TypedDict):
     """Values for the message of a check that found wrong rows in a recording: counts, and the row furthest from the truth.
 
-    `n` counts the rows, `filled` the rows up to the last that is not zero, `steps` the time steps. The rows are late or early by
-    `late` samples. `changed` says what the code changed of the model, `of` names the key of the sensor if only one is wrong ("" for
-    both). `wanted` and `came` show the row furthest from the truth: its right numbers and the student's.
+    `n` counts all rows, `filled` the rows up to the last that is not zero, `steps` the time steps. The rows are late or early by
+    `late` samples, never negative. `changed` says what the code changed of the model, `of` names the key of the sensor if only one
+    is wrong ("" for both). `wanted` and `came` show the row furthest from the truth: its right numbers and the student's.
     """
 
     n: int

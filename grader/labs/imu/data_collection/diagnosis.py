@@ -365,9 +365,10 @@ _GRAVITY_ATOL = 1e-3
 
 
 def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
-    """Return the id of the fault, such as "ignores-duration", that two runs show by their numbers of rows; "" for none.
+    """Return the id of the fault that the numbers of rows of two runs show, such as "ignores-duration"; "" for none.
 
-    `skips` is whether rows leave out steps: then the fault is "fixed-rate" or "samples-skipped".
+    The runs differ in the duration that was asked for. `skips` is whether rows leave out steps: then the fault is "fixed-rate" or
+    "samples-skipped".
     """
     n, m, a, b = first.length, second.length, first.duration_s, second.duration_s
     if skips:

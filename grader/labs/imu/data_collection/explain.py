@@ -72,10 +72,10 @@ def measured(student: Student, truth: Traces) -> Explained:
 
 
 def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
-    """Return which simulated run the rows of `run` (scenario `name`) come from, None if unknown, and `run` with simulations added.
+    """Return which simulated run the rows of `run` (scenario `name`) come from, None if unknown; and `run` to go on with.
 
-    The run of right code is tried first, then runs simulated from the start that the worker reports. If both predict the rows, the
-    run of right code counts.
+    The `run` that is returned also holds the simulations that were made to find out. The run of right code is tried first, then
+    runs simulated from the start that the worker reports. If both predict the rows, the run of right code counts.
     """
     if not complete(run.series):
         return None, run

@@ -105,9 +105,9 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return an example of altered values for the message: readings in a scene, and a sensor; None if none are altered.
+        """Return an example of values that differ from those at the right address: readings in a scene, and a sensor; None without.
 
-        The robot's own IMU comes first, then other IMUs of which most numbers are right.
+        A message shows it. The robot's own IMU comes first, then other IMUs of which most numbers are right.
         """
         wrong = self.wrong_on_torso
         others = ((v, i) for v in self.facts.visits[1:] for i in BOTH if self._partly_right(i) and not self._fits(v, i))

@@ -28,7 +28,7 @@ class Hypothesis:
     ----------
     cost : how implausible the guess is; the cheapest one that fits is the explanation
     place, values : ids of the faults of the address, and of the values; empty without a fault
-    start : function of a scene and a sensor (0 accelerometer, 1 gyroscope) that returns the address that is read
+    start : function of a `Scene` (an IMU in some states) and a sensor (0 accelerometer, 1 gyroscope) that returns the address read
     change : function of the scene and the values (states, 3) at that address that returns the readings made of these values
     """
 
