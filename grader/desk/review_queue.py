@@ -124,7 +124,8 @@ def items(
     """Return the items, open and reviewed (`reviews`), sorted by kind as in `KINDS`, then by submission as in `final_grades`.
 
     They come from the results in `final_grades`, `groups` of similar submissions, a run's `notices` (messages by kind), open
-    `requests`, `contradictions`, and `lapsed` repairs, which no longer count. Times are in the zone of the late `policy`.
+    `requests`, `contradictions` among the grades, and `lapsed` repairs, which no longer count. `reviews` are keyed by submission,
+    kind of the item and digest of its sentence. Times are in the zone of the late `policy`.
     """
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]

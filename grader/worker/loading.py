@@ -74,7 +74,8 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Answer a request: import a file or notebook; report its definitions of required names, skipped statements, figures, errors.
 
-    ``fields`` holds the file's ``path`` and ``within_s``, the seconds that its statements may take in all.
+    ``fields`` holds the file's ``path`` and ``within_s``, the seconds that its statements may take in all. Returned are the report,
+    ready for JSON, and the arrays of the figures. Required names are those that the lab sheet asks for.
     """
     del arrays
     path: str = fields["path"]

@@ -229,7 +229,8 @@ def change(
     everyone
         The stored final grade of every submission, by id.
     hand_ins
-        By id of each submission to grade: who handed it in and when, with the new roster; None if there are several attempts.
+        By id of each submission to grade: who handed it in and when, with the new roster; None if the person has several attempts,
+        of which the settings choose one.
     """
     differences = causes(old, new)
     if not differences:

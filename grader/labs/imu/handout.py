@@ -13,7 +13,10 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(lab: Lab, model: Model) -> LabFile | None:
-    """Return the robot that a rubric names, with its public ground truth, for students' kits; None for the lab's own robot."""
+    """Return the robot `model`, which a rubric names, with traces recorded in public scenarios, for students' kits.
+
+    None for the lab's own robot, which each kit has.
+    """
     if model.is_lab:
         return None
     traces = obtain(lab, None, model=model)

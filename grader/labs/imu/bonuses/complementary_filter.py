@@ -222,7 +222,10 @@ def _probes() -> list[tuple[Array, Array]]:
 
 
 def response(outputs: list[Array]) -> Response | None:
-    """Return the `Response` shown by outputs (n, 2) for turns about x and y and a tilt; None if any is short or not finite."""
+    """Return the `Response` of a filter; None if an output is short or not finite.
+
+    `outputs` are three arrays (n, 2) of roll and pitch: for a turn about x, a turn about y, and a tilt.
+    """
     if any(len(out) < BEFORE + 50 or not np.isfinite(out).all() for out in outputs):
         return None
     tilted = outputs[2]
