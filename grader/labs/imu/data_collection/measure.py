@@ -244,7 +244,7 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) -> Iterator[Run]:
-    """Yield copies of `run`, of scenario `name`, with `worlds` simulated from one likely wrong start each, such as one without push.
+    """Yield copies of `run`, of scenario `name`, with `worlds` simulated from one likely wrong start each, as one without push.
 
     It is for runs that report no start: `mujoco.rollout`, for example, makes its steps where the worker cannot count them.
     """
