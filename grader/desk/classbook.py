@@ -107,7 +107,7 @@ class Classbook:
 
     @property
     def rubric(self) -> Rubric:
-        """Return the rubric of the class; before a regrade at the desk, the rubric that the desk was started with, if any."""
+        """Return the rubric that the desk was started with, if any, until a regrade at the desk; else the rubric on record."""
         if self._rubric is not None:
             return self._rubric
         settings = self.store.settings()

@@ -31,7 +31,10 @@ def open_socket(port: int) -> socket.socket:
 
 
 def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
-    """Return the HTTP server of the desk, which `serve` starts; `author` is the default name under which decisions are stored."""
+    """Return the HTTP server of the desk, which `serve` starts.
+
+    `keys` are the access token and the cookie that let a browser in. `author` is the default name under which decisions are stored.
+    """
     config = uvicorn.Config(
         application(book, keys, author),
         log_level="warning",

@@ -100,7 +100,7 @@ class Platform:
     refuse
         Function that is called before grading with the environment and `--min-score`; raises RequestError if the job cannot run.
     aside
-        Second output of a CI job, such as GitHub's step summary; None without one.
+        `SecondOutput` of a CI job, such as GitHub's step summary: where it goes, and how it is written; None without one.
     submission
         Path of the submission, without the leading slash; "" is the working folder.
     answer

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -111,6 +112,16 @@ def test_curves_of_two_panels_are_compared_where_both_may_be_in_one_unit(above: 
     upper, lower = figure(RAW, ylabel=above).axes[0], figure(SMOOTH, ylabel=below).axes[0]
     assert len(comparing.comparisons(figure_of(upper, lower))) == pairs
     assert comparing.comparisons(figure_of(upper, replace(lower, visible=False))) == []
+
+
+@pytest.mark.parametrize(("noise", "names", "pairs"), [(1.0, "ab", 1), (0.0, "ab", 0), (0.0, ("raw", "filtered"), 1)])
+def test_without_noise_curves_of_two_panels_are_compared_by_their_names_only(
+    noise: float, names: Sequence[str], pairs: int
+) -> None:
+    (drawn,) = made.compared(*names, noise=noise, other=smooth if noise else slow).figures
+    assert len(comparing.comparisons(drawn)) == 1
+    panels = (with_curves(drawn.axes[0], each) for each in drawn.axes[0].curves)
+    assert len(comparing.comparisons(figure_of(*panels))) == pairs
 
 
 def test_six_channels_have_six_comparisons_and_no_end_of_curves_has_an_end() -> None:

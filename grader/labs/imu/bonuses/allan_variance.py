@@ -145,7 +145,7 @@ _SIZES: tuple[tuple[bool, Sized], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """What explains a student's curves: the `fault` that gives such curves, "" if they are Allan deviations, None if unknown.
+    """Explanation of a student's curves: `fault` is the id of the fault that gives them, "" for Allan deviations, None if unknown.
 
     `seconds` is whether the averaging times are in seconds; `size` converts them to cluster sizes in samples.
     """

@@ -126,7 +126,10 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Return whether outputs `other` end like `alone`: at most their start differs, as by a state that another filter left."""
+        """Return whether outputs `other` end like those of the filter `alone`, but for what is left of a difference at the start.
+
+        A state that another filter left makes such a difference.
+        """
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 

@@ -11,7 +11,7 @@ from grader.engine.findings import GraderText, StudentError
 from grader.engine.load_report import not_handed_in
 from grader.labs.imu.student import Student
 from grader.labs.imu.visualization import comparing
-from grader.labs.imu.visualization.pictures import COMPARISON, PICTURE, was_handed_in
+from grader.labs.imu.visualization.pictures import COMPARISON, was_handed_in
 
 
 @dataclass(frozen=True)
@@ -104,14 +104,9 @@ def _note_stopped(student: Student, error: StudentError | None) -> None:
 
 
 def _pairs_in(student: Student, figure: Figure) -> Sequence[comparing.Compared]:
-    """Return the pairs of a raw and a filtered curve in a figure; of a filter that has lost points already, its pairs by name.
-
-    The recording's picture is no comparison unless a curve is noisy or named so: without units, two channels look like a pair.
-    """
-    found, named = comparing.comparisons(figure), comparing.named_comparisons(figure)
-    if figure.file_name == PICTURE and not named and not any(pair.noisy for pair in found):
-        return []
-    return found or (named if "LowPassFilter" in student.broken else [])
+    """Return the pairs of a raw and a filtered curve in a figure; of a filter that has lost points already, its pairs by name."""
+    found = comparing.comparisons(figure)
+    return found or (comparing.named_comparisons(figure) if "LowPassFilter" in student.broken else [])
 
 
 def _meant_to_compare(figures: Iterable[Figure]) -> list[tuple[int, str]]:

@@ -50,12 +50,21 @@ class Compared:
 
 
 def comparisons(figure: Figure) -> list[Compared]:
-    """Return each visible pair of a curve and a smoother version of it; curves on axes with different units make no pair."""
+    """Return each visible pair of a curve and a smoother version of it; curves on axes with different units make no pair.
+
+    Nor do curves of two panels without noise and without names such as *raw*: a rotation is smoother than the acceleration that
+    comes with it.
+    """
     drawn = _seen_curves(figure)
     pairs = (
         (one, other) for one in drawn for other in drawn if one is not other and _may_be_in_one_unit(one[0], other[0])
     )
-    return [_compared(raw, smooth) for raw, smooth in islice(pairs, _MOST_PAIRS) if _is_smoothed(raw[1], smooth[1])]
+    smoothed = (pair for pair in islice(pairs, _MOST_PAIRS) if _is_smoothed(pair[0][1], pair[1][1]))
+    return [
+        found
+        for raw, smooth in smoothed
+        if (found := _compared(raw, smooth)).noisy or raw[0] is smooth[0] or found.in_order or found.exchanged
+    ]
 
 
 def _compared(raw: Drawn, smooth: Drawn) -> Compared:
