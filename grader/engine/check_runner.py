@@ -94,7 +94,7 @@ class CheckRun:
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:
-        """Return whether to run a check. False for an extension that was not attempted and, if `only` is set, for other parts."""
+        """Return whether to run a check. False if its extension was not attempted, or if `--only` names another part of the lab."""
         asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
         return asked_about and self._only in (None, this.criterion)
 
@@ -165,11 +165,11 @@ class CheckRun:
     def other_partners(self, criterion: str) -> Iterator[frozenset[str]]:
         """Yield, for each rerun of a criterion, the required names for which the rerun takes the lab sheet's code.
 
-        A function may fail only because of the functions that it is judged with. If the criterion lost points while stand-ins
-        (correct code) replaced some functions, one rerun takes the student's code for all: the empty set. If student code raised
-        in the criterion, a rerun takes the sheet's code for the first criterion's functions, which all others call. Unlike a
-        stand-in, the sheet's code takes the sheet's arguments only, so that it excuses no wrong call. An extension, and a
-        criterion whose functions no other needs, has no rerun.
+        A function may fail only because of functions that it calls. If the criterion lost points while stand-ins (correct code)
+        replaced some functions, the empty set is yielded for a rerun without them. If student code raised in the criterion, a rerun
+        takes the sheet's code for the functions of the first criterion, which all others call. Unlike a stand-in, the sheet's code
+        takes the sheet's arguments only, so that it excuses no wrong call. An extension, and a criterion whose functions no other
+        criterion needs, has no rerun.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:
@@ -245,7 +245,7 @@ class Session:
         return {_check_of(item).id: _check_of(item) for item in self._items}
 
     def run(self, check_run: CheckRun) -> None:
-        """Run the checks that `check_run` wants, one criterion after the other, each followed by its reruns (`other_partners`)."""
+        """Run the checks that `check_run` wants, by criterion. `CheckRun.other_partners` says which of them run again, and how."""
         self._examination = check_run
         wanted = [item for item in self._items if check_run.wants(_check_of(item))]
         for criterion, items in itertools.groupby(wanted, lambda item: _check_of(item).criterion):

@@ -31,7 +31,7 @@ class FaultRow:
     deducts : share of points that each broken check loses, by the check's short name; 0 for a check that only shows the fault
     formerly : ids of faults that this entry replaces; a rubric that names one is refused with this entry's id
     expected, got : templates for the numbers of a `Deviation`; without them those of the check are used
-    raised : the exceptions that show this fault, see `shown_by`; empty if none does
+    raised : rules by which `shown_by` finds this fault in an exception; empty if no exception shows it
     """
 
     id: str

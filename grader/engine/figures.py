@@ -62,7 +62,7 @@ _NOT_EXAMINED = VisibleParts(np.ones(PARTS, bool), np.zeros(PARTS, bool))
 
 @dataclass(frozen=True)
 class Entry:
-    """A legend entry: its text, and its sample's colour, line style, marker and stroke, as in `Curve`, to find the curve."""
+    """A legend entry: its text, and its sample's colour, line style, marker and stroke (as in `Curve`), to find the curve."""
 
     text: Short
     colour: Short
@@ -89,7 +89,7 @@ class Curve:
     label, colour : the label that the code gives it, and ``#rrggbb``
     kind : ``line`` or ``points``; ``nothing`` if it has neither stroke nor marker
     n : number of points that the code drew
-    x, y : (k,) ndarray, all points or every n-th one, in the units of the axes; not finite where nothing is drawn
+    x, y : (k,) ndarray in the units of the axes, every second, third, … point if `n` is above 6000; not finite where none is drawn
     style, marker : matplotlib's names of its line style and marker
     stroke : dashes, width and opacity of its line as text, to compare with a legend's sample; "" for points
     alpha : opacity, 0 to 1

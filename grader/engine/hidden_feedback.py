@@ -28,7 +28,10 @@ _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 def feedback_on(
     finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, table: Mapping[str, FaultRow]
 ) -> Feedback:
-    """Return what a student reads about the exception that ended a check on hidden scenarios: kind and size of the error alone."""
+    """Return what a student reads about the exception that ended a check on hidden scenarios: kind and size of the error alone.
+
+    `table` is the lab's fault table, by id; the titles and hints come from it.
+    """
     if isinstance(finding, Charged):
         return _feedback_on_charge(finding.charge, table)
     if isinstance(finding, CheckFailed):

@@ -192,7 +192,7 @@ class Lab:
         return next((part for part in (*self.parts, *self.bonuses) if part.id == id_), None)
 
     def name_of(self, check_id: str) -> str:
-        """Return the required name that a check is about, to point to its line; "" if the check's part requires no name."""
+        """Return the required name that a check is about, to point to its line; "" if its criterion or extension requires none."""
         part = self.part(check_id.partition(".")[0])
         return self.points_to.get(check_id) or (part.names[0] if part and part.names else "")
 

@@ -172,7 +172,7 @@ class DeadlyStatements:
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """Return (file, statement's number, reason) of what to skip in a new process in which correct code replaces `standins`."""
+        """Return (file, worker's number of a statement, reason) of what a process skips where correct code replaces `standins`."""
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
@@ -194,10 +194,10 @@ class DeadlyStatements:
         self._suspects.add(suspect)
 
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
-        """Record the statements that a reply reports as interrupted after their time, so that new processes skip them.
+        """Record the statements that a reply reports as interrupted at their time limit, so that new processes skip them.
 
-        `standins` are the names that correct code replaced in the process that replied. A process with other stand-ins also
-        skips the statement, unless the statement was interrupted in code that these other stand-ins replace.
+        `standins` are the names that correct code replaced in the process that replied. A process in which it replaces other names
+        skips a statement, too, unless the code of one of these names was running when the statement was interrupted.
         """
         beside = frozenset(standins)
         new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]

@@ -9,7 +9,7 @@ from grader.engine.rubric import CheckWeight, Rubric
 
 
 def marked(found: Result, rubric: Rubric) -> Result:
-    """Return a recorded result with the points that a rubric gives for its outcomes, to mark it without running code again.
+    """Return a recorded result with the points that a rubric gives for how each check ended, so that no code has to run again.
 
     The rubric must fit the result (see `fits`) and sets the order of the criteria. Criteria that the result lacks are left out, as
     a run may examine one alone. Points that the result already has are ignored.

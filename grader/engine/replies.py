@@ -101,7 +101,10 @@ class Answer:
             raise Wrong("a value of no known kind")
 
     def nodes(self, values: Any, most: int, exactly: int | None = None, depth: int = 1) -> None:
-        """Check each item of the list `values` with `node`, at `depth`; raise `Wrong` for over `most`, or not `exactly` so many."""
+        """Check each item of the list `values` with `node`, at the nesting depth `depth`.
+
+        Raise `Wrong` for a bad item, for more than `most` items, and for another number of items than `exactly` (None: any number).
+        """
         if not isinstance(values, list) or len(values) > most or exactly not in (None, len(values)):
             raise Wrong("no list, or one of another length")
         for value in values:
@@ -116,9 +119,9 @@ class Rule(NamedTuple):
 
 
 def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rules: Mapping[str, Rule]) -> Frame:
-    """Return the message `frame` if it is a valid reply to the question `op` with these fields and arrays.
+    """Return the reply `frame` if it is valid for the question `op`, which was sent with these `fields` and `arrays` (by name).
 
-    `rules` are those for the lab's own questions; every lab has `RULES`.
+    `rules` are those for the lab's own questions, by `op`; every lab has `RULES`.
 
     Raises
     ------

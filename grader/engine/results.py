@@ -162,7 +162,7 @@ class Result:
     repairs : the patches; if there are any, `criteria` and `extensions` are the results of the repaired copy
     unrepaired : how each check ended before the repairs, by id
     evidence : charts, and hashes of the code that find similar submissions; no part of the recorded result
-    asked_sha256 : digest of the questions asked; with a rubric of the same digest, points are computed anew without running code
+    asked_sha256 : digest of the rubric's limits, settings and own checks; a rubric with the same digest gives points without a run
     cpu_s : CPU time of this grading, by the grader and the student's code; it is not recorded
     """
 
@@ -305,7 +305,7 @@ _UNSEEN = re.compile(
 
 
 def from_dict(record: Mapping[str, Any]) -> Result:
-    """Return the result from the data of `to_dict` or `to_record`.
+    """Return the result from the data of `to_dict` (for ``result.json``) or `to_record` (for the database).
 
     Raises
     ------

@@ -109,7 +109,8 @@ def parse(
 def own_checks(lab: Lab, folder: Path) -> OwnChecks:
     """Return name and content of each file with the instructor's own checks; () if there are none.
 
-    They lie in the folder ``checks`` beside the rubric in `folder`; in the wheel that students install, in the lab's folder.
+    `folder` holds the rubric, and the files lie in its subfolder ``checks``. If `folder` is the lab's own, as in the wheel that
+    students install, they lie in ``own_checks``.
 
     Raises
     ------

@@ -67,8 +67,8 @@ def quote(node: yaml.Node) -> str:
 class NodeReader:
     """Reads YAML nodes of a rubric as values. It collects problems in place of raising, so that one run reports all of them.
 
-    In its methods, None as a node stands for a key that the file lacks: the value is then empty, and no problem is added. `what` is
-    the name of the node in a problem.
+    In its methods, None as a node stands for a key that the file lacks: the value is then empty, and no problem is added. `what`
+    names the node in the text of a problem.
     """
 
     def __init__(self, source: str) -> None:
@@ -83,7 +83,7 @@ class NodeReader:
         self.problems.append((node.start_mark.line + 1, problem))
 
     def compose(self, data: bytes) -> yaml.Node:
-        """Parse the bytes of the file, return its root node; raise RubricError at once if empty, too large, or no YAML in UTF-8."""
+        """Parse a rubric's bytes, return the root node; raise RubricError if empty, too large or deep, no YAML, or with anchors."""
         if len(data) > MAX_BYTES:
             refuse(self.source, [(1, "the file is larger than 1 MB; start again from the shipped rubric.yaml")])
         try:
@@ -132,7 +132,7 @@ class NodeReader:
     ) -> dict[str, yaml.Node]:
         """Return a mapping's value nodes by key; add a problem for each missing or unknown key. {} if the node is no mapping.
 
-        A key's name in earlier versions is accepted, because the records of classes hold old rubrics.
+        `what` names the mapping in problems. A key's name in earlier versions is accepted, as records of classes hold old rubrics.
         """
         if node is None:
             return {}
@@ -155,7 +155,10 @@ class NodeReader:
         return {name: value for name, (_, value) in given.items() if name in keys}
 
     def pairs(self, node: yaml.MappingNode, what: str) -> dict[str, tuple[yaml.Node, yaml.Node]]:
-        """Return (key node, value node) of a mapping by the key's text; add a problem for a key that is a list or appears twice."""
+        """Return (key node, value node) by the key's text; add a problem for a key that is a list or appears twice.
+
+        `what` names the mapping in problems.
+        """
         found: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         for key, value in node.value:
             if not isinstance(key, yaml.ScalarNode):
@@ -170,7 +173,7 @@ class NodeReader:
     def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
         """Return a node's line of text; "" for None or after adding a problem, such as that `pattern` does not match all of it.
 
-        `like` says in that problem what `pattern` matches.
+        That problem reads "`what` must be `like`, not …": `what` names the node, `like` says what `pattern` matches.
         """
         if node is None:
             return ""
@@ -185,7 +188,7 @@ class NodeReader:
         return ""
 
     def number(self, node: yaml.Node | None, what: str, low: float = 0.0, high: float = LARGEST) -> float | None:
-        """Return the decimal number of a node; None for None or after adding a problem, as for numbers outside `low` to `high`."""
+        """Return a node's number; None for None or after adding the problem "`what` must be a number from `low` to `high`"."""
         if node is None:
             return None
         plain = isinstance(node, yaml.ScalarNode) and not node.style and _NUMBER.fullmatch(node.value)
@@ -196,14 +199,14 @@ class NodeReader:
         return None
 
     def points(self, node: yaml.Node | None, what: str) -> float | None:
-        """Return the points of a node; None for None or after adding a problem. A third decimal adds a problem, but is kept."""
+        """Return a node's points; None for None or after adding a problem about `what`. A third decimal is a problem, but kept."""
         value = self.number(node, what)
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
         return value
 
     def share(self, node: yaml.Node | None, what: str, of: float) -> float | None:
-        """Return points to two decimals, from a number or a percentage of `of` points; None for None or after adding a problem."""
+        """Return points, from a number or a percentage of `of` points; None for None or after adding a problem about `what`."""
         if isinstance(node, yaml.ScalarNode) and node.value.endswith("%"):
             number = node.value[:-1].strip()
             if _NUMBER.fullmatch(number) and 0 <= float(number) <= 100:
@@ -213,7 +216,7 @@ class NodeReader:
         return self.points(node, what)
 
     def stamp(self, node: yaml.Node | None, what: str, zone: tzinfo | None = None) -> datetime | None:
-        """Return a date and time in UTC; None for None or after adding a problem.
+        """Return a date and time in UTC; None for None or after adding a problem about `what`, the node's name in messages.
 
         `zone` is the time zone of a text without an offset from UTC; if `zone` is None, such a text adds a problem.
         """
@@ -230,7 +233,8 @@ class NodeReader:
     ) -> dict[str, tuple[yaml.Node, dict[str, yaml.Node]]]:
         """Return, by the id of each item of a list, its node and the value nodes of its keys, in the order of `known` ids.
 
-        Unknown, missing and repeated ids add problems, and so does an item with other keys than `required` and `optional`.
+        Unknown, missing and repeated ids add problems, and so does an item with other keys than `required` and `optional`. They
+        call an item `what`, such as "criterion".
         """
         if node is None:
             return {}

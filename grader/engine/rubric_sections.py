@@ -35,7 +35,10 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the points of an extension without `points` of its own, and the cap on all (None: no cap); 0, None if no section."""
+    """Return the points of an extension without `points` of its own, and the most that all extensions add (None: no limit).
+
+    0 and None without the section `node`, and for a bad value, which `reader` collects as a problem.
+    """
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))

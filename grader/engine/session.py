@@ -86,7 +86,7 @@ class SandboxSession:
     sandbox : provides the workers
     lab : the lab, whose required names may be asked about
     files : the submission's files: relative path -> content
-    above : for files above the lab's folder: relative path -> number of folders above the lab's
+    above : relative path -> number of levels, for files whose path starts so many levels above the folder with the lab's files
     lab_configuration : the lab's own settings, such as sensor names, for the worker and for code that replaces broken definitions
     call_cpu_s, submission_cpu_s : limits of CPU time, from the rubric
     waiting : called with a message if an answer takes long; None tells nothing
@@ -139,7 +139,7 @@ class SandboxSession:
             self.end_session()
 
     def without_standins(self) -> AbstractContextManager[dict[Any, Any]]:
-        """Use only the submission's own definitions in this context; yield, as `beside` does, a dict of the answers given in it."""
+        """Use no correct code in place of broken definitions in this context; yield its answers by question, as `beside` does."""
         return self.beside(())
 
     @contextmanager
@@ -238,7 +238,7 @@ class SandboxSession:
         return sum(self._used_cpu_s.values())
 
     def account_to(self, part: str) -> None:
-        """Account the time of further questions to `part` (a criterion or ``bonuses``): an endless loop takes no other's time."""
+        """Account the time of further questions to `part` (a criterion or ``bonuses``): an endless loop uses up its time alone."""
         if part != self._part:
             self._pass_on_prints()
         self._part = part
@@ -317,7 +317,7 @@ class SandboxSession:
             timer.cancel()
 
     def ask_fresh_worker(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        """Ask a question as `ask` does, but of a new process without the submission: no student code can change the reply."""
+        """Ask a new process without the submission, so that no student code can change the reply; `ask` explains the arguments."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
@@ -334,7 +334,7 @@ class SandboxSession:
         return answer  # type: ignore[no-any-return]
 
     def once_named(self, called: str, key: Any, ask: Callable[[], T]) -> T:
-        """Return the answer to question `key` as `once` does, and let `stored_answer` find it by the name `called` (not if "")."""
+        """Return the answer to question `key`, from `ask` for a new question; `stored_answer` finds it as `called`, if not ""."""
         if called:
             self._called[called] = key
         return self.once(key, ask)
@@ -345,10 +345,10 @@ class SandboxSession:
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Return what `ask` returns. After a NoAnswer or GraderError call it in a new process; in the end raise the last one.
+        """Return what `ask` returns. After a NoAnswer or GraderError, call `ask` again in a new process, or raise the exception.
 
-        There is a further attempt whenever a statement was found that ended the process or took too long, as a new process skips
-        such a statement. Without such a statement there is one further attempt, after a timeout none.
+        `ask` is called again whenever a statement was found that ended the process or took too long, as a new process skips such
+        a statement. If none was found, `ask` is called again once, but not after a timeout.
         """
         tried = False
         while True:

@@ -39,7 +39,7 @@ class SubmissionSession(SandboxSession):
     withheld_note = False
 
     def answer(self, question: Question[T], called: str = "") -> T:
-        """Return student code's answer to a question; charts find it as `called`. Raise `Missing` or `NoAnswer` if none comes."""
+        """Return student code's answer; charts find it as `called`, if that is not "". Raise `Missing` or `NoAnswer` without it."""
         return self.once_named(called, question.key, lambda: question.becomes(self._ask_where_defined(question)))
 
     def _ask_where_defined(self, question: Question[Any]) -> Frame:
@@ -49,8 +49,8 @@ class SubmissionSession(SandboxSession):
     def load(self, path: str) -> Loaded:
         """Load a file in the current sandbox process, unless it is loaded there, and return the report on it.
 
-        A new process loads it again after a first crash, if a statement to skip was found, or if another file, or data of a
-        question, may have affected the report. If no process can load it, the NoAnswer of the last one is raised, now and later.
+        A new process loads it again after a first crash, or if a statement to skip was found, another loaded file may be the cause,
+        or the report may quote data of an earlier question. If no process can load it, each call raises the last NoAnswer.
         """
         if path in self.deadly:
             raise self.deadly[path].with_traceback(None)
