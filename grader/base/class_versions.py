@@ -42,7 +42,7 @@ def differences(pinned: str) -> list[tuple[str, str, str]]:
 
 
 def of_ours(pinned: str) -> str:
-    """Return the lines ``name==version`` of `pinned`, a student's text from `here`, for those packages that the grader requires.
+    """Return the lines ``name==version`` of `pinned`, text from a submission, that name packages which the grader requires.
 
     The report tells students which versions differ here, so lines forged for other packages would show what else is installed.
     """

@@ -35,6 +35,6 @@ def now() -> str:
 
 
 def stamp(value: object) -> str:
-    """Return a time as ISO 8601 text in UTC, so that texts sort by time; "" if `read_stamp` finds no time in the value."""
+    """Return a date and time (text or `datetime`) as sortable ISO 8601 text in UTC; "" if invalid or without an offset from UTC."""
     when = read_stamp(value)
     return when.isoformat(timespec="seconds") if when else ""

@@ -104,7 +104,7 @@ class Agreement:
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The row's numbers as text for the columns `HEAD` of the table; if None, `apart` is "–" and `uncertainty` is left out."""
+        """This row's numbers as text, in the order of the column titles `HEAD`; "–" for no `apart`, no "±" for no `uncertainty`."""
         return (
             str(self.cells),
             "–" if self.apart is None else f"{self.apart:.2f}",
@@ -138,7 +138,10 @@ def maxima(results: Mapping[str, Result]) -> dict[Cell, float]:
 
 
 def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
-    """Return the row `title` of the comparison table: how far grader and people are apart in `cells`, which must not be empty."""
+    """Return row `title` of the comparison table: how far grader and people are apart in `cells`.
+
+    Each cell is one criterion of one submission; at least one is needed.
+    """
     apart = [each.apart for each in cells if each.apart is not None]
     distances: dict[str, list[float]] = {}
     for each in cells:
@@ -156,7 +159,7 @@ def agreement(title: str, cells: Sequence[ComparedCell]) -> Agreement:
 
 
 def by_criterion(cells: Sequence[ComparedCell]) -> list[Agreement]:
-    """Return the rows of the comparison table: the agreement in each criterion, then in all together."""
+    """Return the rows of the comparison table: one per criterion, then all together. A cell is one criterion of one submission."""
     titles = dict.fromkeys(cell.criterion.title for cell in cells)
     each = [agreement(title, [cell for cell in cells if cell.criterion.title == title]) for title in titles]
     return [*each, agreement("All", cells)]
@@ -165,7 +168,7 @@ def by_criterion(cells: Sequence[ComparedCell]) -> list[Agreement]:
 def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
     """Return the agreement for each fault (diagnosed mistake) in a criterion where points and marks differ, worst first.
 
-    Each agreement covers all cells in which the grader names the fault, also cells where points and marks agree.
+    It covers all `cells` (one criterion of one submission each) with this fault, also those where points and marks agree.
     """
     named = dict.fromkeys(fault for cell in cells if cell.kind for fault in cell.faults)
     each = [agreement(fault, [cell for cell in cells if fault in cell.faults]) for fault in named]

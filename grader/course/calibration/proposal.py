@@ -27,7 +27,7 @@ _STEP = 0.5
 
 @dataclass(frozen=True)
 class ChangedDeduction:
-    """One line of a proposal: a fault, its deduction before and after, and how many marked criteria the change rests on."""
+    """A fault's deduction in points, at present and as proposed; `cells` counts the hand-marked criteria that it rests on."""
 
     fault: str
     before: float
@@ -88,7 +88,7 @@ class Proposal:
 def propose(rubric: Rubric, cells: Sequence[ComparedCell], final_grades: Mapping[str, FinalGrade]) -> Proposal | None:
     """Propose deductions that fit the marks in `cells` better than `rubric` does; None for fewer than `FEWEST` marked submissions.
 
-    `final_grades` are those of the whole class, to tell whose grade would change.
+    A cell is one criterion of one submission. `final_grades` are those of the whole class, to tell whose grade would change.
 
     Raises
     ------

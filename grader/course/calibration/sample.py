@@ -33,8 +33,8 @@ _MOST_PICTURES = 4
 class BlindSubmission:
     """A submission as shown to a person who marks it by hand: code, pictures and figures, nothing of the grader's result.
 
-    `files` are pairs of path and text with line numbers, `pictures` pairs of path and PNG in base64. `figures` is the HTML of the
-    figures that the code drew.
+    `files` are pairs of path and text with line numbers, `pictures` pairs of path and submitted PNG in base64. `figures` is the
+    HTML of the curves that the code drew while it was graded.
     """
 
     id: str
@@ -74,7 +74,10 @@ def _shuffled(id_: str) -> str:
 
 
 def to_mark(store: Store, lab: Lab, id_: str, result: Result) -> BlindSubmission:
-    """Return a submission for a person to mark blind, with the lab sheet's files first; without files if the database has none."""
+    """Return a submission for a person to mark without seeing its grade, the lab sheet's files first.
+
+    `result` is its current result, whose digest finds the stored files; if the database lacks them, no files are shown.
+    """
     kept = unpack(store.files(str(result.provenance.get("submission_sha256", "")))).files
     first = [name for name in lab.files if name in kept]
     kept = {path: kept[path] for path in (*first, *sorted(kept.keys() - set(first)))}

@@ -38,7 +38,10 @@ def plain(result: Result) -> dict[str, Any]:
 
 
 def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
-    """Grade a submission, given by its fields, with the Dask worker's plugin named `run`; return what its method `mark` returns."""
+    """Grade a submission, given by its fields, with the Dask worker's plugin named `run`.
+
+    Return the dictionary of `GradingPlugin.mark`: the result, or the reason why there is none.
+    """
     plugin = get_worker().plugins[run]
     assert isinstance(plugin, GradingPlugin)
     return plugin.mark(Submission(**submission))
@@ -57,7 +60,7 @@ class GradingPlugin(WorkerPlugin):
     made_by
         What `versions` returns on the machine that distributes the submissions; a worker with other versions refuses to grade.
     open_marker
-        The pickled pair of marker factory and bounds. It is unpickled only if the versions agree.
+        The pickled pair of marker factory and `Bounds` (limits on time and memory). It is unpickled only if the versions agree.
     """
 
     _at_work: ClassVar[threading.Lock] = threading.Lock()
@@ -81,7 +84,7 @@ class GradingPlugin(WorkerPlugin):
         self._leave_if_idle()
 
     def mark(self, submission: Submission) -> dict[str, Any]:
-        """Grade a submission and return its result as plain data, as `plain` does.
+        """Grade a submission and return its result as a dictionary of text, bytes and numbers, made by `plain`.
 
         Without a result the keys are "trouble", the reason why, and "stopped", the same reason if a limit on time or memory ended
         the grading, else "".

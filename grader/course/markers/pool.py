@@ -133,10 +133,10 @@ class Pool:
 
     Parameters
     ----------
-    open_marker, jobs, bounds
-        See `mark_all`.
-    attempts
-        Number of processes that may fail on a submission before it is returned without a result.
+    open_marker : picklable function with which each process opens a marker, the object that grades
+    jobs : largest number of processes
+    bounds : limits on time and memory of grading one submission
+    attempts : number of processes that may fail on a submission before it is returned without a result
     """
 
     def __init__(self, open_marker: OpenMarker, jobs: int, bounds: Bounds, attempts: int = ATTEMPTS) -> None:
@@ -161,7 +161,10 @@ class Pool:
     def run(
         self, submissions: Iterator[Submission], cpu_s: float | None = None
     ) -> Iterator[tuple[Submission, MarkerAnswer]]:
-        """Grade submissions as `mark_all` does; `cpu_s` may lower the rubric's limit of CPU seconds for each, None keeps it."""
+        """Grade submissions; yield each with its outcome (a result, `Unmarked` or `Ended`) once it is known, in any order.
+
+        `cpu_s` may lower the rubric's limit of CPU seconds for each submission; None keeps it.
+        """
         backlog = Backlog(submissions, self._attempts)
         while self._hand_out(backlog, cpu_s):
             ready = connection.wait([process.line for process in self._busy], _POLL_S)

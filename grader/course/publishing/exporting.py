@@ -80,7 +80,7 @@ class Draft:
     unmatched: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield a line with the number of grades, then one for each list that is not empty: its kind, size and names."""
+        """Yield lines: the number of grades, then size and names of each list that is not empty, such as `blank` or `replaced`."""
         yield f"graded: {self.graded}"
         named = {
             "blank": self.blank,
@@ -113,7 +113,7 @@ class ExportPlan:
         return any(each.stops_export for each in self.contradictions)
 
     def lines(self) -> Iterator[str]:
-        """Yield lines to read before the export: whom it affects, contradictions, and grades made with other settings."""
+        """Yield lines to read before the export: whom it affects, contradictions, and grades by other settings than the class's."""
         yield from self.draft.lines()
         yield from (printable(each.text, 2000) for each in self.contradictions)
         if self.other_settings:

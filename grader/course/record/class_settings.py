@@ -298,7 +298,8 @@ def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> l
 def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
     """Refuse to grade on public scenarios a class that was graded on hidden ones: the scores could not be compared.
 
-    RequestError if the class was graded on hidden scenarios by its settings `old`, and `seed`, their secret, is None.
+    RequestError if the stored settings `old` have hidden scenarios, and `seed`, the secret that makes them, is None. Before the
+    first run `old` is None, and nothing is refused.
     """
     if old is not None and old.hidden and seed is None:
         raise RequestError(
@@ -310,7 +311,7 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
 def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
     """Refuse to grade one submission, such as a repaired one, on other scenarios than its class was graded on.
 
-    RequestError if the class, by its settings `old`, has hidden scenarios, and `traces` are recordings of other scenarios.
+    RequestError if the class, by its stored settings `old`, has hidden scenarios, and `traces` are recordings of other scenarios.
     """
     if old is not None and old.hidden and old.traces_sha256 != traces.sha256:
         raise RequestError(

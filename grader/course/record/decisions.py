@@ -170,7 +170,7 @@ class Decisions(Database):
         return {key: review for key, review in last.items() if review.done}
 
     def keep_regrade_requests(self, requests: Iterable[RegradeRequest]) -> int:
-        """Store regrade requests and return how many are new; one with the same id, `about` and text as a stored one is ignored."""
+        """Store regrade requests, except those with the submission, subject and text of a stored one; return how many are new."""
         query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
         with self._errors_in_one_line(), self._transaction():
             return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in requests)

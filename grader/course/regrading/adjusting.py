@@ -116,12 +116,13 @@ def decide(
 ) -> list[RecordedOverride]:
     """Validate and store override requests, all or none, and return them as recorded. No page is written.
 
-    `final_grades` are those of the class by id; `Store.adjust` explains `seen` and `what`.
+    `final_grades` are those of the class by id. `seen` is the number of the last adjustment that the author has seen; None skips
+    the comparison. `what` is the subject of one decision on several submissions, else "".
 
     Raises
     ------
     RequestError
-        With a line for each request that cannot be met.
+        With a line for each request that cannot be met; `OvertakenError` if a submission has an adjustment later than `seen`.
     """
     said = {(id_, each.criterion, each.alone) for id_, each in store.history()}
     problems = [problem for request in requests if (problem := _problem(request, final_grades, said))]

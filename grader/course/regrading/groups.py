@@ -56,7 +56,7 @@ class Decision:
 
 
 def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
-    """Return the groups of two or more submissions, to decide on together: by fault, then by failed check, each largest first."""
+    """Return groups of two or more submissions with the same fault, then those with the same failed check, both largest first."""
     faults: dict[str, dict[str, list[CheckResult]]] = {}
     checks: dict[str, dict[str, list[CheckResult]]] = {}
     for id_, final_grade in final_grades.items():

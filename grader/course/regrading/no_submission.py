@@ -52,8 +52,8 @@ def blank_grades(settings: ClassSettings | None, final_grades: Mapping[str, Fina
 def admit(store: Store, ids: Collection[str]) -> dict[str, FinalGrade]:
     """Store a blank result for people of the roster without a submission, so that they can get points; return their final grades.
 
-    `ids` are those of `absent_by_id`; other ids are ignored. Until there is an override, the grade stays blank and the pages list
-    the person as without a submission.
+    `ids` are keys of `absent_by_id`, made from number or name; other ids are ignored. Until there is an override, the grade stays
+    blank and the pages list the person as without a submission.
     """
     settings = store.settings()
     if settings is None:

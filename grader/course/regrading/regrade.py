@@ -42,7 +42,7 @@ def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str
 def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
     """Regrade a class by another rubric: store and return the final grades, and write gradebook and index, but no reports.
 
-    RequestError if submissions have to run again, as `regraded` explains; then the class database stays unchanged.
+    RequestError, with the class database unchanged, if submissions have to run again, such as for other checks or limits.
     """
     after = store.remark_class(lambda before: regraded(before, rubric), rubric)
     write_class(out, after, store, rubric.lab)

@@ -51,7 +51,8 @@ class Candidates:
 def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Candidates:
     """Make up to `most` possible repairs in a new process; none if the process exceeds its memory or `cpu_s` seconds of CPU time.
 
-    The function `candidates` makes them and explains `content`, `row` and `name`.
+    `content` is the file, `row` the line at which it stops, from 0 (-1 if only the function is known), and `name` the required
+    function or class ("" if there is none).
     """
     with starting_processes() as begin:
         executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)

@@ -79,7 +79,7 @@ class Grading:
 
 @dataclass(frozen=True)
 class GradingSettings:
-    """Settings that repaired copies are graded by, for a `Grading` by a new marker (`opened`) or a function that grades (`by`)."""
+    """Settings for the grading of repaired copies, by a marker that is opened for them (`opened`) or by a given function (`by`)."""
 
     rubric: Rubric
     traces: Traces
@@ -90,7 +90,7 @@ class GradingSettings:
 
     @contextmanager
     def opened(self) -> Iterator[Grading]:
-        """Yield a `Grading` to grade repaired copies by. Its sandbox starts with the first copy and is closed at the end."""
+        """Open a context with a `Grading` for repaired copies. Its sandbox starts with the first copy and is closed at the end."""
         with ExitStack() as stack:
             marker = cache(lambda: stack.enter_context(self.open_marker()))
             yield self.by(lambda submission, cpu_s=None: marker().mark(submission, cpu_s))
@@ -102,7 +102,8 @@ def record(out: Path, request: RepairRequest, author: str, grading: Grading) -> 
     Raises
     ------
     RequestError
-        If the submission is not there, the request is not valid, or for a reason that `repaired` lists.
+        If the submission is not there, the request is not valid, the original was graded by other settings than `grading`, the copy
+        cannot be graded or earns less than the original, or there are `MOST` repairs already.
     """
     with Store.existing(out) as store:
         final_grade = _final_grade(store, request.id)
@@ -297,7 +298,7 @@ def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
 
 
 def publish(out: Path, who: str, grading: Grading) -> None:
-    """Write the pages of a submission and its class anew after a repair; `who` is its id or a student's name, e-mail or number."""
+    """Write the pages of a submission (`who`: id, or a student's name, e-mail or number) and its class; `grading` tells the lab."""
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)
@@ -344,7 +345,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
 
 
 def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedRepair]:
-    """Return the repairs that nobody took back but that no longer count, to tell a person; `WHY_LAPSED` says how that happens."""
+    """Return repairs not taken back that no longer count: the student changed the files, or the repaired copy earns less."""
     counting = {
         (id_, each.file, each.diff) for id_, final_grade in final_grades.items() for each in final_grade.result.repairs
     }

@@ -48,7 +48,7 @@ together."""
 
 
 class ProgressListener(Protocol):
-    """Protocol of what shows a run's progress: `started` gets the number of submissions, `done` each result, new or resumed."""
+    """Protocol of a progress display: `started` gets the number of submissions, `done` each result (`resumed` if stored before)."""
 
     def started(self, total: int) -> None: ...
 
@@ -60,9 +60,9 @@ class RunOutcome:
     """Outcome of a run, for the lines that `imugrade grade` prints at its end: results by id, counts, and warnings.
 
     `grades` holds the final grades. `resumed` counts results taken from the class database, `remarked` those that were regraded
-    because the rubric had changed. `leftovers` are files that belong to no submission. `remarks` holds replaced submissions,
-    outdated overrides and new warnings; `known` counts warnings that the last run had already. `contradictions` are lines on grades
-    that cannot be right, such as one above its maximum; unlike warnings, all are printed after every run.
+    because the rubric had changed. `leftovers` are files that belong to no submission. `remarks` are the warnings to print; `known`
+    counts those that are left out because the last run had them, too. `contradictions` are lines on grades that cannot be right,
+    such as one above its maximum; all are printed after every run.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
@@ -93,7 +93,10 @@ def on_record(out: Path) -> ClassSettings | None:
 
 
 def lab_on_record(out: Path) -> Lab:
-    """Return the lab of the class in the output folder; if none is stored, the one `IMUGRADE_LAB` names, or the shipped one."""
+    """Return the lab of the class in the output folder; if none is stored, that of the variable `IMUGRADE_LAB`, or the shipped one.
+
+    RequestError if the lab is not installed, or if the variable names another lab than the class has.
+    """
     settings = on_record(out)
     return chosen_lab(settings.lab if settings else "")
 
@@ -372,9 +375,10 @@ def opener(request: GradeRequest) -> OpenMarker:
 def guarded_marker(
     rubric: Rubric, traces: Traces, isolation_level: str | None, trusted: bool, at_least: str = ""
 ) -> Iterator[Marking]:
-    """Keep a marker, which grades student code, open in this context at `isolation_level`; None takes the best that works here.
+    """Keep a marker, which grades student code, open in this context.
 
-    RequestError if the level is weaker than `at_least` ("" allows any), or isolates nothing and students' code is not `trusted`.
+    `isolation_level` and `at_least` are names such as "landlock"; None takes the best that works here. RequestError if the level is
+    weaker than `at_least` ("" allows any), or isolates nothing and students' code is not `trusted`.
     """
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.isolates and not trusted:

@@ -18,7 +18,8 @@ class GradeRequest:
     `only` are ids, names or e-mails of students to grade, () all; `cluster` is the address of a Dask cluster, None this machine;
     `jobs` None starts one process per core; `force` grades stored results again; `trusted` allows code to run without isolation.
     `shape` is the platform that the paths were downloaded from, or "folders", None to recognise it. `attempts`, "latest" or "best",
-    is the attempt that counts. `change` allows stored scores to change. `at_least` is the weakest isolation level allowed, "" any.
+    is the attempt that counts. `change` allows stored scores to change. `isolation_level` names the sandbox's level, None the best
+    here; `at_least` is the weakest level allowed, "" any.
     """
 
     paths: tuple[Path, ...]

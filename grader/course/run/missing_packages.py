@@ -63,7 +63,7 @@ def imported(submission: Submission, rubric: Rubric) -> Mapping[str, float]:
 def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
     """Return for each submission, by id, the packages in `DISTRIBUTIONS` that it imports and that student code cannot import here.
 
-    Each package has the points at risk, as `imported` counts them. Code is searched as text and not run.
+    Each package has the points that the submission may lose without it. Code is searched as text and not run.
     """
     there = available(rubric.lab)
     with ReadingProcess() as reader:
@@ -72,7 +72,7 @@ def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
 
 
 def failed(result: Result) -> Mapping[str, float]:
-    """Return the packages of `DISTRIBUTIONS` that failed to import, each with the points that all checks with an exception lost."""
+    """Return the packages of `DISTRIBUTIONS` that failed to import, each with the points lost in all checks with any exception."""
     checks = [check for part in result.parts for check in part.checks]
     texts = (*result.notes, *(check.got for check in checks))
     lost = sum(check.max_points - (check.points or 0.0) for check in checks if check.outcome == "error")

@@ -18,9 +18,11 @@ _A_FEW = 5  # names
 
 
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Yield warnings: equal, empty, unreadable, timed-out or repaired submissions, missing packages, mismatches with the roster.
+    """Yield warnings about submissions to review, packages that student code lacks, and mismatches with the roster.
 
-    `absent` are people without a submission, `unknown` submissions that match nobody or several people of the roster.
+    A submission to review has the same files as another, is empty or unreadable, was repaired automatically, timed out, or gave
+    answers that the grader could not read. `absent` are people without a submission, `unknown` submissions that match nobody or
+    several people of the roster.
     """
     for ids in equal(final_grades.values()):
         yield from named_lines("the same files were handed in by", ids)
@@ -68,7 +70,7 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
 
 
 def replaced(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield warnings that name the submissions whose graded files a run changed, with their final grades before and after."""
+    """Yield warnings that name the submissions of which a run graded other files than were stored, with both final grades."""
     changed = [
         f"{id_} ({_final(before[id_])} → {_final(now)})"
         for id_, now in after.items()
@@ -132,6 +134,6 @@ def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
 
 
 def named_lines(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield lines of `what` and up to `A_LINE` names, separated by semicolons because names hold commas; nothing for no names."""
+    """Yield lines ``<what>: a; b`` with up to `A_LINE` names each; nothing for no names. Semicolons, because names hold commas."""
     for start in range(0, len(names), A_LINE):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
