@@ -22,7 +22,7 @@ def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough:
 
     Parameters
     ----------
-    folders : the package folder of the worker code, then that of the lab's module
+    folders : the folder with ``__init__.py`` of the worker code, then, if there is one, that of the lab's module
     search : `sys.path` from now on
     thorough : whether to also use each library once, so that the first use costs no worker time
     """

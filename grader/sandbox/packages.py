@@ -60,7 +60,7 @@ def folders() -> tuple[str, ...]:
 
 @lru_cache(maxsize=8)
 def shown(folders: tuple[str, ...], libraries: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the paths in package `folders` that a sandbox shows: packages for students and the lab's `libraries`, no grader."""
+    """Return the paths in package `folders` that a sandbox shows: packages for students, the lab's `libraries` included."""
     kept = for_students([one for folder in folders for one in installed(folder)], libraries)
     entries = (entries_of(one) for one in kept)
     return tuple(path for own in entries if OWN_FOLDERS.isdisjoint(map(os.path.basename, own)) for path in own)

@@ -12,7 +12,7 @@ Link = tuple[str, str]  # where it is, what it says
 
 
 class Step(NamedTuple):
-    """One step of building a sandbox's root: `kind` is "show", "hide" or "link", `place` its path, `target` where a link leads."""
+    """Step of building a sandbox's root; `kind`: "show" path `place`, "hide" it (it appears empty), or "link" it to `target`."""
 
     kind: str
     place: str

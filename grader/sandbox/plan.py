@@ -56,7 +56,7 @@ class Plan:
     search
         `sys.path` of the sandbox.
     warm, thorough
-        See `Contents`.
+        Modules to import once for all workers; whether to also use each library once, so that the first use costs no worker time.
     fonts
         Matplotlib's lists of fonts, put into the zygote's cache, as they take 150 ms to make.
     scratch

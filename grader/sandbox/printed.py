@@ -34,7 +34,7 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """Return the worker's note of the running statement, JSON: [[file, number in the file]], or [] between statements.
+        """Return the worker's note of the running statement, JSON: [[file, number of the statement]], or [] between statements.
 
         Before the first statement the text is no JSON, and after `close` or on Windows it is ""; callers ignore both.
         """

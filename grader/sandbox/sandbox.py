@@ -57,7 +57,7 @@ class Sandbox:
     isolation_level
         The isolation level in use.
     why
-        Why no better isolation level is in use and what this one lacks here, or that it was asked for; "" if there is neither.
+        Text for reports: why no better level works and what this one lacks, "" if neither; or that this one was asked for.
 
     Raises
     ------

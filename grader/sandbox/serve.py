@@ -36,9 +36,10 @@ class _GraderGoneError(Exception):
 
 
 def main(control_fd: int) -> Callable[[], None] | None:
-    """Run the zygote (warm parent) until the grader hangs up, then exit. In a worker it forks, return what answers requests.
+    """Run the zygote (warm parent of workers) until the grader closes the socket `control_fd`, then end the process.
 
-    `control_fd` is the socket to the grader. Return None in the zygote if isolation or an import failed; the grader was told why.
+    In a worker that it forked, return the function that answers requests. If isolation or an import fails, tell the grader why
+    and return None.
     """
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.unpacked(control.recv(_MAX_MESSAGE))

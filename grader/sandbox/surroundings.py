@@ -77,7 +77,7 @@ def search(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """Return `sys.path` for the level `landlock`: `search(shown)`, but packages are found in `links` (see `link_packages`)."""
+    """Return `sys.path` for level `landlock`: the grader's entries at or below `shown` paths, and `links` (see `link_packages`)."""
     return (*_search_whole(shown), links)
 
 
@@ -108,7 +108,7 @@ def search_without_isolation() -> tuple[str, ...]:
 
 
 def hidden() -> tuple[str, ...]:
-    """Return the folders that a sandbox shows empty: grader, reference, and package folders but for packages in `visible`."""
+    """Return the folders that a sandbox shows empty but for paths of `visible()` in them: grader, reference, package folders."""
     grader = _HERE.parent
     return str(grader), str(grader.parent / "reference"), *packages.folders(), *_package_folders(_libraries())
 

@@ -94,7 +94,7 @@ def place(axes: Any) -> Any:
 
 
 def readable_text(text: Any, behind: Any) -> str:
-    """Return a text that a reader can see, at most 200 characters; "" if it is None, hidden, tiny or of the colour `behind` it."""
+    """Return a `Text` artist's text, at most 200 characters; "" if it is None, hidden, tiny or of the colour `behind` it."""
     from matplotlib.colors import to_rgba
 
     if text is None or not text.get_visible() or float(text.get_fontsize()) < _SMALLEST_FONT:

@@ -39,7 +39,7 @@ class Slot:
     anywhere: bool = False
 
     def suits(self, parameter: inspect.Parameter) -> bool:
-        """Return whether a parameter's name fits; for a spare, a default value, if any, must also have a type in `replaces`."""
+        """Return whether a parameter's name fits; if `passed` is ``spare``, a default, if any, must have a type in `replaces`."""
         if parameter.name != self.name and not self.meaning.search(parameter.name):
             return False
         needed = parameter.default is parameter.empty
@@ -54,7 +54,7 @@ class CallPlan:
     ----------
     positions : names of the slots that are passed by position, in order
     names : parameter name -> name of the slot passed to it by keyword
-    departs : names of the slots that the function takes out of order, by another keyword, though not on the sheet, or not at all
+    departs : names of the slots that the function takes out of order, by another keyword, in addition to the sheet's, or not at all
     as_promised : whether the call is exactly the lab sheet's, because it fits the function or because no call does
     """
 
@@ -108,7 +108,8 @@ def adapt(
 ) -> tuple[Callable[..., Any], list[str]]:
     """Return `function` adapted to the lab sheet's positional arguments, and the names of slots in which it departs from the sheet.
 
-    `slots` are all arguments, `spares` {slot's name: value} of those not on the sheet. A function that fits is returned unchanged.
+    `slots` are all arguments, `spares` {slot's name: value} of those not on the sheet. A function is returned unchanged, with an
+    empty list, if it fits or if no call does.
     """
     way = plan_call(function, slots)
     if way.as_promised:

@@ -295,7 +295,7 @@ def _whole_figure_bbox(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any = None, rect: Any = None) -> None:
-    """Stand in for `Figure.tight_layout`: accept the same arguments and do nothing, as it is slow and hides no curve."""
+    """Stand in for `Figure.tight_layout`: accept its arguments and do nothing: it is slow, moves panels and hides nothing."""
 
 
 def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:

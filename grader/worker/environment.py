@@ -165,7 +165,7 @@ def _exit_on_own_signals() -> None:
 
 @contextlib.contextmanager
 def in_scratch_folder(folder: str) -> Iterator[None]:
-    """Run a block in `folder`, the scratch folder with the submission's files; at the end, change back to it."""
+    """Change to `folder`, the scratch folder with the submission's files, and run a block; if the block leaves it, change back."""
     os.chdir(folder)
     try:
         yield

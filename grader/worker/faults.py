@@ -28,7 +28,7 @@ def is_own(name: str) -> bool:
 
 
 def fault_at(path: str, line: int, message: str) -> dict[str, Any]:
-    """Return a fault at `line` of file `path` in the form of `describe`, where nothing was raised, as for a merge conflict."""
+    """Return a fault at `line` of `path` that raised nothing, such as a merge conflict, as a dict with the keys of `describe`."""
     return {"type": "", "message": message, "file": path[:200], "line": line, "text": None, "name": None}
 
 

@@ -28,7 +28,7 @@ _MAX_INKS = 8
 def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
     """Return the facts of a figure that the grader judges (panels, texts, curves) as plain data; `packer` takes their arrays.
 
-    Raise OverriddenArtistError if student code answers in place of one of matplotlib's artists.
+    Raise OverriddenArtistError if student code overrides a method of an artist (curve, text) that the grader reads.
     """
     artist_facts.reject_overrides(figure, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()

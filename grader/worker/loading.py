@@ -43,7 +43,8 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     """Answer a request: write the submission's files into the scratch folder and prepare the process. Student code runs later.
 
     ``fields["files"]`` lists (path, key in `arrays`, n). If n > 0, a copy goes n folders above the scratch folder, where programs
-    may look for it. Return as ``written`` the paths of the files that notebooks write with ``%%writefile``.
+    may look for it. For the other fields see `_submit` in `engine.session`. Return as ``written`` the paths of the files that
+    notebooks write with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
     STATE.stepper = statements.StatementRunner(skipped, tuple(fields["place"]), list(fields["homes"]))
@@ -72,10 +73,11 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: import a file or notebook; report its definitions of required names, skipped statements, figures, errors.
+    """Answer a request: import the file or notebook ``path``, in up to ``within_s`` seconds; return a report and figures' arrays.
 
-    ``fields`` holds the file's ``path`` and ``within_s``, the seconds that its statements may take in all. Returned are the report,
-    ready for JSON, and the arrays of the figures. Required names are those that the lab sheet asks for.
+    The report holds ``names`` (those that the lab sheet asks for and the file defines), ``supplied`` (names that it forgot to
+    import), ``misspelled`` ((right, student's name) pairs), ``unreadable`` (its syntax error or None), ``stepped_over`` (the
+    statements that failed so far, in any file) and ``figures``.
     """
     del arrays
     path: str = fields["path"]
@@ -89,7 +91,11 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: run file ``path`` as `python FILE` does, for up to ``within_s`` s; return ``figures`` and any ``error``."""
+    """Answer a request: run file ``path`` as `python FILE` does, for up to ``within_s`` s; return a report and figures' arrays.
+
+    The report holds ``figures``, ``stepped_over`` (failed statements, also of other files), and ``error``, None without one: the
+    file's syntax error or first failed statement, as a dict like that of `faults.describe`.
+    """
     del arrays
     path: str = fields["path"]
     with environment.in_scratch_folder(STATE.folder), statements.time_limit(fields["within_s"]):
@@ -110,7 +116,7 @@ def _main_module(path: str) -> types.ModuleType:
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request without fields: return ``names``, {file: the required names that it defines at top level}. No code runs."""
+    """Answer a request: return ``names``, {file: required names that it defines at top level}, and no arrays. No code runs."""
     del fields, arrays
     found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in STATE.code())
     return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}

@@ -62,7 +62,10 @@ class MissingImports:
             self._supply(self._libraries, names)
 
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
-        """Note what statement `node` defined; after the last star import or definition, supply names in `names` (see the class)."""
+        """Note the required name that statement `node` just defined, and supply missing names in the file's namespace `names`.
+
+        Libraries are supplied after the last star import, names from other required files after the last definition.
+        """
         if node is self._last_star:
             self._supply(self._libraries, names)
         if isinstance(node, statements.DEFINITIONS) and node.name in self._wanted:

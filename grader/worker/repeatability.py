@@ -53,7 +53,10 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Make clocks, process id, random bytes, `np.empty` repeatable; libraries (outside `folder`) keep real `monotonic` and id."""
+    """Make clocks, random bytes, `np.empty` and process id repeatable; code outside the submission's `folder` gets the real id.
+
+    Such code (libraries) also gets a `time.monotonic` that runs in real time, because its waits depend on it.
+    """
     _LIBRARY.own_folder = folder
     virtual_time.install(CLOCK)
     _replace_clocks()

@@ -40,7 +40,7 @@ class Screen:
     # --- showing -------------------------------------------------------------------------------------------------------
 
     def show_figure(self, canvas: Any) -> None:
-        """Call `seen` with a canvas's figure, then the canvas's draw callbacks; draw no pixels. A 6th nested call does nothing."""
+        """Pass a canvas's figure to this screen's callback `seen`; send a draw event; draw no pixels. Ignore a 6th nested call."""
         from matplotlib.backend_bases import DrawEvent
 
         if self._depth > 4:
@@ -83,7 +83,7 @@ class Screen:
             self._timers.remove(timer)
 
     def run(self, seconds: float | None = None) -> None:
-        """Fire timers, up to 2,000 times, for `seconds` of virtual time (None: no limit), while timers are left and not `done`."""
+        """Fire timers up to 2,000 times for `seconds` of virtual time (None: no limit), until none is left or `done()` is true."""
         due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
         now, extra = 0.0, 0
         for _ in range(_MAX_FIRINGS):
@@ -105,7 +105,7 @@ class Screen:
         self._animations.append(weakref.ref(animation))
 
     def play(self, animation: Any) -> None:
-        """Call `seen` at each frame of an animation that a program saves, up to about 2,000; make no film."""
+        """Pass the figure to this screen's callback `seen` at each frame of a saved animation, up to about 2,000; make no film."""
         animation._init_draw()
         for number, frame in enumerate(animation.new_saved_frame_seq()):
             animation._draw_next_frame(frame, blit=False)
@@ -117,7 +117,7 @@ class Screen:
 
     @contextlib.contextmanager
     def installed(self) -> Iterator[None]:
-        """While a block runs, let matplotlib's methods that show or save a figure call `seen`; restore them on exit."""
+        """While a block runs, let matplotlib pass figures to this screen's callback `seen` where it would show or save them."""
         import matplotlib.pyplot as plt
         from matplotlib import animation
         from matplotlib.backend_bases import FigureCanvasBase, TimerBase

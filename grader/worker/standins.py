@@ -13,7 +13,7 @@ from .submission import STATE
 
 
 def define(sources: Mapping[str, str]) -> None:
-    """Keep stand-ins (definitions for a student's broken ones) in `STATE`, made from `sources`, {required name: source text}."""
+    """Run `sources`, {required name: source text}, and keep what they define in `STATE.standins`, to replace broken definitions."""
     space = types.ModuleType("standins")
     vars(space)["__builtins__"] = vars(builtins)
     for name, source in sources.items():
@@ -40,7 +40,10 @@ def of_module(module: str) -> dict[str, Any]:
 
 
 def standin_for(own: Any, name: str) -> Any:
-    """Return the grader's definition of `name`, to replace the student's `own`; a class keeps the student's additional methods."""
+    """Return the grader's definition of `name`, to replace the student's `own`; raise KeyError if there is none.
+
+    A class keeps the student's additional methods.
+    """
     standin = STATE.standins[name]
     if not (issubclass(type(own), type) and isinstance(standin, type)):
         return standin
