@@ -64,7 +64,7 @@ WRITES: dict[str, Handler] = {
 def application(book: Classbook, keys: Keys, author: str) -> AccessControl:
     """Return the review desk over one class, behind its access control, as an ASGI application.
 
-    `author` is the name under which decisions are stored unless the browser sets another.
+    `keys`, an access token and a cookie, let a browser in. `author` is the default name under which decisions are stored.
     """
     called = f"{keys.cookie_name}-author"
 

@@ -26,9 +26,10 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Save a person's marks of one submission in a CSV in the output folder, and go on to the next submission without marks.
+    """Save a person's marks of a submission, to compare with its grade, and go on to the next submission without marks.
 
-    With `do=full`, blank fields get full points. A form with a wrong field is shown again, and nothing is saved.
+    The marks are in a CSV in the output folder. With `do=full`, blank fields get full points. If a field is wrong, the form is
+    shown again and nothing is saved.
     """
     id_, known = web_request.text("id"), _Calibration(book, web_request.author)
     if id_ not in known.ids:

@@ -52,8 +52,10 @@ class Classbook:
         The folder that `imugrade grade` wrote.
     rubric
         File of the rubric that the what-if page starts from; None is the one that the class was graded by.
-    secret, trusted
-        See `class_grading.settings_on_record`; edited copies are graded with them.
+    secret
+        Makes the hidden scenarios by which edited copies are graded; None for public ones.
+    trusted
+        Whether edited copies may run where nothing isolates them.
     """
 
     def __init__(
@@ -107,7 +109,7 @@ class Classbook:
 
     @property
     def rubric(self) -> Rubric:
-        """Return the rubric that the desk was started with, if any, until a regrade at the desk; else the rubric on record."""
+        """Return the rubric on record; until a regrade at the desk, the one that the desk was started with instead, if any."""
         if self._rubric is not None:
             return self._rubric
         settings = self.store.settings()
@@ -148,10 +150,11 @@ class Classbook:
     def decide(
         self, overrides: Sequence[OverrideRequest], author: str, seen: int | None, what: str = ""
     ) -> list[RecordedOverride]:
-        """Store and return overrides as `adjusting.decide` does, and write the pages of these submissions in the background.
+        """Store and return overrides, all or none, and write the pages of these submissions in the background.
 
-        OvertakenError if these submissions have an override later than number `seen`, the last that the author saw; None skips
-        this test. `what` names the group, such as similar code, that the overrides decide on together; "" if there is none.
+        RequestError if one is not valid; OvertakenError if these submissions have an override later than number `seen`, the last
+        that the author saw (None skips this test). `what` names the group that the overrides decide on together, such as similar
+        code; "" if there is none.
         """
         known = {**self.final_grades(), **admit(self.store, {each.id for each in overrides})}
         made = decide(self.store, known, overrides, author, seen=seen, what=what)

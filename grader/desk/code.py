@@ -85,7 +85,7 @@ def named_lines(checks: Iterable[CheckResult], paths: Iterable[str]) -> dict[str
 
 
 def defined(kept: Kept, names: Sequence[str]) -> Iterator[tuple[str, int]]:
-    """Yield file and line, from 1, of each function or class with one of these names, to link to; none without names."""
+    """Yield file and line, from 1, of each function or class in the stored files `kept` that has one of `names`, to link to it."""
     if not names:
         return
     wanted = re.compile(rf"^[ \t]*(?:async )?(?:def|class)[ \t]+(?:{'|'.join(map(re.escape, names))})\b", re.MULTILINE)
@@ -103,7 +103,10 @@ def _listing(anchor: str, path: str, content: bytes, named: set[int]) -> Listing
 
 
 def coloured(path: str, text: str) -> list[Markup]:
-    """Return the lines as escaped HTML with syntax colours; without colours if it is no Python or notebook, or too long."""
+    """Return the first `MOST_LINES` + 1 lines of `text`, the file `path`, as escaped HTML, long lines cut.
+
+    Python and notebooks get syntax colours unless they are longer than `_COLOURED` characters.
+    """
     text = "\n".join(
         printable(line, LONGEST_LINE, newlines=True) for line in text[:_SHOWN].split("\n")[: MOST_LINES + 1]
     )

@@ -18,7 +18,7 @@ Fields = list[list[str]]
 
 
 def keep(book: Classbook, web_request: WebRequest) -> Response:
-    """Store as a draft the fields of a form, which the page's script sends as JSON pairs of name and value; no fields delete it."""
+    """Store as a draft a form's fields, which the page's script sends as JSON pairs of name and value; an empty list deletes it."""
     form, text = web_request.text("draft"), web_request.text("fields")
     if not _fields(text):
         book.store.drop_draft(web_request.author, form)

@@ -162,7 +162,7 @@ def _read_file(path: Path) -> list[ReceivedRequest]:
 
 
 def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
-    """Yield the regrade requests in a text: JSON, a CSV table, or plain text. Records without a request are left out.
+    """Yield the regrade requests in a text. JSON objects or CSV rows without a request, or after the first 2000, are left out.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ _BOUNDS = Bounds(wall_s=300.0)
 
 @dataclass(frozen=True)
 class RepairForm:
-    """The repair editor's form as a person filled it in; `also` holds other submissions that get the same repair."""
+    """The repair editor's form as a person filled it in; `also` holds the ids of other submissions to repair in the same way."""
 
     text: str = ""
     deduct: str = ""
@@ -74,7 +74,7 @@ class Job(ABC):
 
     @abstractmethod
     def run(self, grading: Grading) -> None:
-        """Do the work of the job on the thread that grades, with `grading`; meanwhile the submission's page shows `step`."""
+        """Do the job on the thread that grades, by the rubric and recordings in `grading`; meanwhile the page shows `step`."""
 
     def grading_step(self) -> str:
         """Return the `step` to show while an edited copy is graded; in a search for a repair, each call counts one more copy."""
@@ -118,7 +118,7 @@ class RepairJobs:
         return self._jobs.get(number or 0)
 
     def close(self) -> None:
-        """Wait for the running job, drop those that wait for it, and close the marker process, as the desk ends."""
+        """Wait for the running job, drop those that wait for it, and end the process that grades, as the desk ends."""
         self._thread.shutdown(wait=True, cancel_futures=True)
         self._stack.close()
 

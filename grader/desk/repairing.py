@@ -50,7 +50,7 @@ class Editor:
     form
         What the form holds: the text of the file or the edited one, deduction, comment, and who else is repaired.
     note, why
-        See `editing.Editable`.
+        Warning that the file is not UTF-8, and reason why it cannot be edited; "" if not.
     stops
         Where code of this submission does not run.
     marked
@@ -138,9 +138,9 @@ def editor(
 
 
 def compared(grades: RepairPreview) -> list[Compared]:
-    """Return the lines of a preview: each criterion now and with the edit, their sum, and the score after earlier repairs.
+    """Return the lines of a preview, each with the points now and with the edit: the criteria and their sum.
 
-    The deduction of the repair that is previewed is not in them.
+    If the submission has repairs, their deductions and the score follow. The deduction of the previewed repair is not in them.
     """
     after = {part.id: part for part in grades.after.criteria}
     rows = [
@@ -168,7 +168,7 @@ def repaired_files(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]
 
 
 def same_error_in(book: Classbook, final_grade: FinalGrade, file: str) -> list[FinalGrade]:
-    """Return the other submissions in which an equal `file` stops with the same error, to offer them the same repair.
+    """Return the other submissions in which `file` has the same content and the same error, to offer them the same repair.
 
     Empty if the file runs or the submission has a repair. Others that have a repair are left out.
     """
@@ -246,7 +246,7 @@ def _form_errors(book: Classbook, form: RepairForm, seen: Job | None) -> dict[st
 
 @dataclass(kw_only=True)
 class PreviewJob(Job):
-    """Job that grades the edited copy for a preview. Nothing is stored."""
+    """Job that grades a submission with the edited file and puts the result into `grades`. Nothing is stored."""
 
     out: Path
     request: RepairRequest
@@ -257,7 +257,7 @@ class PreviewJob(Job):
 
 @dataclass(kw_only=True)
 class SuggestJob(Job):
-    """Job that searches for a repair and puts it, with its grades, into the editor; fails if none is found. It stores nothing."""
+    """Job that puts an edit by which the code runs, and its grades, into the editor; fails if it finds none. Nothing is stored."""
 
     out: Path
     tried: int = 0

@@ -106,7 +106,7 @@ class Item:
 
     @property
     def key(self) -> str:
-        """Return ``kind/about/id``, by which a form names this item to mark it as reviewed. None of the three contains a slash."""
+        """Return ``kind/digest/id`` (digest of the reason), by which a form names this item. None of the three contains a slash."""
         return f"{self.reason.kind}/{self.reason.about}/{self.id}"
 
 
@@ -121,11 +121,11 @@ def items(
     lab: Lab,
     policy: LatePolicy | None,
 ) -> list[Item]:
-    """Return the items, open and reviewed (`reviews`), sorted by kind as in `KINDS`, then by submission as in `final_grades`.
+    """Return the items of the queue, open and reviewed, by kind as in `KINDS`, then by submission as in `final_grades`.
 
-    They come from the results in `final_grades`, `groups` of similar submissions, a run's `notices` (messages by kind), open
-    `requests`, `contradictions` among the grades, and `lapsed` repairs, which no longer count. `reviews` are keyed by submission,
-    kind of the item and digest of its sentence. Times are in the zone of the late `policy`.
+    They come from `final_grades`, `groups` of similar submissions, a run's `notices` (messages by kind), open `requests`,
+    `contradictions` among the grades, and `lapsed` repairs, which no longer count. `reviews` says which items were reviewed, by
+    submission, kind of the item and digest of its reason. Times are in the zone of the late `policy`.
     """
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]

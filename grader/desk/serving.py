@@ -52,7 +52,7 @@ def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
 def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
     """Run the desk until interrupted; RequestError if the port is taken.
 
-    `author` is as in `server`. `announce` gets the address with the access token.
+    `author` is the default name under which decisions are stored. `announce` gets the address with the access token.
     """
     with open_socket(port) as listening:
         keys = Keys(listening.getsockname()[1])

@@ -76,7 +76,7 @@ class Overrides:
 
     @property
     def asked(self) -> bool:
-        """Return whether there are points, a comment, a regrade request or a refused form, so that the row is shown open."""
+        """Return whether there are points, a comment, a regrade request or a form with errors, so that the row is shown open."""
         return bool(self.points or self.comment or self.requests or self.typed)
 
     @property
@@ -103,7 +103,7 @@ class Row:
 
     @property
     def folded(self) -> bool:
-        """Return whether to show the check folded: it passed and has no override, comment, regrade request or refused form."""
+        """Return whether to show the check folded: it passed and has no override, comment, regrade request or form with errors."""
         return self.row.outcome.kind == "passed" and not (self.overrides and self.overrides.asked)
 
 
@@ -217,7 +217,10 @@ def override(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def refused(final_grades: Sequence[FinalGrade], target: str, points: str, comment: str) -> dict[str, str]:
-    """Return by form field why an override of `target`, such as a check, is refused for any of the submissions; else empty."""
+    """Return by form field why an override, as typed, is refused for any of the submissions; empty if it is for none.
+
+    `target` is the id of a check or criterion, "total" or "bonus"; `points` "" makes it a comment only.
+    """
     errors = {} if comment else {"comment": "say why in a comment"}
     for each in final_grades:
         request = OverrideRequest(each.id, target, points, comment, alone=not points)

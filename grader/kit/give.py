@@ -32,7 +32,7 @@ _EDITORS = {
 class Kit:
     """Report on files that `imugrade kit` wrote, for students or for a platform that grades.
 
-    `place` is their path, `title` the platform or "students"; `scenarios` says whether the files grade by public or hidden ones.
+    `place` is their path, `title` the platform or "students", `scenarios` a text on whether they grade by public or hidden ones.
     """
 
     place: Path
@@ -56,7 +56,7 @@ def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     Raises
     ------
     RequestError
-        If one of the files exists; nothing is written then.
+        If one of the files exists (nothing is written then) or cannot be written.
     """
     title, path, template, folder = _JOBS[platform]
     files = {path: _text(template).encode(), f"{folder}{wheel.name()}": _wheel(lab, rubric)}
@@ -76,7 +76,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     Raises
     ------
     RequestError
-        If the folder has something in it: a student's work must not be overwritten.
+        If the folder has something in it, as a student's work must not be overwritten, or if a file cannot be written.
     """
     _refuse_full(out)
     brought = _brought(lab, rubric)
@@ -99,7 +99,7 @@ def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces |
     Raises
     ------
     RequestError
-        If the file exists.
+        If the file exists or cannot be written.
     """
     traces = {} if hidden is None else truth.files(hidden)  # and not the seed, which cannot be derived from them
     options = ' --traces "$ROOT/source/hidden.npz"' if traces else ""

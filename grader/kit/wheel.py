@@ -39,7 +39,7 @@ def name() -> str:
 
 
 def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
-    """Return the bytes of the wheel that students and CI jobs install: this package without the reference, with this rubric.
+    """Return the bytes of the wheel that students and CI jobs install: this package, which lacks the solution, with this rubric.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ class Override:
 
 @dataclass(frozen=True)
 class RepairedFile:
-    """An instructor's repair of a submitted file as a page shows it; `lines` are the lines of its diff, as from `diff_lines`."""
+    """An instructor's repair of a file as a page shows it; `lines` are those of the diff: kind (same, added, removed) and text."""
 
     file: str
     points: str
@@ -63,7 +63,7 @@ def explained(final_grade: FinalGrade) -> str:
 
 
 def is_composed(final_grade: FinalGrade) -> bool:
-    """Return whether the final grade has terms or overrides beside the automatic score, so that a page should explain it."""
+    """Return whether the final grade has overrides, extra points or deductions, so that a page should explain it."""
     return len(final_grade.terms) > 1 or any(not each.alone for each in final_grade.adjustments)
 
 

@@ -171,7 +171,7 @@ def _does_not_run(check: CheckResult) -> bool:
 
 
 def points_of(check: CheckResult) -> str:
-    """Return a check's points as shown under one of its faults: ``0 / 6``, or ``−1.5`` where other faults cost points, too."""
+    """Return a check's points, to show under one of its faults: ``0 / 6``; with several faults what this one cost, ``−1.5``."""
     return (
         words.minus(words.points_lost([check])) if len(check.deducted) > 1 else words.row(check, "", LabName()).points
     )

@@ -60,7 +60,7 @@ class ItemAnalysis:
 
     @property
     def doubtful(self) -> bool:
-        """Return whether strong submissions fail the check about as often as weak ones. False if fewer than 30 were judged."""
+        """Return whether strong submissions fail the check (nearly) as often as weak ones. False if fewer than 30 were judged."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 

@@ -102,7 +102,7 @@ class CommonFault:
 
 @dataclass(frozen=True)
 class CheckRow:
-    """A check's item analysis (how hard it is), with its criterion's title and the filter tag of who lost points on it."""
+    """A check's item analysis (how hard it is), its criterion's title, and the filter tag of submissions that lost points on it."""
 
     item: ItemAnalysis
     tag: str

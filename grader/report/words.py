@@ -106,7 +106,7 @@ def counted_points(points: float) -> str:
 
 
 def minus(points: float) -> str:
-    """Format a deduction as ``−9.5``, with a minus sign instead of a hyphen."""
+    """Format 9.5 deducted points as ``−9.5``, with a minus sign instead of a hyphen."""
     return f"−{number(round(points, 2))}"
 
 
@@ -167,12 +167,12 @@ NO_SUBMISSION = "no submission"
 
 
 def status(final_grade: FinalGrade) -> str:
-    """Return "graded", "incomplete", "empty" or "unreadable"; "no submission" for a person who has points only by an override."""
+    """Return "graded", "incomplete" (a part not judged), "empty", "unreadable", or "no submission" (only overrides give points)."""
     return NO_SUBMISSION if final_grade.has_no_submission else final_grade.result.status
 
 
 def submissions(final_grades: Iterable[FinalGrade]) -> str:
-    """Return how many submissions there are, for a page's head: ``57 submissions, 1 without a submission, graded by hand``."""
+    """Count the submissions, and people graded without one, as ``57 submissions, 1 without a submission, graded by hand``."""
     without = Counter(each.has_no_submission for each in final_grades)
     by_hand = f", {without[True]} without a submission, graded by hand" if without[True] else ""
     return f"{counted(without[False], 'submission')}{by_hand}"
