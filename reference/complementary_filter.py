@@ -118,7 +118,7 @@ def euler_rates(roll: float, pitch: float, gyro: ArrayLike) -> tuple[float, floa
 
 
 def heading_of(mag: ArrayLike, roll: float, pitch: float) -> float:
-    """Return the heading (rad) from a magnetic field (3,) in the sensor's frame, after turning it level by roll and pitch."""
+    """Return the heading (rad clockwise from magnetic north) of a sensor that reads `mag` (3,) at `roll` and `pitch` in rad."""
     x, y, z = (float(value) for value in np.asarray(mag, dtype=np.float64))
     forward = x * math.cos(pitch) + (y * math.sin(roll) + z * math.cos(roll)) * math.sin(pitch)
     right = y * math.cos(roll) - z * math.sin(roll)

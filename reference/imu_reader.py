@@ -86,7 +86,10 @@ def simulate_and_collect(
 
 
 def plot_imu_data(imu_data: dict[str, FloatArray]) -> None:
-    """Draw both sensors against time, one above the other, and save `imu_data.png`, as Step 4 asks."""
+    """Draw both sensors against time, one above the other, and save `imu_data.png`, as Step 4 asks.
+
+    `imu_data` has the arrays `time` (n,) in s, `acceleration` (n, 3) in m/s² and `angular_velocity` (n, 3) in rad/s.
+    """
     import matplotlib.pyplot as plt  # noqa: PLC0415 - whoever only reads sensors need not wait for it
 
     fig, (upper, lower) = plt.subplots(2, 1, figsize=(10, 6.5), sharex=True)

@@ -32,7 +32,7 @@ class NoisyIMU:
     accel_noise_std, gyro_noise_std : float
         Standard deviation of the white noise, in m/s² and rad/s.
     accel_bias, gyro_bias : (3,) array_like, optional
-        Constant offsets, in m/s² and rad/s. Left out, each device draws its own.
+        Constant offsets, in m/s² and rad/s. Left out, each `NoisyIMU` draws its own at random.
     """
 
     def __init__(

@@ -60,7 +60,7 @@ def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
     seed : str
         Any text. The same name and seed give the same recordings.
     robot : Robot, optional
-        The instructor's own robot, in place of the lab's.
+        The instructor's own robot, in place of the lab's; the scenario `standing` is then left out.
     """
     public = name == "public"
     text = worlds.lab() if public else lab_variant(worlds.lab(), generator(name, seed, "lab"))

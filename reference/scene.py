@@ -21,7 +21,7 @@ SPRING_TORQUE = 10.0  # N m, at most, in a random state: a throw, not an explosi
 
 @dataclass(frozen=True)
 class Recording:
-    """Correct arrays and scalars of a scenario, to judge answers by. `model` is a key of `Bundle.models`, None if not simulated."""
+    """Correct arrays and scalars of a scenario, to judge code by; `model` names its model in `Bundle.models`, None without one."""
 
     name: str
     description: str
@@ -48,8 +48,8 @@ class Settings:
 class Scene:
     """Material of a scenario: its own random generator, the settings and the compiled models.
 
-    `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` names the accelerometer and gyroscope of each
-    of its IMUs, the graded IMU first. `sheet` is the lab's robot, whichever is graded on.
+    `sheet` is the robot of the lab sheet. `lab` is the robot that grading uses: the same, or the instructor's own. `imus` names the
+    accelerometer and gyroscope of each IMU of `lab`, the graded IMU first.
     """
 
     rng: np.random.Generator

@@ -24,7 +24,7 @@ _CLOSE = 1e-3
 
 
 class NotOneTextError(ValueError):
-    """Exception: a model loads other files, and no text without them makes a model that simulates the same."""
+    """Exception: a model loads other files, and could not be written as one text that simulates the same."""
 
 
 def self_contained(path: Path) -> str:
@@ -40,7 +40,7 @@ def self_contained(path: Path) -> str:
     ValueError
         If MuJoCo does not load it; the message is MuJoCo's.
     NotOneTextError
-        If no text without the other files makes a model that simulates the same.
+        If the model could not be written as one text that simulates the same.
     """
     model = mujoco.MjModel.from_xml_path(str(path))
     if not _needs_files(ET.parse(path).getroot()):

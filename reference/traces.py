@@ -70,7 +70,7 @@ def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public", own: Robot 
     out : Path
         Folder; it is made if it is missing.
     seed : str
-        Any text. It is written into the manifest of the public bundle only.
+        Any text; all random numbers follow from it. The manifest of the public bundle contains it, that of a hidden one does not.
     name : str
         "public", or "hidden" for random settings and robot variants; also the name of the files.
     own : Robot, optional

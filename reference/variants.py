@@ -42,7 +42,7 @@ _SWAPS = 1000
 
 
 def vary(xml: str, rng: np.random.Generator) -> str:
-    """Return a model with random changes of masses, springs, friction, IMUs, sensors and time step, for traces kept from students.
+    """Return a model with random changes of masses, springs, friction, IMUs, sensors and time step, for hidden traces.
 
     Parameters
     ----------

@@ -236,9 +236,10 @@ def _sensors(imus: tuple[tuple[str, str], ...]) -> list[Sensor]:
 
 
 def many_imus(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Many:
-    """Return a model of free bodies with an IMU each, whose sensors are named as in the lab model but have other addresses.
+    """Return a model of free bodies with an IMU each, whose sensors are named as in the lab model but lie elsewhere in sensordata.
 
-    Some places have a magnetometer too; one has an accelerometer alone, which is no IMU. `learnt` are addresses to avoid.
+    Some places have a magnetometer too; one has an accelerometer alone, which is no IMU. No IMU sensor begins at an index in
+    `learnt` (those of the lab model), so that code with fixed indices fails.
     """
     bodies = int(rng.integers(4, 7))
     chosen = [_MORE_PLACES[i] for i in rng.permutation(len(_MORE_PLACES))[: bodies + 1]]

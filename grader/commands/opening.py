@@ -39,7 +39,8 @@ def found(lab: Lab, submission: Submission) -> str:
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
     """Return a line with the number of public checks to run and a notice of hidden scenarios, which only `imugrade grade` uses.
 
-    `only` is a criterion's id (None: all). If `secret` is set here, the notice counts the scenarios in `traces` that it changes.
+    `only` is a criterion's id (None: all). `secret` says whether the seed of the hidden scenarios is set here (IMUGRADE_SEED):
+    the notice then has their number: how many of the scenarios in `traces` depend on a seed.
     """
     extensions = [part for part in rubric.extensions if part.file in submission.files or only == part.id]
     count = sum(len(part.checks) for part in (*rubric.criteria, *extensions) if only in (None, part.id))

@@ -149,7 +149,7 @@ def gather_members(
 ) -> FileBudget:
     """Return a `FileBudget` with the files of one submission in the zip of a whole class; `name` is the zip's name in notes.
 
-    `members` are pairs of a file's path in the submission and its entry in the zip. The budget keeps room for `required` files.
+    `members` are pairs of a file's path in the submission and its entry. The budget keeps room for the lab's `required` files.
     """
     budget = FileBudget(required=required)
     try:

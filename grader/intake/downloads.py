@@ -23,7 +23,7 @@ Sources = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Download:
-    """The top level of a download of a whole class (folder or zip), by which a platform recognises a download of its own.
+    """The top level of a download of a whole class (folder or zip), by which each platform's code recognises its downloads.
 
     `path` is the download, `root` the folder in it whose content counts as the top level ("" for the download itself). `top` says
     of each name at the top level whether it is a folder; `left` pairs each name left out with the reason. `known` has the names of
@@ -37,7 +37,7 @@ class Download:
     known: Mapping[str, str] = field(default_factory=dict)
 
     def place(self, name: str) -> str:
-        """Return the path of a top-level name in the download, relative to `path`: below `root`, if there is one."""
+        """Return the path of the top-level file or folder `name` in the download: inside the folder `root`, if one is set."""
         return f"{self.root}/{name}" if self.root else name
 
     def read(self, name: str, most: int) -> bytes | None:
@@ -75,7 +75,7 @@ def open_download(path: Path) -> list[Download]:
 
 
 def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> FileBudget:
-    """Return a `FileBudget`, which keeps room for `required`, with the files of one submission in a class's download at `path`.
+    """Return a `FileBudget` with the files of one submission in a download at `path`; it keeps room for the lab's `required` files.
 
     `sources` pair files and folders of the submission in the download with their paths in the submission.
     """

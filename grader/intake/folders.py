@@ -19,7 +19,7 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 
 
 
 def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
-    """Return a `FileBudget`, which keeps room for `required`, with the files of a handed-in folder in the order of their paths."""
+    """Return a `FileBudget` with a handed-in folder's files, sorted by path; it keeps room for the lab's `required` files."""
     budget = FileBudget(required=required)
     for parts, path, size in sorted(_listed(root, budget)):
         _take(budget, parts, path, size)
@@ -27,7 +27,7 @@ def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
 
 
 def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> FileBudget:
-    """Return a `FileBudget`, which keeps room for `required`, with the files of one submission in a class's folder `root`.
+    """Return a `FileBudget` with a submission's files in a class's folder `root`; it keeps room for the lab's `required` files.
 
     `places` pair files and folders of the submission, relative to `root`, with their paths in the submission.
     """

@@ -71,7 +71,7 @@ class HandIn:
     due : due date that the roster gives the people, ISO 8601 with offset; "" if they have none
     grace_days : late days without a deduction that the roster gives the people
     marked_late : whether the platform says that the hand-in is late
-    late : how late the hand-in is; None if it is not late, or nobody knows
+    late : `Lateness`: how late the hand-in is, and the deduction; None if it is not late, or nobody knows
     reply : prefix of a file name in the platform's upload that returns the file to the people; "" if the platform has none
     number : the platform's number of the submission; "" if it has none
     """
@@ -351,7 +351,7 @@ def summed(points: Mapping[str, float | None]) -> float | None:
 
 
 def maximum_points(result: Result, target: str) -> float | None:
-    """Return the most points that an override of `target` may give, to refuse more; None if there is no such target."""
+    """Return the most points that an override may give to `target` (id of a criterion or check, `TOTAL`, `BONUS`); else None."""
     if target == BONUS:
         return result.max_score
     if target == TOTAL:

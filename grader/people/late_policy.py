@@ -32,13 +32,13 @@ def zone_of(policy: LatePolicy | None) -> tzinfo | None:
 
 
 def in_zone(stamp: str, policy: LatePolicy | None) -> str:
-    """Return a time by the clock of the class, with its offset; unchanged if it is no time or the class has no time zone."""
+    """Return an ISO 8601 time in the class's time zone; unchanged if it is no time with offset, or the class has no time zone."""
     when, zone = read_stamp(stamp), zone_of(policy)
     return stamp if when is None or zone is None else when.astimezone(zone).isoformat(timespec="seconds")
 
 
 def judged_again(final_grade: FinalGrade, policy: LatePolicy | None) -> FinalGrade:
-    """Return the final grade with its lateness computed again by this policy, as after a change of the policy."""
+    """Return the final grade with its lateness computed again by a policy that changed; `policy` None deducts nothing."""
     names = (final_grade.id, final_grade.result.submission)
     return replace(final_grade, hand_in=judged(final_grade.hand_in, policy, names))
 

@@ -91,7 +91,10 @@ class RosterRow:
         )
 
     def merged(self, other: RosterRow) -> RosterRow:
-        """Return this row joined with a row of the same person or group: later dates, most grace days, first section and group."""
+        """Return this row joined with another row of the same person or group.
+
+        The later dates, most grace days and first section and group count; the joined row is marked late if either row is.
+        """
         return replace(
             self, **{fact: of_two(getattr(self, fact), getattr(other, fact)) for fact, of_two in _FACTS.items()}
         )
@@ -134,13 +137,16 @@ def load(path: Path, zone: tzinfo | None = None) -> Roster:
     Raises
     ------
     RequestError
-        If it cannot be read, has no column that identifies people, or holds an invalid date. The message names the line.
+        If it cannot be read, has no column that identifies people, or an invalid date or grace days; the message names the line.
     """
     return parse(read_file(path, MAX_BYTES, "give the path of a CSV file"), printable(str(path), 500), zone)
 
 
 def parse(data: bytes, source: str, zone: tzinfo | None = None) -> Roster:
-    """Return the roster in the bytes of a file; messages call it `source`. `zone` and the errors raised are those of `load`."""
+    """Return the roster in the bytes of a CSV file, which messages call `source`; raise RequestError if it is no valid roster.
+
+    `zone` is the time zone of a Moodle worksheet's times; None ignores the times.
+    """
     table = tables.read(data, source).rows
     people = tuple(_rows(table, source, zone))
     local = zone is None and any(local_time(cell) for _, cells in table for cell in cells)
@@ -200,10 +206,10 @@ def _with_offset(text: str, zone: tzinfo | None) -> str:
 
 @dataclass(frozen=True)
 class RosterMatch:
-    """The hand-ins of a class, with people as the roster has them, and the rows of the roster that match none.
+    """The hand-ins of a class by submission id, with people as the roster has them, and the rows of the roster that match none.
 
-    `rows` has one merged row for each hand-in that matches, `absent` the rows without a hand-in, and `doubtful` a line on each row
-    that contradicts another one, or that resembles somebody and matches nobody.
+    `rows` has the rows of each hand-in's people, merged into one, by submission id. `absent` has the rows without a hand-in.
+    `doubtful` are warnings, one for each row that contradicts another, or that resembles somebody and matches nobody.
     """
 
     hand_ins: Mapping[str, HandIn]

@@ -31,8 +31,9 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     """Return a gradebook that Canvas exported, with final grades in the column of the assignment, and without other assignments.
 
-    `template.column` is the title, the number or the whole heading of the assignment, None if there is just one. Raise RequestError
-    if the file is no Canvas gradebook, the assignment is missing or ambiguous, or its maximum differs and is not scaled.
+    `final_grades` are by submission id; `template.column` is the title, the number or the whole heading of the assignment, None if
+    there is just one. Raise RequestError if the file is no Canvas gradebook, the assignment is missing or ambiguous, or its maximum
+    differs from the rubric's and `template.scaled` is False.
     """
     sheet = read_sheet(template.data, template.source)
     titles, section = sheet.titles, sheet.column("Section")

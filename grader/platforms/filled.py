@@ -62,11 +62,11 @@ class TemplateLayout:
     sheet, grade
         The file, and the index of its column of grades.
     rows
-        Rows of people, by row number.
+        Rows of people (`SheetRow`), by row number; each function below takes such a row.
     who, name
         Functions that return a row's person for matching, and the person's name for messages.
     out_of
-        Function that returns the maximum of a row's grade; "" if the file has none.
+        Function that returns the maximum of a row's grade as text; "" if the file has none.
     locked
         Function that returns whether the platform has locked a row's grade, which is then kept.
     is_student
@@ -93,10 +93,11 @@ def fill_in(
     matches: Mapping[int, Match | None],
     final_grades: Mapping[str, FinalGrade],
 ) -> Filled:
-    """Return a platform's file, described by `layout`, with the final grades in the rows that have a match in `matches`.
+    """Write final grades into `layout.sheet`, and return what happened to each row; `Filled.data` is left to the caller.
 
-    `template` says what people without a submission get (`missing`). Raise RequestError if the maximum in the file differs from the
-    rubric's, and `template` says that points are not scaled.
+    `matches` says by row number which submission a row belongs to; `final_grades` are by submission id. A row whose match is None
+    gets `template.missing` if it is blank and its person handed in nothing. Locked grades, and rows of a submission without a final
+    grade, stay as they are. Raise RequestError if the maximum in the file differs from the rubric's and `template.scaled` is False.
     """
     filled, known = Filled(), directory(final_grades)
     comma = any(

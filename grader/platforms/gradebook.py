@@ -19,9 +19,9 @@ def gradebook(
 ) -> str:
     """Return a class's points as CSV: a row for each submission, in the order of `final_grades`, and each person in `absent`.
 
-    A criterion that was not judged and its total are blank, because a failure of the grader is never a zero. Criteria and total are
-    automatic points; if an instructor repaired a file, those of the repaired copy. Columns for extra credit, sections, repairs,
-    adjustments and lateness appear only if the class has such data.
+    A criterion that was not judged is blank, and so is the submission's total, because a failure of the grader is never a zero.
+    Criteria and total are automatic points; if an instructor repaired a file, those of the repaired copy. Columns for extra credit,
+    sections, repairs, adjustments and lateness appear only if the class has such data.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def gradebook(
 def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), missing: str = "") -> str:
     """Return a class's grades as CSV for an instructor's use, a row for each person; column `final` is the grade after deductions.
 
-    `missing` is the grade of the people in `absent`, who did not hand in; "" for a blank cell.
+    `final_grades` are by submission id. `missing` is the grade of the people in `absent`, who did not hand in; "" for a blank cell.
     """
     columns = _columns(list(final_grades.values()), absent)
     columns |= {"final": lambda s: _points(s.final), "status": columns.pop("status")}

@@ -88,8 +88,9 @@ def run(job: CiJob) -> Result:
     Raises
     ------
     RequestError
-        If hidden scenarios are requested where students can read the job's files, or where nothing isolates their code;
-        if there is nothing at the path; if the output cannot be written; if the platform refuses the job or has no CI output.
+        If hidden scenarios are requested where students can read the job's files (unless `private`), or where nothing isolates
+        their code (unless `trusted`); if there is nothing at the path; if the output cannot be written; if the platform refuses
+        the job or has no CI output.
     GraderError
         If a part was not judged and the platform's format cannot express that.
     """

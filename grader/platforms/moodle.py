@@ -36,8 +36,8 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     """Return Moodle's grading worksheet with grades and comments filled in, to upload again; teachers' comments are kept.
 
-    `template.column` is the title of the grades' column, None for "Grade". Raise RequestError if the file is no grading worksheet,
-    or the maximum of the assignment differs from the rubric's and is not scaled.
+    `final_grades` are by submission id; `template.column` is the title of the grades' column, None for "Grade". Raise RequestError
+    if the file has no such column, or the maximum of the assignment differs from the rubric's and `template.scaled` is False.
     """
     sheet, column = read_sheet(template.data, template.source), template.column or "Grade"
     grade = sheet.column(column)

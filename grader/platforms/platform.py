@@ -26,12 +26,12 @@ class Template:
     data, source
         The bytes of the file, and its name in messages.
     column
-        Title of the column of grades, or another name for it that the platform's code knows; None if that code finds the column.
+        Title of the column of grades; for Canvas also the assignment's number. None if the platform's code finds the column.
     scaled
         Whether points are scaled if the maximum in the file differs from the rubric's. Otherwise such a file is refused.
     missing
-        Grade of people without a submission whose cell is blank; "" leaves it blank. A row that may mean somebody who handed in
-        stays blank.
+        Grade to write into blank cells of people without a submission; "" writes none. A cell also stays blank if
+        somebody who handed in resembles the person in the row.
     """
 
     data: bytes
@@ -43,7 +43,7 @@ class Template:
 
 @dataclass(frozen=True)
 class ResultContext:
-    """Input of a platform's CI output beside the result: the lab, the submission, its path and the environment variables.
+    """What a platform's CI output is made from, besides the result: the lab, the submission, its path, the environment variables.
 
     `hidden` says that the scenarios are secret. The result then holds no data of the scenarios.
     """
@@ -57,7 +57,7 @@ class ResultContext:
 
 @dataclass(frozen=True)
 class SecondOutput:
-    """Text that a job appends to the file whose path environment variable `variable` holds, if set; `text` returns it."""
+    """Text, returned by `text`, that a CI job appends to the file named by the environment variable `variable`; none if unset."""
 
     variable: str
     text: Callable[[Result, ResultContext], str]
@@ -100,11 +100,11 @@ class Platform:
     refuse
         Function that is called before grading with the environment and `--min-score`; raises RequestError if the job cannot run.
     aside
-        `SecondOutput` of a CI job, such as GitHub's step summary: where it goes, and how it is written; None without one.
+        `SecondOutput` of a CI job, such as GitHub's step summary: a text, and the file that it is appended to; None without one.
     submission
-        Path of the submission, without the leading slash; "" is the working folder.
+        Folder of a CI job's submission, an absolute path without its leading slash; "" is the working folder.
     answer
-        Output file: a name in the working folder, or an absolute path without its leading slash; "" is standard output.
+        Output file of a CI job: a name in the working folder, or an absolute path without its leading slash; "" is stdout.
     keeps_secrets
         Whether students see only the output. It is False if a job runs in their own repository; hidden scenarios are then refused.
     read

@@ -52,12 +52,12 @@ def lines(check: CheckResult, part: ResultPart, lab: LabName) -> list[words.Labe
 
 
 def plain_text(check: CheckResult, part: ResultPart, lab: LabName) -> str:
-    """Return the `lines` of a check as plain text, with the labels in a column, for a platform without markup."""
+    """Return a check's feedback as plain text with labels (Expected, Got, …), the step of `lab` to read and how to rerun `part`."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
 
 def text_of_cause(cause: Cause, lab: LabName) -> str:
-    """Return the feedback of all checks that failed from one cause, as plain text with each sentence once."""
+    """Return the feedback of all checks that failed from one cause as plain text: each sentence once, then `lab` steps to read."""
     said = [line for _, lines in causes.lines_by_check(cause) for line in lines]
     again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
     return "\n".join(_plain_line(line) for line in [*said, *causes.next_lines(cause, lab), *again])
