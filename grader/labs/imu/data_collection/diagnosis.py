@@ -150,7 +150,10 @@ class Explained:
 
     @property
     def stamps_follow(self) -> bool:
-        """Return whether another fault explains wrong stamps: not one stamp a row, one filled row, or a state set in each step."""
+        """Return whether another fault explains that time stamps are wrong or missing, so that no fault of the stamps is named.
+
+        Such faults: the stamps are not as many as the rows, only the last row is filled, or the state is set in each step.
+        """
         if self.series.time is None:
             return True
         lengths = {len(rows) for rows in self.series.sensors if rows is not None}
@@ -193,7 +196,7 @@ class Explained:
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
-        """Return whether a sensor (0 accelerometer, 1 gyroscope) has its `true_rows`; False if these show no motion to tell by."""
+        """Return whether a sensor (0 accelerometer, 1 gyroscope) has the rows of right code; False if these show no motion."""
         got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
         return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
 
@@ -213,7 +216,7 @@ class Explained:
 
     @property
     def treated(self) -> bool:
-        """Return whether all altered rows are the true ones rounded, or mapped linearly with an offset: fault `rows-altered`."""
+        """Return whether the code rounded the true rows or mapped them linearly: fault `rows-altered`; False if it altered none."""
         keys = self.push.altered if self.push is not None else ()
         pairs = dict(zip(SENSORS, zip(self.series.sensors, self.true_rows, strict=True), strict=True))
         known = [(key, got, true) for key, (got, true) in pairs.items() if key in keys and got is not None]
@@ -221,7 +224,7 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows differ from `true_rows` by at most the sheet's noise: altering them costs half."""
+        """Return whether both sensors' rows differ from right code's by at most the sheet's noise: an alteration costs half."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 

@@ -74,8 +74,8 @@ def measured(student: Student, truth: Traces) -> Explained:
 def origin_of(student: Student, truth: Traces, run: Run, name: str) -> tuple[RowOrigin | None, Run]:
     """Return which simulated run the rows of `run` (scenario `name`) come from, None if unknown; and `run` to go on with.
 
-    The `run` that is returned also holds the simulations that were made to find out. The run of right code is tried first, then
-    runs simulated from the start that the worker reports. If both predict the rows, the run of right code counts.
+    The `run` that is returned also holds the simulations that were made to find out. The run of right code is tried first, and
+    counts if it predicts the rows; then runs from the start that the worker reports or, if it reports none, from likely wrong ones.
     """
     if not complete(run.series):
         return None, run

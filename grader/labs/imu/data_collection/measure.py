@@ -49,7 +49,7 @@ class Claim:
     Attributes
     ----------
     qpos, qvel : the state before the first step; gravity : (3,); timestep : seconds
-    force : forces that the code applied to joints and bodies at the start
+    force : forces that the code applied at the start: MuJoCo's `qfrc_applied` and `xfrc_applied` joined
     set_at : (m,) later steps before which the code set the state again; set_qvel : (m, nv) the velocities that it set then
     """
 
@@ -63,7 +63,7 @@ class Claim:
 
     @classmethod
     def of(cls, course: Mapping[str, Array]) -> Claim:
-        """Make a claim from the run that the student's process reports, `course`: its start and the changes of its state."""
+        """Make a claim from `course`, what the student's process reports of its run: an array for each field, `timestep` (1,)."""
         names = ("qpos", "qvel", "gravity", "force", "set_at", "set_qvel")
         return cls(timestep=float(course["timestep"][0]), **{name: course[name] for name in names})
 
@@ -244,9 +244,9 @@ def with_claim(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def with_assumed_starts(student: Student, truth: Traces, run: Run, name: str) -> Iterator[Run]:
-    """Yield copies of `run`, of scenario `name`, with `worlds` simulated from one likely wrong start each, as one without push.
+    """Yield copies of `run`, each with runs (`worlds`) simulated from a likely wrong start: no push, another push, or no reset.
 
-    It is for runs that report no start: `mujoco.rollout`, for example, makes its steps where the worker cannot count them.
+    `name` is the run's scenario. Use it for runs that report no start: `mujoco.rollout`, for one, hides its steps from the worker.
     """
     lab, scenario = truth["reading_lab"], truth[name]
     rest, still = lab["qpos"][-1], np.zeros(lab["qvel"].shape[1])

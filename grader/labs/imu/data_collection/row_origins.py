@@ -43,7 +43,7 @@ class RowOrigin:
     exchanged : whether acceleration and angular velocity are in each other's place
     aliased : whether all rows are references to one array, so that each shows the last reading
     at : for rows that are not equally far apart, the step, counted from 0, after which each was stored; else empty
-    altered : sensors whose numbers the code changed: one in any way, or both by rounding or by one linear map for each
+    altered : keys of the sensors whose numbers the code changed: one sensor in any way, or both, each rounded or mapped linearly
     """
 
     world: str = TRUE_WORLD
@@ -66,7 +66,10 @@ class RowOrigin:
         return abs(reached - steps) <= self.skip
 
     def fits(self, run: Run) -> bool:
-        """Return whether this origin predicts a recording's rows (without zeros at the end, unless `altered`); False if too few."""
+        """Return whether this origin predicts a recording's rows; False if too few rows can be compared.
+
+        Zero rows at the end are left out, unless this is an origin of numbers that the code changed (`altered`).
+        """
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
             return False
@@ -115,12 +118,12 @@ def _rows(origin: RowOrigin, n: int, available: int) -> tuple[Rows, Rows]:
 
 
 def moves(true: Array, atol: float, rows: Rows) -> bool:
-    """Return whether a sensor's `true` values vary by more than `atol` over these `rows`; if not, equal numbers prove nothing."""
+    """Return whether `true` values vary by more than `atol` in `rows` (a slice or indices); if not, equal numbers prove nothing."""
     return bool(np.ptp(true[rows], axis=0).max() > atol) if len(true[rows]) else False
 
 
 def explain(run: Run) -> RowOrigin | None:
-    """Return the simplest `RowOrigin` that predicts a recording's rows; None if none does, or the simplest differ in cause."""
+    """Return the simplest `RowOrigin` that predicts a recording's rows; None if none does, or if equally simple ones disagree."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 

@@ -21,7 +21,7 @@ CHANNELS = [f"{name} {axis}" for name in SENSOR_NAMES for axis in "xyz"]
 
 
 class Bias(TypedDict):
-    """Values for the message on a wrong default bias: the sensor, its unit, and `came`, what was measured."""
+    """Values, all text, for the message on a wrong default bias: the sensor, its unit, and `came`, the bias that was measured."""
 
     sensor: str
     unit: str
@@ -29,9 +29,9 @@ class Bias(TypedDict):
 
 
 class Spread(Bias):
-    """Values for the message on noise of a wrong size: those of `Bias`, the `std` asked for, the number of reads, the step `grain`.
+    """Values for the message on noise of a wrong size: the sensor, its unit, and `came`, the size that was measured, in words.
 
-    The standard deviation was estimated from these reads; `grain` is the step of rounding, 0 without.
+    `std` is the size asked for, `reads` the number of reads that were judged, `grain` the step of rounding, 0 without.
     """
 
     std: float
@@ -40,10 +40,10 @@ class Spread(Bias):
 
 
 class GivenBias(Bias):
-    """Values for the message on a given bias that is not added: those of `Bias`, the bias `wanted`, and three for the hint.
+    """Values, all text but `grain`, for the message on a given bias that is not added: the sensor, its unit, and vectors.
 
-    `beside` is the mean error minus the given bias, `silent` the mean error if no noise and a bias of zero are asked for, `grain`
-    the step of rounding.
+    `wanted` is the given bias, `came` the mean error in the worst robot state. In the first state, `beside` is the mean error minus
+    the given bias, `silent` the mean error when no noise and a bias of zero are asked for. `grain` is the rounding step, 0 without.
     """
 
     wanted: str
@@ -55,8 +55,8 @@ class GivenBias(Bias):
 class Law(TypedDict):
     """Values for the message on noise that is not white and normal; the message of each fault uses some of them.
 
-    `beside` is the mean error minus the given bias, `grain` the step of rounding, `memory` the correlation with earlier reads,
-    `most` the largest error in standard deviations, `ratio` Geary's ratio, a test of normality.
+    `beside` is the mean error minus the given bias, as text. `grain` is the step of rounding, `memory` the correlation with earlier
+    reads, `most` the largest error in standard deviations, `ratio` Geary's ratio, a test of normality.
     """
 
     sensor: str

@@ -142,7 +142,10 @@ class Offset:
     together: bool = False
 
     def fits(self, seen: Sequence[tuple[Reads, Reads]], /) -> bool:
-        """Return whether the fault predicts each wrong mean in `seen` (a sensor's reads, the other's); if `together`, of both."""
+        """Return whether the fault predicts the mean error in each pair of `seen`: a wrong sensor's reads, and the other's.
+
+        A fault that always affects both sensors needs two pairs.
+        """
         enough = len(seen) == len(BOTH) or not self.together
         return enough and all(any(map(reads.offset_is, self.predict(reads, other))) for reads, other in seen)
 
@@ -284,7 +287,7 @@ def _is_shared(facts: Facts) -> bool:
 
 
 def odd_laws(facts: Facts) -> list[int]:
-    """Return the sensors (0, 1) whose noise is not white, normal and of zero mean; else both for rounded or absent noise."""
+    """Return the sensors (0, 1) whose noise is not white, normal and zero-mean; both if it is only rounded, or absent in both."""
     odd = sensors_that(facts, lambda s: s.law_is_off) or off_centre(facts)
     return odd or ([*BOTH] if grain(facts) or facts.noiseless else [])
 

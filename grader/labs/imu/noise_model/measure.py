@@ -53,9 +53,9 @@ class Sensor:
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and with a given bias of zero
     default : (instances, reads, 3) biases of instances that were given none: readings without noise minus the truth. If these
-        vary or show no bias, readings that share one draw of noise, minus the first one; NaN if they too vary within an instance
+        vary or show no bias, readings with the same noise in each, minus the first instance's first; NaN if none show the bias
     drifts : whether the bias moves slowly from read to read
-    twins : reads of instances with the same seed and one argument changed; `UNSEEDED` if not needed: noise and bias are right
+    twins : reads with one seed and one argument changed; `UNSEEDED` (no reads) if noise and bias are right or reading failed
     """
 
     reads: Reads

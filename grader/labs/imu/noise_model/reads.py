@@ -268,7 +268,7 @@ class Reads:
 
     @cached_property
     def drifts(self) -> bool:
-        """Return whether reads without noise drift: each step is small compared with the spread of all; False if they are equal."""
+        """Return whether reads taken without noise drift: successive ones differ little beside the spread; False if all equal."""
         if self.still:
             return False
         return float(np.mean(self.increments**2) / (2 * np.mean(self.centred**2))) < _SMOOTH
@@ -326,7 +326,7 @@ class Twins:
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL)
 
     def begins_with_bias(self) -> bool:
-        """Return whether the first read changes by `change`, to 5 %: the test of a given bias that drifts away later."""
+        """Return whether `change` in the given bias adds as much to the first read, to 5 %; False if not `seeded`."""
         return self.seeded and same(self.response[0], self.change, 0.05 * float(np.abs(self.change).max()))
 
     def ignores_bias(self) -> bool:
@@ -343,7 +343,7 @@ class Twins:
         return float(np.sqrt(np.mean(added**2) / 2))
 
     def scales(self) -> bool:
-        """Return whether most changes from read to read are `factor` times as large in `scaled` as in `base`; False if unseeded."""
+        """Return whether asking for `factor` times the noise multiplies most changes between reads by it; False if not `seeded`."""
         if not self.seeded:
             return False
         wanted, came = self.factor * np.diff(self.base, axis=0), np.diff(self.scaled, axis=0)

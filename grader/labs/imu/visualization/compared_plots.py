@@ -37,7 +37,7 @@ class Comparison:
 
     @property
     def noisy(self) -> bool:
-        """Return whether a saved raw curve has noise, as the sheet asks, or may lack it as the noise model failed (`clean`)."""
+        """Return whether a saved raw curve has noise, as the sheet asks; True also if the noise model lost points (`clean`)."""
         return self.clean or any(pair.noisy for pairs in self.saved for pair in pairs)
 
     @property

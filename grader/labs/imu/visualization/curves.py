@@ -228,7 +228,7 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether a channel of `series` (rows by key) is in none of the figures: the caller then tries another form of data."""
+    """Return whether a channel of `series` (rows by key) is in no figure; the caller then plots the student's own recording."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
@@ -278,12 +278,12 @@ UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
 
 
 def factor_of(shown: Shown) -> str:
-    """Return in words the factor from the data to the numbers that a curve shows, such as "57.3 times" for degrees."""
+    """Return in words the factor from the data to the numbers that a curve shows: "57.3 times" for deg/s, "1 times" if equal."""
     return f"{dict(_UNITS[shown.sensor])[shown.unit]:.3g} times"
 
 
 def unit_in(rows: Array, true: Array, sensor: int) -> str:
-    """Return the unit of `UNITS` in which recorded rows (n, 3) have the size of the true ones (m, 3), to 10 %; "" if none does."""
+    """Return a unit of sensor 0 (acceleration) or 1 (rate) in which `rows` (n, 3) are as large as `true` (m, 3), to 10 %, or ""."""
     size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
     return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
 

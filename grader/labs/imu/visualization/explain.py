@@ -88,7 +88,7 @@ def share_missing(facts: Facts) -> float:
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return the `Deviation` for channels without a curve: a sixth each, at least half if other curves replace them; else None."""
+    """Return the `Deviation` for channels without a curve: 1/6 of the points each, half or more if others are drawn; else None."""
     if not (missing := _missing(facts)):
         return None
     affected = max(len(missing) / len(CHANNELS), _OTHER_NUMBERS if _shows_others(facts) else 0)

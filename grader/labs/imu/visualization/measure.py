@@ -81,7 +81,8 @@ class Facts:
     plot : the figure that shows most of the data
     file, comparison : the picture files of that plot, and the plots of raw and filtered data
     cut_off : the channels of which more than half lies outside the axis limits, with the share that is inside
-    recorded : by sensor, the unit in which the submission records, which a label may name; "" if all labels fit what is drawn
+    recorded : for each sensor, the unit of the submission's own recording, which a label may name instead of that drawn; "" if
+        all labels fit what is drawn, or if the unit is unknown
     error : the exception that stopped `plot_imu_data`; None if it ran to its end
     departs : the sheet's names of parameters that `plot_imu_data` renames or moves; "global …" if it reads a global in place of one
     stopped : by name of a check, the exception with which it ends because its property could not be measured
