@@ -120,7 +120,8 @@ class NoiseRun:
     """Values of many reads of a student's `NoisyIMU`: ``accel`` and ``gyro``, NaN where a read was not two vectors of three.
 
     Both are (k, reads, 3), for k states of one instance or for k instances. ``odd`` says in words what came in place of two
-    vectors; None if nothing did. ``disturbance`` and ``error`` are as in `Readings`, ``departs`` is as in `FilterRun`.
+    vectors; None if nothing did. ``disturbance`` (k, 4) is the change of time, qpos, qvel and sensordata by the first read in each
+    state, without rows for several instances; ``error`` is what was raised, or None; ``departs`` is as in `FilterRun`.
     """
 
     accel: Array

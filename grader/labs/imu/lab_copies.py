@@ -13,7 +13,7 @@ STUDENTS_TIMESTEP = 0.002
 
 
 def learnt_ids(truth: Traces) -> tuple[int, int]:
-    """Return the ids of the IMU's two sensors in the students' model, to recognise code that holds these ids as constants."""
+    """Return the ids (accelerometer, gyroscope) of the IMU in the students' model, to recognise code that has them as constants."""
     first, second = truth.manifest.get("robot", {}).get("ids", STUDENTS_IDS)
     return int(first), int(second)
 

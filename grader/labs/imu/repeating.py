@@ -98,7 +98,7 @@ class Recorder(Student):
         self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Return the answer to a call, which `ask` makes if `key` is new; record the check, or the outer call, that needs it."""
+        """Return the answer to a call, which `ask` makes if `key` is new; record which check, or call in progress, needs it."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)

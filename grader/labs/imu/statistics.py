@@ -69,8 +69,9 @@ def geary(standardised: Array) -> float:
 def geary_bounds(values: int) -> tuple[float, float]:
     """Return (low, high), within which chance keeps Geary's ratio (see `geary`) of normal samples: nine standard errors each way.
 
-    `Z`, 6.8, would be too few: the ratio is not normal in the far tail. With 7,500 values the bounds are 0.798 ± 0.022: a
-    uniform (0.866), a Laplace (0.707), an exponential (0.736) and a two-point law (1) are outside with probability > 0.9999.
+    `values` is the size of the sample. The 6.8 errors (`Z`) of the other bounds would be too few: the ratio is not normal in the
+    far tail. With 7,500 values the bounds are 0.798 ± 0.022: a uniform (0.866), a Laplace (0.707), an exponential (0.736) and a
+    two-point law (1) are outside with probability > 0.9999.
     """
     centre, error = math.sqrt(2 / math.pi), math.sqrt((1 - 3 / math.pi) / values)
     return centre - 9 * error, centre + 9 * error

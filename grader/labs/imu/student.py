@@ -32,7 +32,8 @@ class FilterCase:
     signal : (n, 3) ndarray, the measurements in order
     alpha : the filter's `alpha`; None leaves out this argument
     initial : (3,) ndarray, the filter's `initial_value`; None leaves it out
-    handling : what the caller does with the arrays, see `worker.filtering.filter_cases`; "plain" (nothing) is usual
+    handling : what else the caller does: "plain": nothing; "spoil_input", "spoil_output": overwrite each array that went in or came
+        out; "beside": feed other data to a second filter in between
     """
 
     signal: Array
@@ -61,7 +62,10 @@ class Student(Plotting):
         return self.answer(Question("read", "get_imu_readings", becomes, {"model": model}, arrays))
 
     def read_in_new_process(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        """Ask the same as `read` in a new process, so that a `get_imu_readings` that remembers earlier calls starts again."""
+        """Return what `read` returns for these arguments, but from a new process, so that nothing of earlier calls is remembered.
+
+        `model` is MJCF text; `qpos` and `qvel` hold a state in each row, `pairs` the ids of an accelerometer and a gyroscope.
+        """
         self.end_session()
         return self.read(model=model, qpos=qpos, qvel=qvel, pairs=pairs)
 
@@ -90,8 +94,8 @@ class Student(Plotting):
     def replay(self, course: Mapping[str, Array], steps: int) -> Array | None:
         """Simulate again, in a worker without student code, a run that the student's process reported; return its sensordata.
 
-        `course` is the reported run: its start and the changes of its state. The result (steps, n) is None if it cannot be
-        simulated: a student's process may report anything.
+        `course` is the reported run, its start and the changes of its state, by the names in `worker.questions.replay`. The result
+        (steps, n) is None if it cannot be simulated: a student's process may report anything.
         """
         fields = {"model": self.robot.xml, "steps": steps}
         return self.once(key_of("replay", fields, course), lambda: self._replay(fields, course))
@@ -105,7 +109,10 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return what `get_imu_readings` reads (steps, 6) after each step of `course` (see `replay`); None if that fails."""
+        """Return what `get_imu_readings` reads (steps, 6) after each step of a run that is simulated again; None if that fails.
+
+        `course` is the run: its start and later changes of its state, as in `Collection.first_step`.
+        """
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -150,8 +157,9 @@ class Student(Plotting):
                      one_draw: bool = False) -> NoiseRun:  # fmt: skip
         """Make many `NoisyIMU`s without bias arguments, so that each chooses its default; return three reads of each in one state.
 
-        The reads are (instances, 3, 3). If `one_draw`, all random generators are seeded alike before each read, so that
-        all reads have the same noise and differ by the bias alone.
+        The reads are (instances, 3, 3). `qpos` and `qvel` hold the state in their first row; `ids` and `stds` (noise in m/s² and
+        rad/s) are those of accelerometer and gyroscope. If `one_draw`, all random generators are seeded alike before each read, so
+        that all reads have the same noise and differ by the bias alone.
         """
         fields = self._noise_fields(ids, 3, stds) | {"instances": instances, "one_draw": one_draw}
         return self.answer(Question("default_bias", "NoisyIMU", _noise_run, fields, {"qpos": qpos, "qvel": qvel}))

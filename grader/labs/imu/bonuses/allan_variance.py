@@ -185,7 +185,8 @@ def meaning(records: Sequence[Record], rate: float) -> Meaning:
 def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
     """Return the log-log slopes of a record's true Allan deviation and of the student's curve for the record.
 
-    `size` turns averaging times into cluster sizes. Only times with 30 clusters or more count; NaN with fewer than three such.
+    `size` turns averaging times and the sampling `rate` (Hz) into cluster sizes in samples. Only times with 30 clusters or more
+    count; NaN with fewer than three such times.
     """
     taus, curve, samples = record
     sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
@@ -237,7 +238,7 @@ class Allan:
 
     @property
     def is_deviation(self) -> bool:
-        """Return whether the curves are Allan deviations, also where their averaging times are not in seconds."""
+        """Return whether the curves are Allan deviations and not, say, variances; their averaging times may have a wrong unit."""
         return self.meaning.fault == ""
 
     @property

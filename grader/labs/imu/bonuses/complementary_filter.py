@@ -188,7 +188,7 @@ def measure(student: Student, truth: Traces) -> Tilt:
 
 
 def at_rest(angles: Array, n: int) -> Array:
-    """Return the specific force (n, 3) of a forward-right-down sensor at rest at these `angles`, roll and pitch."""
+    """Return the specific force (n, 3) of a forward-right-down sensor at rest at `angles` (2,), roll and pitch in rad."""
     roll, pitch = angles
     up = [np.sin(pitch), -np.sin(roll) * np.cos(pitch), -np.cos(roll) * np.cos(pitch)]
     return np.tile(G * np.array(up), (n, 1))
@@ -222,7 +222,7 @@ def _probes() -> list[tuple[Array, Array]]:
 
 
 def response(outputs: list[Array]) -> Response | None:
-    """Return the `Response` of a filter; None if an output is short or not finite.
+    """Return the `Response` of a filter; None if an output ends within 50 samples of the turn or tilt, or is not finite.
 
     `outputs` are three arrays (n, 2) of roll and pitch: for a turn about x, a turn about y, and a tilt.
     """

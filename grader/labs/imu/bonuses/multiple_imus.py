@@ -80,19 +80,19 @@ class World:
 
     @cached_property
     def read(self) -> Mapping[str, Array]:
-        """Readings (k, 6) in all states, by name, of the IMUs that the answer for the first state has; NaN for missing numbers."""
+        """Returned readings (k, 6) in all states by name, for the IMUs returned in the first state; NaN for missing numbers."""
         first = self.got.calls[0] if self.got.calls else {}
         calls = {place: [_six(call.get(place)) for call in self.got.calls] for place in self.true if place in first}
         return {place: np.array(rows) for place, rows in calls.items()}
 
     @property
     def wrong(self) -> list[str]:
-        """The names of the IMUs whose readings differ from the truth."""
+        """The names of the IMUs whose returned readings differ from the truth; an IMU missing in the first state does not count."""
         return [place for place, rows in self.read.items() if not same(rows, self.true[place], ATOL)]
 
     @property
     def with_numbers(self) -> Mapping[str, Array]:
-        """The readings (6,) in the first state, by name of the IMU; an IMU without any number is left out."""
+        """Acceleration and angular velocity (6,) returned in the first state, by name, for IMUs with at least one finite number."""
         return {place: rows[0] for place, rows in self.read.items() if np.isfinite(rows[0]).any()}
 
     @property

@@ -126,9 +126,9 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Return whether outputs `other` end like those of the filter `alone`, but for what is left of a difference at the start.
+        """Return whether the difference of outputs `other` (60, 3) from those of the filter `alone` has decayed in the last row.
 
-        A state that another filter left makes such a difference.
+        A difference decays if it comes from the state that another filter left at the start.
         """
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
@@ -194,7 +194,7 @@ class Facts:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Run all signals of `asked` through filters, in new processes if a second filter raises; return the `Facts`."""
+    """Run a new filter on each case of `asked`, in new processes if the second filter raises but not the first; return `Facts`."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:

@@ -22,9 +22,9 @@ class Reading(TypedDict):
 
 
 class Values(Reading, Form):
-    """Texts for a message: those of `Reading` and `Form`, and `grain`, the smallest gap between the numbers that were returned.
+    """Values for the message on wrong numbers in a reading: the texts of `Reading` and `Form`, and `grain`.
 
-    A large gap shows that the student's code rounds. It is infinite if all numbers are equal.
+    `grain` is the smallest gap between the numbers returned (infinite if all are equal); a large one shows that the code rounds.
     """
 
     grain: float

@@ -66,7 +66,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """Ids of the address faults in `sensors` (hypotheses), else `hard-coded-address` if other ids fail or do nothing."""
+        """Ids of the faults of the address that is read; without any, `hard-coded-address` if other ids have no effect or fail."""
         known = _named_places([each for each in self.sensors if each])
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
@@ -80,24 +80,30 @@ class Explained:
         return [value for each in self.sensors if each for value in each.values]
 
     def meant(self, visit: Visit, sensor: int) -> Array:
-        """Return a scene's true values (k, 3) at the address that the code reads for a sensor; if unknown, at the right address."""
+        """Return the true values (k, 3) at the address that the code reads for a sensor (0 accelerometer, 1 gyroscope) of an IMU.
+
+        `visit` holds the readings of that IMU. If no hypothesis explains the sensor, the right address is taken.
+        """
         known = self.sensors[sensor]
         return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
 
     @property
     def wrong_on_torso(self) -> list[int]:
-        """The sensors (0 accelerometer, 1 gyroscope) of the robot's own IMU whose values are altered, missing or unexplained."""
+        """The sensors (0 accelerometer, 1 gyroscope) of the robot's own IMU with values that are wrong, missing or unexplained."""
         return [i for i in BOTH if (known := self.sensors[i]) is None or known.values or self.lacks_numbers(i)]
 
     @property
     def share_altered(self) -> float:
-        """Share of `matches_truth` lost: 0.75 if only accelerations are wrong (1 without gravity), 0.5 if only rates, else 1."""
+        """Share of the points of `matches_truth` that wrong values cost: 0.75 for accelerations, 0.5 for angular velocities.
+
+        It is 1 if both are wrong, if only other IMUs are, or if gravity is removed.
+        """
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
 
     @property
     def share_misplaced(self) -> float:
-        """Share of the check `follows_address` lost to wrong addresses: half for each sensor with one, all if ids are ignored."""
+        """Share of `follows_address` points lost: half for each sensor at a wrong address, all if none is computed from the ids."""
         faults = {fault for each in self.sensors if each for fault in each.place}
         computed = faults - {"hard-coded-address", "wrong-fixed-address"}
         if not computed or self._ids_are_ignored:
@@ -105,16 +111,16 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return an example of values that differ from those at the right address: readings in a scene, and a sensor; None without.
+        """Return readings that are wrong, not just from a wrong address, and their sensor (0 accelerometer, 1 gyroscope); or None.
 
-        A message shows it. The robot's own IMU comes first, then other IMUs of which most numbers are right.
+        A message shows them. The robot's own IMU comes first, then other IMUs of which at least half of the numbers are right.
         """
         wrong = self.wrong_on_torso
         others = ((v, i) for v in self.facts.visits[1:] for i in BOTH if self._partly_right(i) and not self._fits(v, i))
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return a visit (readings in a scene) and a sensor that show a wrong address, for the message; None if all are right."""
+        """Return readings from a wrong address, and their sensor (0 accelerometer, 1 gyroscope), for the message; or None."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
@@ -138,7 +144,7 @@ class Explained:
         return not np.isfinite(got).all() and not (known and known.place)
 
     def near(self, visit: Visit) -> bool:
-        """Return whether both sensors' values in a visit are off by less than a real sensor's noise; half is deducted then."""
+        """Return whether an IMU's readings (`visit`) are off by at most a real sensor's noise, which halves the deduction."""
         pairs = zip(visit.got, (self.meant(visit, i) for i in BOTH), SHEETS_NOISE, strict=True)
         return all(bool(np.abs(got - there).max() <= little) for got, there, little in pairs)
 
@@ -182,8 +188,9 @@ def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
 def measured(student: Student, truth: Traces) -> Explained:
     """Measure `get_imu_readings`; return the facts with the hypotheses that explain them.
 
-    If readings do not depend on the robot's state, three checks are skipped: `follows_address`, `reading_is_a_copy` and
-    `leaves_simulation_alone`.
+    The checks `follows_address`, `reading_is_a_copy` and `leaves_simulation_alone` are skipped if readings never change, unless a
+    reset of the simulation or a fault other than `cached-reading` explains that. They are also skipped if readings change, but
+    follow neither a hypothesis nor the robot's state.
     """
     facts = facts_of.measure(student, truth)
     if facts.stopped:

@@ -90,7 +90,7 @@ PLACES: tuple[tuple[str, Place], ...] = (
 
 
 def fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
-    """Yield, for each address in sensordata with all readings of `sensor` in `torso`, a hypothesis that code always reads there."""
+    """Yield a hypothesis for each constant address in sensordata that explains all readings of a sensor of the IMU `torso`."""
     data, got = torso.scene.sensordata, torso.got[sensor]
     for start in range(data.shape[1] - 2):
         if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
@@ -156,9 +156,9 @@ def value_changes() -> Iterator[tuple[str, Change]]:
 
 @functools.cache
 def one_fault() -> tuple[Hypothesis, ...]:
-    """Return hypotheses that `get_imu_readings` is right, or has one fault of the address, one of the values, or one of each.
+    """Return hypotheses that `get_imu_readings` is right, reads a wrong address, changes the values (as by a wrong sign), or both.
 
-    Rounding may come on top of another fault of the values.
+    Values from the right address may be changed in one way and then rounded.
     """
     changes = list(value_changes())
     rounded = [(v, _then_rounded(change, d)) for v, change in changes if v != "precision-lost" for d in _DECIMALS]
@@ -174,7 +174,7 @@ def one_fault() -> tuple[Hypothesis, ...]:
 
 @functools.cache
 def two_faults() -> tuple[Hypothesis, ...]:
-    """Return hypotheses of two faults at once, of the address or of the values, for code that no single fault explains."""
+    """Return hypotheses of two faults at once, both in the address that is read or both in what is done to the values there."""
     places = [(fault, start) for fault, start in PLACES if fault in _SHIFTED]
     changes = [(fault, change) for fault, change in value_changes() if fault in _COMBINED]
     return (

@@ -45,7 +45,7 @@ class Scene:
 
     @classmethod
     def of(cls, scenario: Scenario, number: int = 0) -> Scene:
-        """Return the scene of the IMU with this number in a scenario of the traces; 0 is the torso's."""
+        """Return the data of the IMU with this number in the states of a scenario of the traces; 0 is the torso's IMU."""
         accel, gyro = (int(sensor) for sensor in scenario["pairs"][number])
         site, body, cvel, cacc = (scenario[key][:, number] for key in ("site_xmat", "body_xmat", "cvel", "cacc"))
         of_robot = scenario["qvel"], scenario["qacc"]
@@ -73,7 +73,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Visit:
-    """Results of `get_imu_readings` in a scene: `got`, accelerations and angular velocities (k, 3), NaN if missing, and `error`."""
+    """Results of `get_imu_readings` for an IMU in k states (`scene`): `got`, two arrays (k, 3), NaN if missing, and `error`."""
 
     scene: Scene
     got: tuple[Array, Array]
@@ -110,7 +110,7 @@ class Facts:
 
     @property
     def visits(self) -> list[Visit]:
-        """The scenes in which `get_imu_readings` did not raise, with the readings that it returned."""
+        """The readings of each IMU for which `get_imu_readings` did not raise, the robot's own IMU first."""
         return [visit for visit in (self.torso, *self.others) if visit.error is None]
 
 
@@ -133,7 +133,10 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def in_reverse(student: Student, truth: Traces) -> tuple[Array, Array]:
-    """Return the readings, put in the usual order, of a new process that visits the states in reverse: a counter's differ."""
+    """Return both sensors' readings (k, 3), row i for state i, of a new process that visits the states in reverse.
+
+    Readings that depend on the number of calls then differ from those of the first process.
+    """
     lab = truth["reading_lab"]
     states = {key: lab[key][::-1].copy() for key in ("qpos", "qvel")}
     readings = student.read_in_new_process(model=truth.models[lab.model or "lab"], pairs=lab["pairs"][:1], **states)

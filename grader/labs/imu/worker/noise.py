@@ -74,7 +74,9 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : as for `noise`; ``twins``: the two standard deviations of each instance; ``states``: the index of its state
+    fields : ``path`` (the student's file), ``model`` (XML text), ``accel_id``, ``gyro_id``, ``accel_noise_std``,
+        ``gyro_noise_std``, ``reads`` (of each instance), ``twins`` (for each instance, a dict with its own values of the two
+        standard deviations), ``states`` (for each instance, the row of its state in ``qpos`` and ``qvel``)
     arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``biases`` (twins, 2, 3), without which each instance draws its own
 
     Returns
@@ -219,7 +221,9 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields, arrays : as for `noise`, with ``instances`` (their number) and ``one_draw``; no arrays of biases
+    fields : ``path`` (the student's file), ``model`` (XML text), ``accel_id``, ``gyro_id``, ``accel_noise_std``,
+        ``gyro_noise_std``, ``instances`` (their number), ``reads`` (of each instance), ``one_draw``
+    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv), the state in the first row
 
     Returns
     -------

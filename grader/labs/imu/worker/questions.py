@@ -208,7 +208,8 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields, arrays : as for `replay`, with ``path``, ``accel_id`` and ``gyro_id``
+    fields : ``path`` (the student's file), ``model`` (XML text), ``steps`` (how many), ``accel_id``, ``gyro_id``
+    arrays : the start of the run and later changes of its state, named as for `replay`
 
     Returns
     -------
