@@ -45,10 +45,10 @@ def in_process(capsys: pytest.CaptureFixture[str]) -> Run:
 
 def result_by_comment(submission: Submission, rubric: Rubric, traces: Traces) -> Result:
     """A result that keeps of `CHECK` what the comment in filters.py says."""
-    if submission.status != "ready":
+    said = submission.files.get("filters.py", b"# 1").decode().strip("# \r\n")
+    if submission.status != "ready" or said == "nothing":
         made = result_of(Student(submission.id, dict.fromkeys((c.id for c in rubric.checks), 0.0), status="empty"))
     else:
-        said = submission.files.get("filters.py", b"# 1").decode().strip("# \r\n")
         says = {CHECK: STOPS} if said == "stops" else {}
         made = result_of(Student(submission.id, {CHECK: 0.0 if says else float(said)}, says))
     provenance = {

@@ -373,6 +373,8 @@ def test_doctor_records_from_a_throw_away_secret_and_keeps_nothing(
 
 
 def test_a_written_bundle_is_the_one_in_use_and_private(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "public.npz").touch(0o644)
     code, out, _ = run("traces", "record", "-o", tmp_path / "new")
     assert (code, out) == (0, f"{tmp_path}/new/public.npz\n")
     assert traces.load(tmp_path / "new" / "public.npz").sha256 == bundles.obtain(LAB, None).sha256

@@ -430,6 +430,8 @@ def test_regrade_requests_of_a_folder_or_a_table_are_read_whole_or_not_at_all(de
     assert answer.status == 400
     assert "line 3: no student nobody" in words(answer.text)
     assert "line 4: there is no check no.such" in words(answer.text)
+    answer = desk.post("/regrade-requests", {"text": head + "ada;;x\n" * 2000})
+    assert (answer.status, "2001 requests at once; give at most 2000" in words(answer.text)) == (400, True)
     assert desk.book.on_thread(desk.book.store.regrade_requests) == []
     (folder / "b.json").write_text(json.dumps({"submission": "ada", "check": "", "text": "And mine"}))
     assert read_in(desk.book, folder) == ["2 regrade requests added"]

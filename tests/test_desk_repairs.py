@@ -186,9 +186,13 @@ def test_an_error_stands_beside_its_field_and_what_was_typed_stays(desk: Desk, o
 def test_an_unchanged_file_and_a_worse_one_are_not_saved(desk: Desk) -> None:
     assert "Nothing in the file has changed." in previewed(desk, text="stops\n")
     assert "The form does not say what to do. Nothing was saved" in saved(desk, previewed(desk), do="")
-    page = previewed(desk, "cyd", "# 0.25\n")
-    assert "cyd earns 95.5 points repaired, and 97 as it was handed in. This edit cannot be saved." in words(page)
-    assert 'value="save"' not in page
+    for text, repaired in (("# 0.25\n", "earns 95.5 points"), ("# nothing\n", "could not be graded")):
+        page = previewed(desk, "cyd", text)
+        assert (
+            f"cyd earns 97 points as it was handed in, and {repaired} with this repair. This edit cannot be saved."
+            in words(page)
+        )
+        assert 'value="save"' not in page
 
 
 def test_of_two_people_the_slower_one_is_told(desk: Desk, out: Path) -> None:

@@ -162,7 +162,7 @@ def _read_file(path: Path) -> list[ReceivedRequest]:
 
 
 def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
-    """Yield the regrade requests in a text. JSON objects or CSV rows without a request, or after the first 2000, are left out.
+    """Yield the regrade requests in a text. JSON objects or CSV rows without a request are left out.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
     Raises
     ------
     RequestError
-        If the text is empty, or a request is too long.
+        If the text is empty, holds more than 2000 records, or a request is too long.
     """
     if not text.strip():
         raise RequestError("The request is empty. Nothing was saved")
@@ -182,7 +182,9 @@ def read(text: str, who: str, about: str) -> Iterator[ReceivedRequest]:
     if records is None:
         yield _bounded(ReceivedRequest(who, about, text.strip(), "the request"))
         return
-    for place, record in records[:_MOST]:
+    if len(records) > _MOST:
+        raise RequestError(f"{len(records)} requests at once; give at most {_MOST}. Nothing of them was saved")
+    for place, record in records:
         said = {str(key).strip().casefold(): str(value).strip() for key, value in record.items() if value is not None}
         found = _first(said, _TEXT)
         if found:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from grader.base.errors import RequestError
-from grader.base.files import write_whole
 from grader.base.text import printable
 from grader.engine.traces import Scenario, Traces
 
@@ -39,19 +38,20 @@ def save(traces: Traces, out: Path) -> Path:
         If it cannot be written.
     """
     path = out / f"{traces.name}.npz"
-    arrays: dict[str, Any] = dict(traces.arrays)
-    write_whole(path.with_suffix(".json"), json.dumps(dict(traces.manifest), indent=2, ensure_ascii=False) + "\n")
     try:
-        with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as stream:
-            np.savez_compressed(stream, **arrays)
-        path.with_suffix(".json").chmod(0o600)
+        out.mkdir(parents=True, exist_ok=True)
+        for suffix, content in files(traces).items():
+            with open(os.open(path.with_suffix(suffix), os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as stream:
+                path.with_suffix(suffix).chmod(0o600)  # one that was there keeps its mode
+                stream.write(content)
     except OSError as problem:
         raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
     return path
 
 
 def files(traces: Traces) -> dict[str, bytes]:
-    """Return the contents of the files that `save` writes, by suffix (".npz", ".json"), to pack them into a zip or a wheel."""
-    with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
-        path = save(traces, Path(scratch))
-        return {suffix: path.with_suffix(suffix).read_bytes() for suffix in (".json", ".npz")}
+    """Return the contents of the files that `save` writes, by suffix (".json", ".npz"), to pack them into a zip or a wheel."""
+    arrays, packed = dict[str, Any](traces.arrays), io.BytesIO()
+    np.savez_compressed(packed, **arrays)
+    manifest = json.dumps(dict(traces.manifest), indent=2, ensure_ascii=False) + "\n"
+    return {".json": manifest.encode("utf-8", "replace"), ".npz": packed.getvalue()}

@@ -256,10 +256,8 @@ def _refusal(id_: str, made: Result, original: Result) -> str:
     earned = round(sum(part.points for part in made.criteria), 2)
     if made.status == "graded" and earned >= original.score:
         return ""
-    return (
-        f"{printable(id_, 80)} earns {words.number(earned)} points repaired, and "
-        f"{words.number(original.score)} as it was handed in"
-    )
+    repaired = f"earns {words.number(earned)} points" if made.status == "graded" else "could not be graded"
+    return f"{printable(id_, 80)} earns {words.number(original.score)} points as it was handed in, and {repaired} with this repair"
 
 
 def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepair]) -> Result:
