@@ -404,6 +404,7 @@ def test_records_that_take_quadratic_time_are_bounded_together(tmp_path: Path, m
 SEEDS = [zipped(below("lab")), tarred(below("lab")), tarred({**HANDED_IN, "l": Link("/etc/passwd")}, "tar"), nested(2)]
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.binary(max_size=600)

@@ -29,6 +29,7 @@ def test_ci_runs_the_test_command_of_the_readme() -> None:
     assert f"\n{run} " in script
 
 
+@pytest.mark.slow
 def test_the_documented_report_is_what_a_terminal_shows(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

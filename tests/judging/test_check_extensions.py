@@ -32,24 +32,21 @@ class Tilt:
         self.dt = dt
         self.angles: Any = None
 
-    def of_accel(self, accel: np.ndarray) -> np.ndarray:
-        x, y, z = accel
-        return np.array([math.atan2(-y, -z), math.atan2(x, math.hypot(y, z))])
+    def of_accel(self, x: float, y: float, z: float) -> tuple[float, float]:
+        return math.atan2(-y, -z), math.atan2(x, math.hypot(y, z))
 
-    def turned(self, gyro: np.ndarray) -> np.ndarray:
-        roll, pitch = self.angles
-        p, q, r = gyro
+    def rates(self, roll: float, pitch: float, p: float, q: float, r: float) -> tuple[float, float]:
         across = q * math.sin(roll) + r * math.cos(roll)
-        return np.array([p + across * math.tan(pitch), q * math.cos(roll) - r * math.sin(roll)])
+        return p + across * math.tan(pitch), q * math.cos(roll) - r * math.sin(roll)
 
     def update(self, accel: np.ndarray, gyro: np.ndarray) -> Any:
-        held = self.of_accel(accel)
-        if self.angles is None:
-            self.angles = held
-        turned = self.angles + self.gain * self.dt * self.turned(gyro)
-        off = (held - turned + np.pi) % (2 * np.pi) - np.pi
-        self.angles = turned + (1 - self.alpha) * off
-        return tuple(self.angles + self.shift)
+        held = self.of_accel(*accel.tolist())
+        before = self.angles or held
+        rates = self.rates(*before, *gyro.tolist())
+        turned = [angle + self.gain * self.dt * rate for angle, rate in zip(before, rates, strict=True)]
+        offs = [(angle - other + math.pi) % (2 * math.pi) - math.pi for angle, other in zip(held, turned, strict=True)]
+        self.angles = tuple(angle + (1 - self.alpha) * off for angle, off in zip(turned, offs, strict=True))
+        return tuple(angle + self.shift for angle in self.angles)
 
 
 def _tilted(**steps: Any) -> type:
