@@ -14,8 +14,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import typer
-
 from grader import cli
 from grader.engine import results
 from grader.engine.faults import catalogue
@@ -127,7 +125,7 @@ def rubric() -> str:
 
 def commands() -> str:
     """Return every command with its arguments, options and examples."""
-    return "\n".join(_commands("imugrade", typer.main.get_command(cli.app)))
+    return "\n".join(_commands("imugrade", cli.command()))
 
 
 def _commands(prefix: str, group: Any) -> Iterator[str]:

@@ -7,15 +7,17 @@ reader of the output went away.
 from __future__ import annotations
 
 import atexit
+import functools
 import gc
 import os
 import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+import typer.main
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError, fault_text
@@ -72,12 +74,18 @@ atexit.register(gc.freeze)  # what is left goes with the process: to search it f
 gc.set_threshold(50_000)  # a class of thousands is millions of objects without a cycle: a search takes a second
 
 
+@functools.cache
+def command() -> Any:
+    """Return the command line as a click command, which typer builds anew each time that `app` itself is called."""
+    return typer.main.get_command(app)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command in `arguments` (None: `sys.argv`); return its exit code, also for exceptions, which it reports on stderr."""
     _accept_any_encoding()
     _keep_to_one_core()
     try:
-        code = app(args=arguments, prog_name="imugrade", standalone_mode=False)
+        code = command()(args=arguments, prog_name="imugrade", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED  # newer versions of typer return it themselves
     except SystemExit as left:

@@ -9,8 +9,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import typer
-
 from docs import generated
 from grader import cli
 from grader.kit import give, wheel
@@ -43,7 +41,7 @@ def site() -> Mapping[str, str]:
 
 def documents() -> dict[str, str]:
     """Return the texts for people who run commands, by name."""
-    groups = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
+    groups = cli.command().commands
     return {
         "README.md": (ROOT / "README.md").read_text(encoding="utf-8"),
         "the students' README.md": (Path(give.__file__).parent.parent / "labs" / "imu" / "starter" / "README.md.txt")

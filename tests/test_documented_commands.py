@@ -21,17 +21,20 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import pytest
-import typer.main
+import uvicorn
 
 from grader import cli
 from grader.commands import checking, machine
 from grader.course.markers.pool import MarkerAnswer, OpenMarker
 from grader.course.run import classroom
 from grader.engine import lab_sandbox
+from grader.engine.grader import Marker
+from grader.engine.results import Result
 from grader.engine.rubric import load, shipped
 from grader.intake import Submission
 from grader.kit import give
@@ -53,7 +56,7 @@ STUDENTS = {
 }
 EXAMPLE = "s06-id-as-address"
 STANDS_FOR = {"SUBMISSIONS": "submissions", "OUT": "out-monday", "DOWNLOAD": "submissions", "ID": "view-not-copy"}
-STANDS_FOR |= {"R": "none", "F": "poison"}
+STANDS_FOR |= {"R": "none", "F": "poison", "...": SECRET}
 CRITERIA = tuple(criterion.id for criterion in load(LAB).criteria)
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
 PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "CLASSROOM", "IMUGRADE_SEED")
@@ -79,6 +82,7 @@ SAYS = {
     "kit --gradescope": "  for Gradescope; (public|hidden) scenarios",
     "repair": "^alice(: | filters.py -5 )|^no repairs on record$",
     "repro": r"^\.imugrade/repro\.py written; run it with: python \.imugrade/repro\.py\n",
+    "review": r"^http://127\.0\.0\.1:\d+/enter\?token=\S{40,}$",
     "traces list": "^(public|hidden) traces, ",
     "traces plot": r"^plots/\w+\.png$",
     "traces record": "hidden.npz$",
@@ -96,12 +100,11 @@ LEAVE_NOTHING = ("check", "ci", "doctor", "explain", "kit", "repro", "review", "
 def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A class that has handed in, its downloads and tables, gradings of it, and a student's own work.
 
-    All commands of this process use one sandbox: each would open its own, which takes longer than what they do in it.
+    All commands of this process use one sandbox, which takes longer to open than what they do in it, and one result of a submission.
     """
     place, one, every = tmp_path_factory.mktemp("ready"), sandboxes.shared(), motions._moving
-    _hand_in(place)
     with pytest.MonkeyPatch.context() as here:
-        here.setenv("IMUGRADE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        here.setattr(Marker, "mark", _marked_once(Marker.mark))
         here.setattr(os, "cpu_count", lambda: 1)
         for name in PLATFORMS_SAY:
             here.delenv(name, raising=False)
@@ -111,10 +114,12 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         here.setattr(machine.one_copy, "search", lambda *_: machine.one_copy.Search(1, ()))
         here.setattr(machine, "try_recording", lambda lab: bundles.shipped())
         here.setattr(machine, "probe", functools.cache(machine.probe))
-        # each picture takes a quarter of a second: those of the motions that a kit has, three of ten, are drawn
-        here.setattr(motions, "_moving", lambda traces: [it for it in every(traces) if it.name in handout._MOTIONS])
+        # each picture takes a quarter of a second: that of one motion is drawn, and for the kits once
+        here.setattr(motions, "_moving", lambda traces: [it for it in every(traces) if it.name == handout._MOTIONS[1]])
+        here.setattr(handout, "handout", functools.cache(handout.handout))
+        _hand_in(place)
         here.chdir(place)
-        truth.save(bundles.obtain(LAB, "...", None), place)
+        truth.save(bundles.obtain(LAB, SECRET, None), place)
         assert run(["grade", "submissions", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
         with here.context() as graded:
             graded.setenv("IMUGRADE_SEED", SECRET)
@@ -123,6 +128,18 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]
         assert run(["adjust", "out-tuesday", "alice", *adjustment])[0] == 0
         yield place
+
+
+def _marked_once(mark: Callable[..., Result]) -> Callable[..., Result]:
+    known: dict[object, Result] = {}
+
+    def marked(marker: Marker, submission: Submission, *limit: float, **asked: Any) -> Result:
+        key = (submission.name, submission.sha256, marker._rubric.sha256, marker._traces.sha256, asked.get("only"))
+        if key not in known:
+            known[key] = mark(marker, submission, *limit, **asked)
+        return known[key]
+
+    return marked
 
 
 def _mark_all(
@@ -205,7 +222,7 @@ def test_the_commands_of_a_document_do_what_they_are_documented_for(
         ran.add(alike)
         with monkeypatch.context() as here:
             for name, value in command.environment:
-                here.setenv(name, value)
+                here.setenv(name, STANDS_FOR.get(value, value))
             here.chdir(folder)
             try:
                 PROGRAMS[program](command, folder, here)
@@ -244,8 +261,7 @@ def imugrade(command: Command, folder: Path, here: pytest.MonkeyPatch) -> None:
             folder /= "kit" if command.document.startswith("the students'") else "my_lab"
             here.chdir(folder)
     if words[0] == "review":
-        review(words)
-        return
+        here.setattr(uvicorn.Server, "main_loop", ended_by_ctrl_c(uvicorn.Server.main_loop))
     if words[0] == "repair":  # what does not run; a patch is for the file as it was handed in
         assert run(["grade", "broken", "-o", "out"])[0] == 0
         if "--patch" in words:
@@ -274,7 +290,7 @@ def imugrade(command: Command, folder: Path, here: pytest.MonkeyPatch) -> None:
 
 def subcommands(words: tuple[str, ...]) -> list[str]:
     """The first words, as long as they are names of commands."""
-    group: Any = typer.main.get_command(cli.app)
+    group: Any = cli.command()
     names: list[str] = []
     for word in words:
         if word not in getattr(group, "commands", {}):
@@ -289,15 +305,12 @@ def interrupted_after_one(saves: Callable[..., Iterator[None]], *arguments: Any)
     raise KeyboardInterrupt
 
 
-def review(words: list[str]) -> None:
-    """Ended by Ctrl-C once it has said where it is."""
-    line = [sys.executable, "-m", "grader", *words]
-    with subprocess.Popen(line, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        told = next(each for each in process.stdout if each.startswith("http"))
-        process.send_signal(signal.SIGINT)
-        assert process.wait(60) == 0
-    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/enter\?token=\S{40,}\n", told)
+def ended_by_ctrl_c(serve: Callable[..., Any]) -> Callable[..., Any]:
+    def interrupted(server: uvicorn.Server) -> Any:
+        signal.raise_signal(signal.SIGINT)
+        return serve(server)
+
+    return interrupted
 
 
 def of_one_secret(words: list[str], here: pytest.MonkeyPatch) -> None:
@@ -356,16 +369,19 @@ def python(command: Command, folder: Path, here: pytest.MonkeyPatch) -> None:
         assert {word for word in words if word.startswith("-")} <= set(re.findall(r"--?[\w-]+", out.getvalue()))
 
 
-def pip(command: Command, folder: Path, _: pytest.MonkeyPatch) -> None:
+def pip(command: Command, folder: Path, _here: pytest.MonkeyPatch) -> None:
     """What it would install is there to be installed; the repository itself is installed before the tests run."""
     _, action, *words = command.words
     assert action == "install"
     if words[-1].partition("[")[0] in (".", "/imugrade"):
         assert ".venv/bin/pip install -q -e '.[test]'\n" in CI
         return
-    files = [path.name for path in (folder / "kit").glob(words[-1])] or [words[-1]]
-    trial = ["--disable-pip-version-check", "install", "--no-index", "--no-deps", "--dry-run"]
-    assert "does not provide the extra" not in _lines(["-m", "pip", *trial, *words[:-1], *files], folder / "kit")
+    if files := [path.name for path in (folder / "kit").glob(words[-1])]:
+        trial = ["--disable-pip-version-check", "install", "--no-index", "--no-deps", "--dry-run"]
+        _lines(["-m", "pip", *trial, *words[:-1], *files], folder / "kit")
+        return
+    name, _, extra = words[-1].strip("]").partition("[")
+    assert extra in ["", *metadata.metadata(name).get_all("Provides-Extra", [])]
 
 
 def dask(command: Command, folder: Path, _: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer.main
 
 from docs import generated
 from grader import cli, platforms
@@ -62,7 +61,7 @@ def test_the_page_on_adding_a_platform_names_every_field() -> None:
 
 
 def test_a_kit_is_written_for_the_platforms_that_tell_of_one() -> None:
-    group: Any = typer.main.get_command(cli.app)
+    group: Any = cli.command()
     options = {option for each in group.commands["kit"].params for option in each.opts if option.startswith("--")}
     told = {
         f"--{each.name}"
