@@ -49,7 +49,10 @@ def listing(lab: Lab) -> str:
 
 
 def groups(lab: Lab) -> dict[str, str]:
-    """Return the headings under which faults are listed, by `FaultRow.group`: a criterion's id, "extensions" or "any" (file)."""
+    """Return the headings under which the students' faults are listed, by `FaultRow.group`.
+
+    That is a criterion's id, "extensions", or "any" for faults that any file can have, such as a syntax error.
+    """
     return {**{part.id: part.title for part in lab.parts}, "extensions": "Extensions", "any": "Any file"}
 
 

@@ -138,7 +138,7 @@ class FilterRun:
 
     Attributes
     ----------
-    output : (n, 3) ndarray, fewer rows if the filter raised, rows of NaN where it returned no vector; None if it returned nothing
+    output : (n, 3) ndarray, fewer rows if the filter raised, NaN rows where it returned no vector; None if it raised at once
     odd : in words, what the filter returned in place of the first missing vector; None if none is missing
     input_changed : whether the filter wrote into a measurement or into the initial value
     output_changed : whether the array of the first output has other numbers after the last update

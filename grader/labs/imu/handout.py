@@ -13,9 +13,9 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(lab: Lab, model: Model) -> LabFile | None:
-    """Return the robot `model`, which a rubric names, with traces recorded in public scenarios, for students' kits.
+    """Return an instructor's own robot, which a rubric names as `model`, as a file with the public traces recorded on it.
 
-    None for the lab's own robot, which each kit has.
+    Students' kits get both. None for the lab's own robot, which each kit has.
     """
     if model.is_lab:
         return None

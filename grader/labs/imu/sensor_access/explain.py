@@ -96,7 +96,7 @@ class Explained:
     def share_altered(self) -> float:
         """Share of the points of `matches_truth` that wrong values cost: 0.75 for accelerations, 0.5 for angular velocities.
 
-        It is 1 if both are wrong, if only other IMUs are, or if gravity is removed.
+        It is 1 if both are wrong, if only other IMUs are, or if the student's code removes gravity.
         """
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
@@ -111,7 +111,7 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return readings that are wrong, not just from a wrong address, and their sensor (0 accelerometer, 1 gyroscope); or None.
+        """Return readings that are wrong, not just from a wrong address, with 0 for the accelerometer or 1 for the gyroscope; or None.
 
         A message shows them. The robot's own IMU comes first, then other IMUs of which at least half of the numbers are right.
         """
@@ -120,7 +120,7 @@ class Explained:
         return (self.facts.torso, wrong[0]) if wrong else next(others, None)
 
     def misplaced(self) -> tuple[Visit, int] | None:
-        """Return readings from a wrong address, and their sensor (0 accelerometer, 1 gyroscope), for the message; or None."""
+        """Return readings from a wrong address, with 0 for the accelerometer or 1 for the gyroscope, for the message; or None."""
         torso, others = self.facts.torso, self.facts.visits[1:]
         places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
         first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)

@@ -42,7 +42,10 @@ def provide_ids(ids: Mapping[str, int]) -> None:
 
 
 def provide_ids_of(model: Any) -> None:
-    """Set unset globals to the sensor ids of the robot's IMU in `model`, as `provide_ids` does; without such an IMU do nothing."""
+    """Set the ids that student functions read as globals, and that are not set, to those of the robot's IMU in `model`.
+
+    As `provide_ids` does. Nothing is set if `model` has no such IMU.
+    """
     import mujoco
 
     names = submission.STATE.lab_configuration.get("imu", ())
