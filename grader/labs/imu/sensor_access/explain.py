@@ -111,7 +111,7 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return readings that are wrong, not just from a wrong address, with 0 for the accelerometer or 1 for the gyroscope; or None.
+        """Return readings that are wrong, not just from a wrong address, with 0 (accelerometer) or 1 (gyroscope); or None.
 
         A message shows them. The robot's own IMU comes first, then other IMUs of which at least half of the numbers are right.
         """
