@@ -11,7 +11,7 @@ from grader.report.words import number
 
 @dataclass(frozen=True)
 class EarlierPoints:
-    """Points of each check in the previous run, to show what changed since; empty in the first run."""
+    """Points of one submission in its previous run, by the check's id, to show what changed since; empty in the first run."""
 
     before: Mapping[str, float]
 

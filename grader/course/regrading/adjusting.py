@@ -117,7 +117,7 @@ def decide(
     """Validate and store override requests, all or none, and return them as recorded. No page is written.
 
     `final_grades` are those of the class by id. `seen` is the number of the last adjustment that the author has seen; None skips
-    the comparison. `what` is the subject of one decision on several submissions, else "".
+    the comparison. `what` says, for the history, what the submissions of one decision have in common; "" for single overrides.
 
     Raises
     ------

@@ -343,7 +343,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
 
 
 def lapsed(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[LoggedRepair]:
-    """Return repairs not taken back that no longer count: the student changed the files, or the repaired copy earns less."""
+    """Return repairs not taken back that no longer count: the student changed the files, or the copy earns less than they do."""
     counting = {
         (id_, each.file, each.diff) for id_, final_grade in final_grades.items() for each in final_grade.result.repairs
     }

@@ -174,7 +174,7 @@ class Drawing:
 
 
 def drawing_of(frame: Frame) -> Drawing:
-    """Return what a reply of the sandbox worker reports of drawing: figures, an exception, and unusual parameters (`departs`)."""
+    """Return what a reply of the sandbox worker reports of drawing: figures, an exception, and the other fields of `Drawing`."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
     fields, given = frame.fields, _series_of(frame.fields.get("given"), frame.arrays)

@@ -111,7 +111,7 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return readings that are wrong, not just from a wrong address, with 0 (accelerometer) or 1 (gyroscope); or None.
+        """Return readings that are altered, missing or unexplained, with 0 (accelerometer) or 1 (gyroscope); or None.
 
         A message shows them. The robot's own IMU comes first, then other IMUs of which at least half of the numbers are right.
         """
@@ -139,7 +139,7 @@ class Explained:
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether a sensor of the robot's own IMU has missing, infinite or NaN numbers that no wrong address explains."""
+        """Return whether the robot's own accelerometer (0) or gyroscope (1) gave missing, infinite or NaN numbers at a right address."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
