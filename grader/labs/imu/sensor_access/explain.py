@@ -139,7 +139,7 @@ class Explained:
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether the robot's own accelerometer (0) or gyroscope (1) gave missing, infinite or NaN numbers at a right address."""
+        """Return whether the robot's accelerometer (0) or gyroscope (1) gave missing, infinite or NaN values at a right address."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
