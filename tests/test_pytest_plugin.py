@@ -242,10 +242,13 @@ def test_an_editor_finds_each_check_once_at_the_students_own_definition(lab: Pat
         (["--imugrade-rubric", "no.yaml"], "there is no such file; give the path of a rubric.yaml"),
     ],
 )
-def test_a_request_that_cannot_be_met_is_one_line(lab: Path, arguments: list[str], said: str) -> None:
+def test_a_request_that_cannot_be_met_is_one_line(
+    lab: Path, arguments: list[str], said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     (lab / "plugins").mkdir()
-    ran = run(lab, *arguments)
-    assert (ran.returncode, said in ran.stderr) == (pytest.ExitCode.USAGE_ERROR, True), ran.stderr
+    monkeypatch.chdir(lab)
+    assert pytest.main(["--imugrade", *arguments]) == pytest.ExitCode.USAGE_ERROR
+    assert said in capsys.readouterr().err
 
 
 # --- unless asked -----------------------------------------------------------------------------------------------------
