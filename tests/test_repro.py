@@ -23,7 +23,7 @@ from grader.labs.imu.repeating import WRITTEN, program
 from grader.report.terminal import screen
 from tests import sandboxes
 from tests.classes import filters_alone
-from tests.corpus.pieces import IMU_READER
+from tests.corpus.pieces import IMU_READER, edit, tidy
 from tests.corpus.writing import write
 from tests.examples import FOLDER
 from tests.fake_results import lost, result
@@ -65,10 +65,10 @@ def test_the_program_shows_what_the_check_saw(tmp_path: Path) -> None:
         ("filtering.follows_recursion", filters_alone(0.5), "output: row 1 is the first that differs, of 60: yours"),
         (
             "data_collection.matches_truth",
-            {"imu_reader.py": IMU_READER.replace("angular_velocities[i] = gyro", "angular_velocities[i] = -gyro")},
+            edit(tidy(), "imu_reader.py", ('"angular_velocity": angular', '"angular_velocity": -angular')),
             "angular_velocity: row 1 is the first that differs, of 600: yours",
         ),
-        ("data_collection.sample_count", {"imu_reader.py": IMU_READER.replace("int(duration", "int(0.5 * duration")}, "acceleration: 300 rows, and 600 are expected"),
+        ("data_collection.sample_count", edit(tidy(), "imu_reader.py", ("round(duration", "round(0.5 * duration")), "acceleration: 300 rows, and 600 are expected"),
     ],
 )  # fmt: skip
 def test_the_first_row_that_differs_stands_beside_the_expected_one(
@@ -137,7 +137,7 @@ def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> Non
 
 def test_a_link_in_the_folder_leads_no_file_elsewhere(tmp_path: Path) -> None:
     elsewhere = tmp_path / "elsewhere"
-    lab = write({"imu_reader.py": IMU_READER}, tmp_path / "lab")
+    lab = write({"imu_reader.py": tidy()["imu_reader.py"]}, tmp_path / "lab")
     elsewhere.mkdir()
     (lab / ".imugrade").mkdir()
     (lab / ".imugrade" / "textbook").symlink_to(elsewhere)
@@ -147,6 +147,6 @@ def test_a_link_in_the_folder_leads_no_file_elsewhere(tmp_path: Path) -> None:
 
 
 def test_a_file_whose_name_is_no_identifier_is_imported_by_its_name(tmp_path: Path) -> None:
-    lab = write({"class.py": IMU_READER}, tmp_path / "lab")
+    lab = write({"class.py": tidy()["imu_reader.py"]}, tmp_path / "lab")
     written = repeating.write(load(LAB), "sensor_access.matches_truth", lab, lab / ".imugrade")
     ran(written, tmp_path)

@@ -38,7 +38,7 @@ def folder_in(path: Path) -> Path:
 
 
 def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level: str | None = None) -> Path:
-    """Run the checks on the submission in folder `path`; write a program into `out` that repeats one check's calls of student code.
+    """Run checks on the submission in folder `path`; write a program into `out` that repeats one check's calls of student code.
 
     `isolation_level` None takes the best level of the sandbox that works here.
 
@@ -58,7 +58,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
             f"{printable(str(path), 500)} is not a folder; unpack the archive, so that Python can import the files"
         )
     submission = read_submission(path, rubric.lab.files)
-    student, judgements = recorded_calls(rubric, submission, isolation_level)
+    student, judgements = recorded_calls(rubric, submission, isolation_level, check_id.partition(".")[0])
     questions = [each for each in student.questions(check_id) if str(each.fields["path"]).endswith(".py")]
     if not questions:
         raise RequestError(f"{check_id} called no .py file here, so there is nothing to reproduce")
@@ -90,11 +90,11 @@ def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mappin
 
 
 def recorded_calls(
-    rubric: Rubric, submission: Submission, isolation_level: str | None = None
+    rubric: Rubric, submission: Submission, isolation_level: str | None = None, until: str | None = None
 ) -> tuple[Any, Mapping[str, Judgement]]:
-    """Run all checks on the public scenarios; return the session that recorded calls of student code, and judgements by check id.
+    """Run checks on the public scenarios; return the session that recorded calls of student code, and judgements by check id.
 
-    `isolation_level` None takes the best level of the sandbox that works here.
+    `until` is the last criterion to run; None runs all. `isolation_level` None takes the best level of the sandbox that works here.
     """
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
@@ -103,7 +103,7 @@ def recorded_calls(
         student = _repeating(lab).Recorder(
             sandbox, lab, submission.files, truth=truth, above=submission.above, **limits
         )
-        check_run = _repeating(lab).Watched(lab, student, truth, None)
+        check_run = _repeating(lab).Watched(lab, student, truth, until)
         try:
             session(lab, rubric.own_checks).run(check_run)
         finally:

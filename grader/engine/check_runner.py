@@ -181,8 +181,8 @@ class CheckRun:
 
     def _parts_before(self, criterion: str) -> list[Part]:
         """Return the criteria that are graded before the given one and whose functions others need."""
-        turn = _grading_order(self._lab, criterion)
-        return [part for part in self._lab.parts if part.needed and _grading_order(self._lab, part.id) < turn]
+        turn = grading_order(self._lab, criterion)
+        return [part for part in self._lab.parts if part.needed and grading_order(self._lab, part.id) < turn]
 
     def _judged_in(self, criterion: str) -> dict[str, Judgement]:
         return {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
@@ -213,7 +213,8 @@ class CheckRun:
             self._lost.add(criterion)
 
 
-def _grading_order(lab: Lab, criterion: str) -> int:
+def grading_order(lab: Lab, criterion: str) -> int:
+    """Return a criterion's place in the order in which the lab's criteria are examined; extensions come last."""
     return lab.examined.index(criterion) if criterion in lab.examined else len(lab.examined)
 
 
@@ -280,7 +281,7 @@ class Session:
         self.troubles += [f"{name} is no check: write @check(...) above it" for name in names]
         twice = Counter(_check_of(item).id for item in checks)
         self.troubles += [f"there are {count} checks {id_}" for id_, count in twice.items() if count > 1]
-        self._items = sorted(checks, key=lambda item: _grading_order(self._lab, _check_of(item).criterion))
+        self._items = sorted(checks, key=lambda item: grading_order(self._lab, _check_of(item).criterion))
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         self._now.begin(_check_of(item))

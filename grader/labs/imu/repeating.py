@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from grader.engine.check_catalog import Check
-from grader.engine.check_runner import CheckRun
+from grader.engine.check_runner import CheckRun, grading_order
+from grader.engine.lab import Lab
 from grader.engine.traces import Traces
 from grader.labs.imu.compare import Array
 from grader.labs.imu.filtering.explain import recursion
@@ -126,7 +127,18 @@ class Recorder(Student):
 
 
 class Watched(CheckRun):
-    """Run of the checks that tells the session, a `Recorder`, which check begins, so that it records each check's calls."""
+    """Run of the checks that tells the session, a `Recorder`, which check begins, so that it records each check's calls.
+
+    It ends with the criterion `until`, as those after it do not change its outcome; None runs all.
+    """
+
+    def __init__(self, lab: Lab, student: Recorder, truth: Traces, until: str | None) -> None:
+        super().__init__(lab, student, truth, None)
+        self._until = until
+
+    def wants(self, this: Check) -> bool:
+        last = this.criterion if self._until is None else self._until
+        return super().wants(this) and grading_order(self._lab, this.criterion) <= grading_order(self._lab, last)
 
     def begin(self, this: Check) -> None:
         self.student.now = this.id  # type: ignore[attr-defined] # a Recorder
