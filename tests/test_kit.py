@@ -18,7 +18,9 @@ from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
 
+import check_jsonschema
 import pytest
+from click.testing import CliRunner
 
 from grader import cli
 from grader.base import class_versions
@@ -255,16 +257,15 @@ def _attributes(tree: ast.AST) -> set[str]:
 # --- what is not overwritten ------------------------------------------------------------------------------------------
 
 
-def test_nothing_that_is_there_is_overwritten(tmp_path: Path) -> None:
+def test_nothing_that_is_there_is_overwritten(tmp_path: Path, workflows: Path) -> None:
     (tmp_path / "filters.py").write_text("my work\n")
     with pytest.raises(RequestError, match="the folder is not empty; choose a new one"):
         give.student(LAB, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["filters.py"]
     with pytest.raises(RequestError, match="it is there already"):
         give.gradescope(LAB, tmp_path / "filters.py")
-    give.job("github", LAB, tmp_path / "repository")
     with pytest.raises(RequestError, match=r"imugrade\.yml: it is there already"):
-        give.job("github", LAB, tmp_path / "repository")
+        give.job("github", LAB, workflows)
 
 
 # --- platforms --------------------------------------------------------------------------------------------------------
@@ -272,10 +273,10 @@ def test_nothing_that_is_there_is_overwritten(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def workflows(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A repository with the kit's workflow, the documented one for hidden scenarios, and the kit's pipeline."""
+    """A repository with a kit for each platform, and the documented workflow for hidden scenarios."""
     out = tmp_path_factory.mktemp("repository")
-    give.job("github", LAB, out)
-    give.job("gitlab", LAB, out)
+    for kit in ("github", "gitlab", "classroom50"):
+        give.job(kit, LAB, out)
     (block,) = re.findall(r"^    name: Lab 04-01, hidden.*\n(?:    .*\n)*", github.PLATFORM.help.respond, re.MULTILINE)
     (out / ".github/workflows/hidden.yml").write_text(textwrap.dedent(block), encoding="utf-8")
     return out
@@ -298,24 +299,20 @@ def test_an_audit_of_the_workflows_finds_nothing(workflows: Path, tmp_path: Path
 def test_what_a_ci_reads_is_what_its_schema_allows(platform: str, files: str, workflows: Path, tmp_path: Path) -> None:
     """The schemas of schemastore.org, as the validator ships them."""
     copied = [Path(shutil.copy(each, tmp_path)) for each in workflows.glob(files)]
-    command = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", f"vendor.{platform}", *copied]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout
+    arguments = ["--builtin-schema", f"vendor.{platform}", *map(str, copied)]
+    done = CliRunner().invoke(check_jsonschema.main, arguments)
+    assert done.exit_code == 0, done.output
     for file in copied:
         file.write_text(file.read_text(encoding="utf-8").replace("script:", "skript:").replace("runs-on:", "on-runs:"))
-    assert subprocess.run(command, capture_output=True, check=False).returncode == 1
+    assert CliRunner().invoke(check_jsonschema.main, arguments).exit_code == 1
 
 
-@pytest.mark.parametrize(
-    ("kit", "folder"), [("github", ".github/imugrade"), ("gitlab", ".gitlab/imugrade"), ("classroom50", "")]
-)
-def test_a_platform_installs_the_versions_of_the_class(kit: str, folder: str, tmp_path: Path) -> None:
-    give.job(kit, LAB, tmp_path / "kit")
-    files = [
-        path.read_text(encoding="utf-8") for path in (tmp_path / "kit").rglob("*") if path.suffix in (".py", ".yml")
-    ]
-    assert (tmp_path / "kit" / folder / "constraints.txt").read_text() == class_versions.constraints(LAB.packages)
-    assert [text for text in files if "constraints.txt" not in text] == []
+def test_the_platforms_install_the_versions_of_the_class(workflows: Path) -> None:
+    for folder in (".github/imugrade", ".gitlab/imugrade", ""):
+        assert (workflows / folder / "constraints.txt").read_text() == class_versions.constraints(LAB.packages)
+    files = [path for path in workflows.rglob("*") if path.suffix in (".py", ".yml") and path.name != "hidden.yml"]
+    assert [path for path in files if "constraints.txt" not in path.read_text(encoding="utf-8")] == []
+    assert len(files) >= 3
 
 
 def test_gradescope_finds_both_programs_at_the_root_and_executable(autograder: Path, tmp_path: Path) -> None:

@@ -26,9 +26,10 @@ def constraints(packages: Sequence[str]) -> str:
     """
     lines = []
     for package in packages:
-        bounds = _BOUND.findall(metadata(package)["Requires-Python"] or "")
+        about = metadata(package)
+        bounds = _BOUND.findall(about["Requires-Python"] or "")
         where = " and ".join(f'python_version {sign} "{release}"' for sign, release in bounds)
-        lines.append(f"{package}=={version(package)}{f'; {where}' if where else ''}\n")
+        lines.append(f"{package}=={about['Version']}{f'; {where}' if where else ''}\n")
     return "".join(lines)
 
 
