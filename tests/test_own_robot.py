@@ -163,8 +163,9 @@ def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
     assert (lost_by(result), result.score, result.status) == ({}, 100.0, "graded")
 
 
-def test_under_a_secret_the_robot_moves_otherwise(robots: dict[str, Model], cache: Path) -> None:
-    public, hidden = (bundles.obtain(LAB, seed, cache, robots["humanoid"])["push"] for seed in (None, SECRET))
+def test_under_a_secret_the_robot_moves_otherwise(cache: Path, tmp_path: Path) -> None:
+    model = Model(rover(tmp_path), "force", "rates")
+    public, hidden = (bundles.obtain(LAB, seed, cache, model)["push"] for seed in (None, SECRET))
     n = min(len(public["time"]), len(hidden["time"]))
     for key in ("acceleration", "angular_velocity"):
         apart = np.sqrt(np.mean((public[key][:n] - hidden[key][:n]) ** 2))
