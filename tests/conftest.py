@@ -119,7 +119,7 @@ def _choose(config: pytest.Config) -> None:
     option = config.option
     whole_run = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not option.keyword
     more = {"full": ALL, "quick": QUICK, "slow": f"slow and {ALL}"} | ({ALL: EVERYDAY} if whole_run else {})
-    if option.markexpr == ALL and option.keyword in {case.name for case in recorded_corpus()}:
+    if option.markexpr == ALL and option.keyword and option.keyword in {case.name for case in recorded_corpus()}:
         more = {ALL: "not delivered"}
     option.markexpr = more.get(option.markexpr, option.markexpr)
 

@@ -72,8 +72,8 @@ def test_a_fault_of_the_grader_is_handed_back_with_its_words_and_no_other_is_mar
 @pytest.mark.parametrize(
     ("id_", "bounds", "reason"),
     [
-        ("wait", Bounds(wall_s=2.0), "no end within 2 s"),
-        ("burn", Bounds(wall_s=2.0), "no end within 2 s"),
+        ("wait", Bounds(wall_s=1.0), "no end within 1 s"),
+        ("burn", Bounds(wall_s=1.0), "no end within 1 s"),
         pytest.param("fat", Bounds(memory_bytes=300 << 20), "more than 0.292969 GB of memory", marks=ON_LINUX),
     ],
 )

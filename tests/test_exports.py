@@ -278,7 +278,7 @@ def files_outside(folder: Path, out: Path) -> set[Path]:
 def test_a_large_class_is_graded_regraded_and_exported_by_relative_paths(tmp_path: Path) -> None:
     """By the README's command with the shipped rubric, then with another one."""
     (tmp_path / "download").mkdir()
-    kinds = [classes.filters_alone(1.0), classes.filters_alone(0.5), *[{"notes.txt": "Not yet."}] * 8]
+    kinds = [classes.filters_alone(1.0), classes.filters_alone(0.5), *[{"notes.txt": "Not yet."}] * 23]
     classes.moodle(classes.a_class(MANY, kinds), tmp_path / "download").rename(tmp_path / "moodle.zip")
     rubric_with(tmp_path / "rub.yaml", ("follows_recursion: 6", "follows_recursion: 9"))
     before, beside = files_outside(tmp_path, tmp_path / "out"), set(BESIDE_PYTHON.iterdir())

@@ -46,15 +46,15 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def reader() -> Iterator[ReadingProcess]:
-    with ReadingProcess(within_s=5.0, memory_bytes=1 << 30) as reader:
+    with ReadingProcess(within_s=2.0, memory_bytes=1 << 30) as reader:
         yield reader
 
 
 @pytest.mark.parametrize(
     ("id_", "note"),
     [
-        ("stalls", "What was handed in could not be read within 5 s."),
-        ("ends", "What was handed in could not be read within 5 s."),
+        ("stalls", "What was handed in could not be read within 2 s."),
+        ("ends", "What was handed in could not be read within 2 s."),
         ("grows", "What was handed in takes too much memory to be read."),
         ("breaks", "What was handed in could not be read (KeyError)."),
     ],

@@ -131,7 +131,7 @@ class Decoys(ExitStack):
             for pid in left:
                 with suppress(ChildProcessError):
                     os.waitpid(pid, os.WNOHANG)
-            time.sleep(0.02)
+            time.sleep(0.1)
         return left
 
     def _reached(self) -> list[str]:

@@ -110,7 +110,7 @@ def problems(name: str, text: str) -> Iterator[str]:
 
 def _raw(text: str) -> Iterator[str]:
     """Characters that move the cursor, hide or reorder what is written: none may come through as itself."""
-    bad = {c for c in text if unicodedata.category(c) in {"Cc", "Cf", "Cs", "Zl", "Zp"} and c not in _JOINERS + "\n\t\r"}
+    bad = {c for c in set(text) if unicodedata.category(c) in {"Cc", "Cf", "Cs", "Zl", "Zp"} and c not in _JOINERS + "\n\t\r"}
     if bad:
         yield f"it holds {', '.join(sorted(f'U+{ord(c):04X}' for c in bad))}"
 
