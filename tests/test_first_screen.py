@@ -11,16 +11,22 @@ import pytest
 from grader import cli
 from grader.commands.opening import found
 from grader.commands.prints import Prints
-from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import open_sandbox_for
+from grader.engine import lab_sandbox
 from grader.engine.rubric import load
 from grader.engine.submission_session import SubmissionSession
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
+from tests import sandboxes
 from tests.corpus.pieces import VERBATIM
 from tests.corpus.writing import notebook, write
+
+
+@pytest.fixture(autouse=True)
+def _one_sandbox(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Use the sandbox of the other tests: to open one takes longer than a check."""
+    monkeypatch.setattr(lab_sandbox, "open_sandbox_for", lambda *_: sandboxes.Lasting(sandboxes.shared()))
 
 
 def test_a_flood_is_cut_and_silence_is_said() -> None:
@@ -49,8 +55,7 @@ def test_prints_are_heard_on_public_scenarios_and_never_on_hidden_ones(tmp_path:
     public = bundles.obtain(LAB, None)
     heard: dict[str, str] = {}
     for name in ("public", "hidden"):
-        sandbox = open_sandbox_for(LAB, submission.files)
-        with Marker(load(LAB), replace(public, name=name), sandbox=sandbox) as marker:
+        with sandboxes.opened(replace(public, name=name)) as marker:
             marker.mark(submission, only="filtering", listen=lambda _, text, name=name: heard.update({name: text}))  # type: ignore[misc]
     assert set(heard) == {"public"}
     assert heard["public"].startswith("loaded\nasked\nasked\n")
