@@ -20,14 +20,20 @@ NEW, ROW = "filtering.takes_alpha_one", "alpha-at-most-nine-tenths"
 CHECK_EACH = """
 import sys
 from pathlib import Path
-from grader import cli
+from grader.engine.grader import Marker
+from grader.engine.results import to_json
+from grader.engine.rubric import load
+from grader.intake import read_submission
+from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from tests.corpus.cases import of
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import write
 rows = {case.name: case.files for case in of("faulty")} | {"sound": tidy()}
-for name in sys.argv[1:]:
-    write(rows[name], Path(name))
-    assert cli.main(["check", name, "--only", "filtering", "--json", f"{name}.json"]) == 0
+with Marker(load(LAB), bundles.shipped()) as marker:
+    for name in sys.argv[1:]:
+        submission = read_submission(write(rows[name], Path(name)), LAB.files)
+        Path(f"{name}.json").write_text(to_json(marker.mark(submission, only="filtering")))
 """
 
 
