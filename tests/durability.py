@@ -36,7 +36,7 @@ _WITHIN_S = 120.0
 
 def hand_in(folder: Path, *, full: bool) -> Path:
     """A small class: some filters alone, which are graded fast, one that crashes, and with `full` a whole submission."""
-    for number in range(5):
+    for number in range(3):
         write(filters_alone(0.5 + number / 10 if number else 1.0), folder / f"student{number}")
     crash = "\n\nLowPassFilter.update = lambda self, m: __import__('os')._exit(0)\n"
     write({"filters.py": f"{filters_alone(1.0)['filters.py']}{crash}"}, folder / "crashes")
@@ -156,7 +156,7 @@ def _kill_one(process: subprocess.Popen[bytes], target: str, chance: random.Rand
 
     The grader is killed when a random number of results is on record: the next run has to go on from there.
     """
-    wanted = chance.randrange(5) if target == "grader" else 0
+    wanted = chance.randrange(3) if target == "grader" else 0
     wait = chance.uniform(0.0, 0.1 if target == "grader" else 1.0)
     first_seen = None
     while process.poll() is None:

@@ -150,14 +150,14 @@ def test_tilt_and_truth_agree_for_a_sensor_at_rest(roll: float, pitch: float) ->
 
 
 RIDES = (
-    (tilt_drifting, "gyro_alone_rms", 3.0), (tilt_shaken, "accel_alone_rms", 1.4), (tilt_steep, "accel_alone_rms", 1.4),
-    (tilt_steep, "gyro_alone_rms", 1.4),
+    (tilt_drifting, ("gyro_alone_rms",), 3.0), (tilt_shaken, ("accel_alone_rms",), 1.4),
+    (tilt_steep, ("accel_alone_rms", "gyro_alone_rms"), 1.4),
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(("ride", "single", "factor"), RIDES)
+@pytest.mark.parametrize(("ride", "singles", "factor"), RIDES)
 def test_on_any_hidden_motion_the_sheets_filter_is_far_above_the_limit(
-    ride: Callable[..., Recording], single: str, factor: float, truth: traces.Traces
+    ride: Callable[..., Recording], singles: tuple[str, ...], factor: float, truth: traces.Traces
 ) -> None:
     """Eight motions each; the logarithms of the margins lie six of their deviations or more above zero."""
     gimbal = mujoco.MjModel.from_xml_string(truth.models["gimbal"])
@@ -169,29 +169,29 @@ def test_on_any_hidden_motion_the_sheets_filter_is_far_above_the_limit(
         rows = zip(recording.arrays["acceleration"], recording.arrays["angular_velocity"], strict=True)
         estimate = np.array([attitude.update(*row) for row in rows])
         error = np.angle(np.exp(1j * (estimate - recording.arrays["tilt"])))[len(estimate) // 2 :]
-        margins.append(math.log(recording.scalars[single] / factor / np.sqrt(np.mean(error**2))))
-    assert min(margins) > math.log(2.0)
-    assert np.mean(margins) > 5.0 * np.std(margins)
+        alone = np.array([recording.scalars[single] for single in singles])
+        margins.append(np.log(alone / factor / np.sqrt(np.mean(error**2))))
+    assert np.min(margins) > math.log(2.0)
+    assert (np.mean(margins, axis=0) > 5.0 * np.std(margins, axis=0)).all()
 
 
 # --- the reference: Allan deviation ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["white", "walk", "quantised", "drift", "mixed"])
-def test_the_allan_deviation_is_that_of_an_independent_program(kind: str, truth: traces.Traces) -> None:
+def test_the_allan_deviation_is_that_of_an_independent_program(truth: traces.Traces) -> None:
+    """One test, not one a kind of noise: each test worker would import scipy.stats with the program."""
+    import allantools
+
     scenario = truth["allan"]
     rate = scenario.scalars["sample_rate_hz"]
-    taus, adev = allan_deviation(scenario[kind], rate)
-    import allantools  # scipy.stats with it, for whoever collects
-
-    theirs_taus, theirs, _, _ = allantools.oadev(
-        scenario[kind], rate=rate, data_type="freq", taus=taus[: len(taus) - 2]
-    )
-    ours = dict(zip(taus.round(9), adev, strict=True))
-    assert len(theirs_taus) >= len(taus) - 4
-    # Both sum 4,000 numbers in double precision, one of them after integrating: 1e-12 of the largest second difference.
-    np.testing.assert_allclose([ours[tau] for tau in theirs_taus.round(9)], theirs, rtol=1e-8)
-    np.testing.assert_allclose(scenario[f"{kind}_adev"], adev, rtol=1e-9)
+    for kind in ("white", "walk", "quantised", "drift", "mixed"):
+        taus, adev = allan_deviation(scenario[kind], rate)
+        theirs_taus, theirs, _, _ = allantools.oadev(scenario[kind], rate=rate, data_type="freq", taus=taus[:-2])
+        ours = dict(zip(taus.round(9), adev, strict=True))
+        assert len(theirs_taus) >= len(taus) - 4
+        # Both sum 4,000 numbers in double precision, one of them after integrating: 1e-12 of the largest second difference.
+        np.testing.assert_allclose([ours[tau] for tau in theirs_taus.round(9)], theirs, rtol=1e-8, err_msg=kind)
+        np.testing.assert_allclose(scenario[f"{kind}_adev"], adev, rtol=1e-9, err_msg=kind)
 
 
 # --- what only a hostile program returns ------------------------------------------------------------------------------

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
 
 import pytest
 
-from grader.engine.grader import Marker
+from grader.engine import rubric
 from grader.intake import Submission
+from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from tests.corpus.cases import Case, of
 from tests.corpus.cases import case as case_of
 from tests.corpus.pieces import LAYOUTS, edit, steps, tidy, verbatim
 from tests.recordings import Marking
+from tests.sandboxes import Opened
 from tests.scoreboard import Verdict, graded_by, look_at_edit
 from tests.single_faults import lost_by, marked, submission_of, thinned
 
@@ -180,8 +184,10 @@ def test_what_is_stepped_over_is_a_note_with_file_and_line(player: Marking, code
     assert (result.score, result.notes) == (100.0, (said,))
 
 
-def test_who_waits_is_told_for_what(marker: Marker) -> None:
+def test_who_waits_is_told_for_what(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.engine.session._SLOW_S", 0.3)
     case = case_of("module level", "loop-between")
     said: list[str] = []
-    marker.mark(in_layout(case, "three-files"), only="sensor_access", waiting=said.append)
-    assert said == ["Waiting for imu_reader.py to be imported: 10 s of CPU time at most."]
+    with opened(bundles.shipped(), replace(rubric.load(LAB), limits=rubric.Limits(1.0, 12.0))) as marker:
+        marker.mark(in_layout(case, "three-files"), only="sensor_access", waiting=said.append)
+    assert said == ["Waiting for imu_reader.py to be imported: 1 s of CPU time at most."]
