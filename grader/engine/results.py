@@ -145,7 +145,10 @@ class Repair:
 
 
 class Unrepaired(NamedTuple):
-    """How a check ended before the repairs, to compute `Repair.score_before`: share of points (None: not judged) and faults."""
+    """How a check ended on the files as handed in, before the instructor repaired one, to compute `Repair.score_before`.
+
+    That is the share of its points that it kept (None: not judged), and its faults.
+    """
 
     keeps: float | None
     misconceptions: tuple[str, ...] = ()

@@ -51,7 +51,10 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return a figure, its curves' `visible_parts` set by what its pixels show; once `patience` ends, curves count as unseen."""
+    """Return a figure, its curves' `visible_parts` set by what its pixels show.
+
+    `patience` bounds the work of the search; what has not been found when it is used up counts as not visible.
+    """
     places = [[_place(curve, panel, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken(itertools.chain(*places), figure.pixels.shape[:2])
     axes = []
