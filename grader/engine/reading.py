@@ -75,7 +75,7 @@ def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
 
 
 class ReadingProcess:
-    """A process that reads one submission after the other; it is replaced if it had to be killed.
+    """A process that reads the files of one submission after the other, and runs none; it is replaced if it had to be killed.
 
     Parameters
     ----------

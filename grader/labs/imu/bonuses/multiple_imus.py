@@ -137,7 +137,7 @@ class Imus:
 
 
 def measure(student: Student, truth: Traces) -> Imus:
-    """Ask `read_all_imus` about the lab's own robot (not the rubric's) and about a robot with other IMUs; return the answers."""
+    """Ask `read_all_imus` about the lab's own robot and a robot with other IMUs, never an instructor's; return the answers."""
     sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
     many = truth["reading_many"]
     lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))

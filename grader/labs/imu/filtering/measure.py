@@ -227,7 +227,7 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
 
 
 def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: StudentError | None = None) -> Facts:
-    """Return the facts of a filter from its answers to `cases`, in order; `stumbles` is what a second filter raises, or None."""
+    """Return the facts of a filter from its answers to `cases`, in order; `stumbles`: what a second instance raises, or None."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}

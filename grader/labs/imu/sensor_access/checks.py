@@ -22,7 +22,7 @@ class Reading(TypedDict):
 
 
 class Values(Reading, Form):
-    """Values for the message on wrong numbers in a reading: the texts of `Reading` and `Form`, and `grain`.
+    """Values for the message on wrong numbers in a reading: reading wanted and returned, form wanted and returned, and `grain`.
 
     `grain` is the smallest gap between the numbers returned (infinite if all are equal); a large one shows that the code rounds.
     """
