@@ -167,7 +167,7 @@ def _read_zone(reader: NodeReader, node: yaml.Node | None) -> ZoneInfo | None:
 
 
 def read_faults(reader: NodeReader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
-    """Return the points that the rubric deducts for each fault, by its id; an id that the lab does not have is a problem."""
+    """Return the points that the rubric deducts for each fault, by its id; report ids that the lab does not have to `reader`."""
     if node is None:
         return {}
     if not isinstance(node, yaml.MappingNode):

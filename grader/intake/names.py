@@ -60,18 +60,18 @@ def archive_parts(name: str) -> tuple[str, ...] | None:
 
 def joined(parts: tuple[str, ...]) -> str | None:
     """Return the parts as one path, the same on every system (composed letters, no lone surrogates); None if too long or deep."""
-    path = "/".join(unicodedata.normalize("NFC", _encodable(part)) for part in parts)
+    path = "/".join(unicodedata.normalize("NFC", _underscored(part)) for part in parts)
     fits = 0 < len(parts) <= MAX_PARTS and len(path) <= MAX_PATH
     return path if fits and all(len(part.encode()) <= MAX_PART for part in path.split("/")) else None
 
 
-def _encodable(text: str) -> str:
+def _underscored(text: str) -> str:
     """Return a name with an underscore for each lone surrogate, which stands for a byte that is not UTF-8."""
     return re.sub("[\ud800-\udfff]", "_", text)
 
 
-def original(name: str) -> str:
-    """Return a submission's name with a replacement character for each lone surrogate, which JSON cannot hold."""
+def encodable(name: str) -> str:
+    """Return a submission's name with a replacement character for each lone surrogate, so that it can be written as UTF-8."""
     return re.sub("[\ud800-\udfff]", "\ufffd", name)
 
 

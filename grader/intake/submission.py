@@ -20,7 +20,7 @@ from grader.intake.downloads import Sources, gather_sources
 from grader.intake.file_budget import MAX_OPENINGS, FileBudget, Unreadable, listing
 from grader.intake.folders import gather_file, gather_folder
 from grader.intake.layout import MAX_LEVELS, lay_out, outwards
-from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, HOME_VERSIONS, has_suffix, is_code, original, safe_id
+from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, HOME_VERSIONS, encodable, has_suffix, is_code, safe_id
 from grader.intake.placeholders import is_empty_program
 from grader.intake.texts import as_programs, in_lower_case
 
@@ -62,7 +62,7 @@ def original_name(path: Path) -> str:
     """Return a submission's name in reports: that of its folder or file, an archive's without suffix; ``submission`` if empty."""
     name = Path(os.path.abspath(path)).name  # "." has a name too
     suffix = next((suffix for suffix in (*ARCHIVES, *FOREIGN_ARCHIVES) if has_suffix(name, (suffix,))), "")
-    return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
+    return encodable(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
 
 
 def read_submission(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.downloads import Download, Sources
-from grader.intake.names import ARCHIVES, CODE, FOREIGN_ARCHIVES, has_suffix, original
+from grader.intake.names import ARCHIVES, CODE, FOREIGN_ARCHIVES, encodable, has_suffix
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import PersonRow, spellings
 from grader.platforms.filled import Filled, TemplateLayout, fill_in
@@ -204,7 +204,7 @@ def _names_agree(written: str, name: str) -> bool:
 
 def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sources: Sources) -> Found:
     first, last = max(own, key=lambda each: each[1].number)
-    name = original(last.name or user)
+    name = encodable(last.name or user)
     late = any(each.late for _, each in own)
     # Canvas wants both numbers in a file's name.
     reply = first[: len(first) - len(last.file)] if last.attachment else ""
@@ -216,7 +216,7 @@ def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sourc
         name,
         download.path,
         sources,
-        HandIn((person,), marked_late=late, reply=original(reply)),
+        HandIn((person,), marked_late=late, reply=encodable(reply)),
         ("", last.number, ""),
     )
 
@@ -239,7 +239,7 @@ def _newest_files(download: Download, own: list[tuple[str, _Reading]]) -> tuple[
         plain = _AGAIN.fullmatch(reading.file)
         if plain is not None and not has_suffix(reading.file, (*CODE, *ARCHIVES, *FOREIGN_ARCHIVES)):
             sources.setdefault(plain[1] + plain[2], name)
-    return tuple((download.place(name), original(inner)) for inner, name in sources.items()), older
+    return tuple((download.place(name), encodable(inner)) for inner, name in sources.items()), older
 
 
 def _without_attempt_number(name: str, given: set[str]) -> str:

@@ -20,11 +20,11 @@ from grader.intake.names import (
     CODE,
     FOREIGN_ARCHIVES,
     distinct_ids,
+    encodable,
     folded,
     has_suffix,
     is_code,
     is_litter,
-    original,
 )
 from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.final_grade import NOTHING_KNOWN, HandIn
@@ -74,13 +74,13 @@ def _read_folders(download: Download) -> Shape:
     }
     found = tuple(
         Found(f"folder:{name}", called, called, download.path, _all_of(download, name))
-        for name, called in ((n, original(n) if download.top[n] else original_name(Path(n))) for n in fits if fits[n])
+        for name, called in ((n, encodable(n) if download.top[n] else original_name(Path(n))) for n in fits if fits[n])
     )
     return Shape("folders of submissions", found, tuple((name, UNPLACED) for name, fit in fits.items() if not fit))
 
 
 def _all_of(download: Download, name: str) -> Sources:
-    return ((download.place(name), "" if download.top[name] else original(name)),)
+    return ((download.place(name), "" if download.top[name] else encodable(name)),)
 
 
 def read_class(
@@ -199,7 +199,7 @@ def _with_ids(found: list[Found], required: tuple[str, ...]) -> tuple[ClassEntry
 def _name(found: Found, shared: Counter[str]) -> str:
     if found.sources or shared[found.name] == 1 or os.path.isdir(found.path):
         return found.name
-    return original(found.path.name)
+    return encodable(found.path.name)
 
 
 def _found_at(path: Path, required: Collection[str]) -> Iterator[tuple[Path, str]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from grader.base.errors import RequestError
 from grader.base.text import decimal
-from grader.intake.names import original
+from grader.intake.names import encodable
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory, Match, PersonRow
 from grader.platforms.platform import Template
@@ -169,7 +169,7 @@ def reply_to(final_grade: FinalGrade, person: Person) -> str:
     if not key or not number:
         return ""
     name = (
-        original(person.name).replace("_", " ")
+        encodable(person.name).replace("_", " ")
         if first.platform == "moodle"
         else "".join(filter(str.isalpha, person.name))
     )

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from grader.base.stamps import stamp
 from grader.intake.downloads import Download
-from grader.intake.names import is_code, original
+from grader.intake.names import encodable, is_code
 from grader.people.final_grade import HandIn, Person
 from grader.platforms.found import Found, Shape, at_least_half
 from grader.platforms.platform import Help, Platform
@@ -40,12 +40,12 @@ def clone(download: Download, folder: str, row: Mapping[str, str]) -> Found:
     user = row.get("username") or folder
     name = " ".join(filter(None, (row.get("first_name"), row.get("last_name")))) or user
     person = Person(
-        original(name), original(user), "git", email=row.get("email") or "", section=row.get("section") or ""
+        encodable(name), encodable(user), "git", email=row.get("email") or "", section=row.get("section") or ""
     )
     submitted = stamp(row.get("datetime"))
     place = ((download.place(folder), ""),)
     hand_in = HandIn((person,), submitted, marked_late=row.get("late") == "true")
-    return Found(f"git:{folder}", original(folder), original(folder), download.path, place, hand_in)
+    return Found(f"git:{folder}", encodable(folder), encodable(folder), download.path, place, hand_in)
 
 
 PLATFORM = Platform(

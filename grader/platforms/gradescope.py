@@ -18,7 +18,7 @@ from grader.base.stamps import stamp
 from grader.base.text import printable
 from grader.engine.results import CheckResult, CriterionResult, LabName, Result, shown_provenance
 from grader.intake.downloads import Download
-from grader.intake.names import original
+from grader.intake.names import encodable
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.platforms import rows
 from grader.platforms.found import Found, Shape
@@ -202,11 +202,11 @@ def _found(download: Download, folder: str, record: Mapping[str, Any]) -> Found:
     submitted = stamp(record.get(":created_at"))
     number = folder.rpartition("_")[2]
     keys = sorted(person.sid or person.email or person.name for person in people)
-    first = min(people, key=lambda person: person.sid or person.email or person.name, default=Person(original(folder)))
+    first = min(people, key=lambda person: person.sid or person.email or person.name, default=Person(encodable(folder)))
     return Found(
         f"gradescope:{keys or folder}",
         "_".join(filter(None, (first.name, first.sid))),
-        "; ".join(person.name for person in people) or original(folder),
+        "; ".join(person.name for person in people) or encodable(folder),
         download.path,
         ((download.place(folder), ""),),
         HandIn(people, submitted, number=number if number.isdecimal() else ""),
@@ -215,7 +215,7 @@ def _found(download: Download, folder: str, record: Mapping[str, Any]) -> Found:
 
 
 def _person(record: Mapping[str, Any]) -> Person:
-    name, sid, email = (original(str(record.get(key) or ""))[:500] for key in (":name", ":sid", ":email"))
+    name, sid, email = (encodable(str(record.get(key) or ""))[:500] for key in (":name", ":sid", ":email"))
     return Person(name or email or sid, sid=sid, email=email)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from grader.base.errors import RequestError
 from grader.intake.downloads import Download
-from grader.intake.names import original
+from grader.intake.names import encodable
 from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Match, PersonRow, participant, spellings
 from grader.platforms.filled import Filled, TemplateLayout, fill_in
@@ -180,8 +180,8 @@ def _means_one_person(name: str, known: Mapping[str, str]) -> bool:
 
 def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Found:
     first = next((match for match in matches if match["plugin"] == _FILES), matches[0])
-    name = original(first["name"]) or number
-    sources = tuple((download.place(match[0]), original(match["file"] or "")) for match in matches)
+    name = encodable(first["name"]) or number
+    sources = tuple((download.place(match[0]), encodable(match["file"] or "")) for match in matches)
     hand_in = HandIn((Person(name, number, "moodle"),), reply=_feedback_prefix(download, first))
     return Found(f"moodle:{number}", f"{name}_{number}", name, download.path, sources, hand_in)
 
@@ -189,8 +189,8 @@ def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Fou
 def _feedback_prefix(download: Download, match: re.Match[str]) -> str:
     """Return how the path of a feedback file must begin in Moodle's upload: the folder, or the start of a loose file's name."""
     if download.top[match[0]]:
-        return original(match[0]) + "/"
-    return original(match[0][: match.start("file")])
+        return encodable(match[0]) + "/"
+    return encodable(match[0][: match.start("file")])
 
 
 PLATFORM = Platform(

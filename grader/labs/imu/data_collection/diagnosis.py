@@ -190,7 +190,10 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """Acceleration and angular velocity, each (rows, 3), that right code records from the start that the student's code set."""
+        """Acceleration and angular velocity, each (rows, 3), that right code records.
+
+        It starts from the positions and velocities that the student's code set, or else from those of the scenario.
+        """
         worlds = self.facts.push.worlds
         from_truth = self.starts_over or (self.push is not None and self.push.world == TRUE_WORLD)
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])

@@ -139,7 +139,7 @@ def claims(text: str) -> frozenset[int]:
 
 
 def names_only(sensor: int, text: str) -> bool:
-    """Return whether a text names this sensor, or what it measures, in words, and does not speak of the other sensor."""
+    """Return whether a text names a sensor (0 accelerometer, 1 gyroscope) or its quantity in words, and not the other's."""
     return bool(re.search(_NAMES[sensor], plain(text))) and claims(text) == {sensor}
 
 

@@ -113,11 +113,12 @@ def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Itera
     Parameters
     ----------
     slots : the plot function's arguments for the recording and for the series in it; no global is set if the function uses a
-        parameter for any of them, or if it reads several globals that may hold a recording
+        parameter for any of them, or if it reads several globals that, by name and value, may hold a recording
 
     Yields
     ------
-    ``["global imu_data"]``, for the report, if the global is set although the function has a parameter for it; else an empty list
+    ``["global imu_data"]``, with the sheet's name of the parameter, for the report, if the global is set although the function has
+        such a parameter; else an empty list
     """
     owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]
