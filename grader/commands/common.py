@@ -44,6 +44,7 @@ AuthorOption = Annotated[
     str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
 ]
 TrustOption = Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")]
+WeakSecretOption = Annotated[bool, typer.Option("--weak-secret", help="Use a secret that can be guessed.")]
 LevelOption = Annotated[str | None, typer.Option("--isolation", hidden=True)]
 
 

@@ -17,6 +17,7 @@ from grader.commands.common import (
     RubricOption,
     SeedOption,
     TrustOption,
+    WeakSecretOption,
     as_points,
     console,
     one_of,
@@ -86,9 +87,7 @@ def grade(
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Grade recorded submissions again.")] = False,
     trust: TrustOption = False,
-    weak_secret: Annotated[
-        bool, typer.Option("--weak-secret", help="Grade with a secret that can be guessed.")
-    ] = False,
+    weak_secret: WeakSecretOption = False,
     isolation_level: LevelOption = None,
 ) -> int:
     """Grade a class. After an interruption, the same command continues.

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import RubricOption, SeedOption
+from grader.commands.common import RubricOption, SeedOption, WeakSecretOption
 
 
 def kit(
@@ -31,6 +31,7 @@ def kit(
     ] = None,
     rubric: RubricOption = None,
     seed: SeedOption = None,
+    weak_secret: WeakSecretOption = False,
 ) -> int:
     """Write the files for students or a platform, without the solution.
 
@@ -42,6 +43,7 @@ def kit(
       IMUGRADE_SEED=... imugrade kit --gradescope autograder.zip
       imugrade kit --github starter-repository
     """
+    from grader.course.run import secret_strength  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.check_runner import known_checks  # noqa: PLC0415
     from grader.engine.lab_registry import chosen_lab  # noqa: PLC0415
@@ -49,6 +51,8 @@ def kit(
 
     if all(place is None for place in (out, gradescope, classroom50, github, gitlab)):
         raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50, --github or --gitlab")
+    if gradescope and not weak_secret:
+        secret_strength.refuse_guessable(seed)
     lab = chosen_lab()
     given = rubrics.load(lab, rubric)
     rubrics.match_checks(given, {id_: each.title for id_, each in known_checks(lab, given.own_checks).items()})

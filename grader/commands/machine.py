@@ -121,5 +121,7 @@ def _reference() -> DoctorFinding:
     except (GraderError, RequestError, OSError) as problem:
         return DoctorFinding("reference", False, str(problem))
     if recorded is None:
-        return DoctorFinding("reference", None, "not installed: only public traces, no --seed")
+        return DoctorFinding(
+            "reference", None, "not installed: hidden traces cannot be recorded here, but those of a file work"
+        )
     return DoctorFinding("reference", True, f"recorded {len(recorded.scenarios)} scenarios from a throw-away secret")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from grader.base.text import printable
-from grader.commands.common import LevelOption, RubricOption, SeedOption, say
+from grader.commands.common import LevelOption, RubricOption, SeedOption, WeakSecretOption, say
 
 if TYPE_CHECKING:
     from grader.engine.lab import Lab
@@ -93,6 +93,7 @@ def record(
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="The output folder.")],
     seed: SeedOption = None,
     rubric: RubricOption = None,
+    weak_secret: WeakSecretOption = False,
 ) -> int:
     """Write the traces (true motions) as .npz and .json: the public ones, or with --seed the hidden ones.
 
@@ -100,8 +101,11 @@ def record(
     Example:
       IMUGRADE_SEED=... imugrade traces record -o traces
     """
+    from grader.course.run import secret_strength  # noqa: PLC0415
     from grader.report import truth  # noqa: PLC0415
 
+    if not weak_secret:
+        secret_strength.refuse_guessable(seed)
     print(truth.save(_obtained(seed, rubric), out))
     return 0
 
