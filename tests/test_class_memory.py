@@ -217,7 +217,10 @@ def test_a_secret_that_can_be_guessed_is_refused_before_anything_is_graded(
     run: Run, monkeypatch: pytest.MonkeyPatch, secret: str
 ) -> None:
     monkeypatch.setenv("IMUGRADE_SEED", secret)
-    assert refused(run).startswith("imugrade: the secret in IMUGRADE_SEED can be guessed: it ")
+    for command in (("grade", "class", "-o"), ("kit", "--gradescope"), ("traces", "record", "-o")):
+        code, _, err = run(*command, "out")
+        told = err.startswith("imugrade: the secret in IMUGRADE_SEED can be guessed: it ")
+        assert (code, told) == (2, True), command
     assert not Path("out").exists()
 
 

@@ -230,16 +230,19 @@ PLATFORM = Platform(
        imugrade kit --gradescope autograder.zip
 
 2. In Gradescope, create a *Programming Assignment* with 100 autograder points, the sum of the rubric.
-3. On *Configure Autograder*, choose the latest Ubuntu as base image (Python 3.10 or newer is needed), upload the archive and
+3. On *Configure Autograder*, choose Ubuntu 22.04 as base image, or another with Python 3.10 to 3.13, upload the archive and
    choose *Update Autograder*. The log ends with what `imugrade doctor` says of the container. The smallest container is enough:
-   one process marks one submission and stays below 768 MB.
-4. Choose *Test Autograder*, and hand in the files of `submissions_example/s01-sheet-verbatim`. The score is 100. Where the
-   container isolates nothing, a run with hidden traces is refused: write the archive without a secret, and grade the final
-   hand-ins on your own machine with hidden scenarios, from *Export Submissions*.
+   one process marks one submission and stays below 768 MB. Raise the timeout under *Autograder Settings* to 40 minutes: Gradescope
+   gives 0 to who reaches it, and code that never ends can take [20 minutes](cost.md).
+4. Choose *Test Autograder*, and hand in the files of `submissions_example/s01-sheet-verbatim`. The score is 100, and with hidden
+   traces the text above the checks says *Graded on hidden scenarios*. Where the container isolates nothing, a run with hidden
+   traces is refused: write the archive without a secret, and grade the final hand-ins on your own machine with hidden scenarios,
+   from [*Export Submissions*](../instructors/downloads.md).
 
 With hidden traces students see which checks they lost and what to try, not the numbers: those they find with `imugrade check`.
 Code can carry some hidden data out in its score, so limit how often they hand in. If a part could not be judged there is no
-`results.json`, and Gradescope says that the autograder failed; run it again from its page.
+`results.json`, and Gradescope says that the autograder failed; run it again from its page. A hand-in without gradable files gets 0.
+Nothing is deducted for lateness: Gradescope does that.
 
 To try the archive on your own machine, unpack it into `/tmp/ag/source`, put the files of a student into `/tmp/ag/submission`, make
 the folder `/tmp/ag/results`, and run `setup.sh` and then `run_autograder` in `source`, each with `AUTOGRADER_ROOT=/tmp/ag bash`.
