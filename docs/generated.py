@@ -77,6 +77,11 @@ RUBRIC_KEYS = {
 }
 
 
+def filled(page: Path) -> str:
+    """Return the text of a page, its generated parts as the code has them now."""
+    return fill((FOLDER / page).read_text(encoding="utf-8"))
+
+
 def fill(text: str) -> str:
     """Replace the text between each pair of marks of a page by the part that they name, as the code has it now."""
 

@@ -1,4 +1,4 @@
-"""Write every generated file of the repository anew: `python -m tests.regenerate`; two minutes once the recordings are there.
+"""Write every generated file of the repository anew: `python -m tests.regenerate`; ten minutes once the recordings are there.
 
 `python -m tests.regenerate docs` writes only the tables of the documentation, in seconds; `--only words` only the files with this
 in their name; `--only ROW` only what the rows of the corpus with this in their name lose, in a second a row.
@@ -25,7 +25,7 @@ GENERATED: dict[Path, Callable[[], str]] = {
     losses.FILE: losses.all_losses,
     examples.TABLE: examples.table,
     calibrated.TABLE: calibrated.table,
-    **{generated.FOLDER / page: partial(generated.fill, text) for page, text in generated.pages().items()},
+    **{generated.FOLDER / page: partial(generated.filled, page) for page in generated.pages()},
 }
 
 

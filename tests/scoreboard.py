@@ -229,7 +229,8 @@ def grade_all(chosen: Sequence[Case]) -> Iterator[Verdict]:
     """Verdicts in order, with a line for each trouble as it is found, and the progress."""
     with ProcessPoolExecutor() as pool:
         for number, verdict in enumerate(pool.map(grade, chosen), 1):
-            print(f"{number} of {len(chosen)} submissions graded", end="\r", file=sys.stderr, flush=True)
+            end = "\r" if sys.stderr.isatty() else "\n"
+            print(f"{number} of {len(chosen)} submissions graded", end=end, file=sys.stderr, flush=True)
             for kind, text in verdict.troubles:
                 print(f"{verdict.case.part}/{verdict.case.name}: {kind}: {text}", flush=True)
             yield verdict
@@ -250,7 +251,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     chosen = [case for case in as_written() if options.only in case.name or options.only == case.criterion]
     if not chosen:
-        parser.error(f"no row of the corpus has {options.only!r} in its name, and no criterion is called so")
+        parser.error(
+            f"no row of the corpus has {options.only!r} in its name, and no criterion is called so; "
+            "rows of habits.yaml and unforeseen.yaml are judged by python -m pytest tests/test_deducted_once.py"
+        )
     verdicts = list(grade_all(chosen))
     print(table(verdicts))
     return int(any(verdict.troubles for verdict in verdicts))

@@ -60,7 +60,10 @@ def lost(tree: Path, patch: str, *names: str) -> list[dict[str, dict[str, Any]]]
 
 @pytest.mark.quick
 def test_both_patches_apply_to_the_present_files() -> None:
-    subprocess.run(["git", "apply", "--check", "-"], cwd=ROOT, input=CHECK + FAULT, text=True, check=True)
+    tried = subprocess.run(
+        ["git", "apply", "--check", "-"], cwd=ROOT, input=CHECK + FAULT, text=True, capture_output=True, check=False
+    )
+    assert not tried.returncode, f"mend the patches of docs/contributors/worked-check.md by hand: {tried.stderr}"
 
 
 @pytest.mark.slow
