@@ -22,7 +22,8 @@ TOY = Path(__file__).parent / "toy"
 Run = Callable[..., tuple[int, str]]
 
 
-@pytest.fixture(scope="session")  # once a process: the package stays imported from there, also where tests of others come between
+# once a process: the package stays imported from there, also where tests of others come between
+@pytest.fixture(scope="session")
 def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a class of two, and beside it the toy lab as pip installs it: a package and its entry points."""
     folder = tmp_path_factory.mktemp("toy")
