@@ -144,7 +144,7 @@ class SandboxSession:
 
     @contextmanager
     def beside(self, sheets_own: Collection[str]) -> Iterator[dict[Any, Any]]:
-        """Use the submission with the lab sheet's own code for the names `sheets_own` alone in this context, in a new process.
+        """Use, in this context and a new process, the sheet's own code for the names `sheets_own`, and the submission's for others.
 
         So a caller sees how checks end without the faults in these names. Yields a dict of the answers given in the context, which
         are discarded at its end unless they are passed to `remember`.

@@ -48,7 +48,7 @@ class Plan:
     isolation_level
         The level that is set up.
     worker_code, questions
-        The folders that are imported as packages; `questions` is "" if the lab has none.
+        The folders that are imported as packages: the worker's own code, and the lab's handlers of its questions ("": none).
     visible, hidden
         What can be read in the sandbox, and what below that cannot.
     code

@@ -72,7 +72,7 @@ def _standard() -> tuple[str, ...]:
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """Return `sys.path` for a sandbox: those of the grader's entries at or below `shown` (see `visible`), and package folders."""
+    """Return `sys.path` for a sandbox: the grader's own entries at or below `shown` (see `visible`), and site-packages."""
     return (*_search_whole(shown), *packages.folders())
 
 

@@ -106,7 +106,10 @@ RECORDER = Recorder()
 
 
 def watch(*, read_back: bool) -> None:
-    """Record each figure saved, shown, closed or cleared from now on; save it small, or in full if code will `read_back` files."""
+    """Record each figure saved, shown, closed or cleared from now on.
+
+    Files that student code saves are made small, to save time, or in full if other code will `read_back` the files.
+    """
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backend_bases import FigureCanvasBase

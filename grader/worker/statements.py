@@ -148,9 +148,10 @@ class StatementRunner:
         self.noted: list[dict[str, Any]] = []
 
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
-        """Run file `path`'s statements in the namespace `names`; call `after` with the node of each, failed and skipped ones too.
+        """Run the statements of file `path`, compiled one by one as `units`, in the namespace `names`.
 
-        Statements that raise, overrun their time or are listed in `skipped` are added to `noted`.
+        `after` is called with the node of each, failed and skipped ones too. Statements that raise, overrun their time or are
+        listed in `skipped` are added to `noted`.
         """
         names["__builtins__"] = vars(builtins)  # those that all modules share: the worker's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):

@@ -75,7 +75,7 @@ class ClassSettings:
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
-        """Return settings made from a rubric, the roster `people`, the attempt to count ("latest" or "best") and the scenarios."""
+        """Return settings made from a rubric, the roster `people`, the attempt to count ("latest" or "best") and `traces`."""
         return cls(
             **_of_rubric(rubric),
             roster=people.text,

@@ -18,10 +18,10 @@ def warm_up(thorough: bool) -> None:
 
 
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: try to open all files below ``fields["roots"]``; return how many were ``opened``, and ``found`` paths.
+    """Search as student code could: open all files below ``fields["roots"]``; return the number ``opened``, and ``found`` paths.
 
-    The ``found`` paths, at most 100, are named like grader files or are sources that hold one of ``fields["phrases"]``. Paths in
-    ``fields["own"]``, which every sandbox needs, are passed over; `op` and `arrays` are not used.
+    The ``found`` paths, at most 100, have a name of the grader's package or archives, or are sources that hold one of
+    ``fields["phrases"]``. Paths in ``fields["own"]``, which every sandbox needs, are passed over; `op` and `arrays` are not used.
     """
     del op, arrays
     phrases = [phrase.encode() for phrase in fields["phrases"]]

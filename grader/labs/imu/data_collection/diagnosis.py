@@ -139,7 +139,10 @@ class Explained:
 
     @property
     def keeps_timestep(self) -> Run | None:
-        """The run whose stamps have the time step of the students' model or of the other run, not its own; None if none has."""
+        """The run whose stamps have a time step that is not its own; None if none has.
+
+        That is the first run with the step of the students' model, or the later run, at another step, with that of the first.
+        """
         push, later = self.facts.push, self.facts.later
         if self.stamps_off > TIME_ATOL:
             return push if has_timestep(self.stamps, push.model_timestep, self.facts.learnt_timestep) else None
@@ -373,8 +376,8 @@ _GRAVITY_ATOL = 1e-3
 def counting_fault(first: Run, second: Run, *, skips: bool) -> str:
     """Return the id of the fault that the numbers of rows of two runs show, such as "ignores-duration"; "" for none.
 
-    The runs differ in the duration that was asked for. `skips` is whether rows leave out steps: then the fault is "fixed-rate" or
-    "samples-skipped".
+    The runs differ in the duration that was asked for. `skips` is whether rows leave out steps: then the fault is "fixed-rate" if
+    both runs have as many rows a second, else "samples-skipped".
     """
     n, m, a, b = first.length, second.length, first.duration_s, second.duration_s
     if skips:

@@ -94,7 +94,7 @@ class Sensor:
 
     @cached_property
     def means(self) -> Array:
-        """Default bias (instances, 3) of each instance, the mean of its reads, by which the check sees that instances differ."""
+        """Bias (instances, 3) that each instance drew as none was given: its mean error. It shows whether instances differ."""
         return np.asarray(self.default.mean(axis=1))
 
     @cached_property

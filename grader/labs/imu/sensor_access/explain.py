@@ -96,7 +96,7 @@ class Explained:
     def share_altered(self) -> float:
         """Share of the points of `matches_truth` that wrong values cost: 0.75 for accelerations, 0.5 for angular velocities.
 
-        It is 1 if both are wrong, if only other IMUs are, or if the student's code removes gravity.
+        It is 1 if both or neither of the robot's own IMU are wrong (then other IMUs are), or if the code removes gravity.
         """
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
