@@ -1,0 +1,1 @@
+"""The one criterion of the toy lab."""
