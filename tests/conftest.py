@@ -8,7 +8,6 @@ shell has switched it off for them.
 
 from __future__ import annotations
 
-import gc
 import os
 import shlex
 import signal
@@ -69,12 +68,6 @@ EVERYDAY = f"{ALL} and not slow"
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """For two cores, however many a shared machine says that it has; where sandboxes and clocks are waited for, one more."""
     return 2 if config.option.markexpr in ("quick", ALL) else 3
-
-
-def pytest_collection_finish() -> None:
-    """Leave what was imported and collected out of every later garbage collection: a tenth of the run."""
-    gc.collect()
-    gc.freeze()
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:

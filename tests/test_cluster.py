@@ -159,7 +159,7 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
     assert outcome.incomplete == []
     assert all(result.evidence == Evidence() for result in outcome.results.values())  # recorded, not remembered
     assert_same(tmp_path / "there", here.out)
-    assert recorded(tmp_path / "there") == len(outcome.results) == 6
+    assert recorded(tmp_path / "there") == len(outcome.results) == 4
 
 
 @pytest.mark.weekly
@@ -173,7 +173,7 @@ def test_a_scheduler_is_killed_midway_and_the_same_command_on_another_one_ends_w
         with pytest.raises(GraderError, match="was lost; give the same command again"):
             classroom.grade_class(replace(order, cluster=first.address), found, AfterOne(first.scheduler.kill))
     before = recorded(tmp_path / "there")
-    assert 1 <= before < 6
+    assert 1 <= before < 4
     site.staff(1)
     outcome = classroom.grade_class(replace(order, cluster=site.address), found, Nobody())
     assert (outcome.resumed, outcome.incomplete) == (before, [])
