@@ -43,7 +43,7 @@ class Template:
 
 @dataclass(frozen=True)
 class ResultContext:
-    """What a platform's CI output is made from, besides the result: the lab, the submission, its path, the environment variables.
+    """Facts beside the result that a platform's CI output is made from: lab, submission, its path, environment variables.
 
     `hidden` says that the scenarios are secret. The result then holds no data of the scenarios.
     """
