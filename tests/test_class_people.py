@@ -273,6 +273,7 @@ def test_the_desk_gives_points_to_a_person_without_a_submission_and_withdraws_th
         assert desk.post("/submission/s5/override", {"target": "total", "do": "withdraw", "seen": 1}).status == 303
         desk.book.settled()
         assert "Bob Roe s5 – – – – – – no submission" in words(desk.get("/class").text)
+        assert desk.post("/what-if", {"late:per_day": "10%", "do": "mark"}).status == 303
         assert desk.book.trouble == ""
     assert cells("out/gradebook.csv", "id", "status") == [("ann", "graded"), ("s5", "no submission")]
     assert (

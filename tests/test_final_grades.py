@@ -268,6 +268,10 @@ def test_a_time_without_an_offset_is_no_time(text: str, utc: str) -> None:
     assert stamp(text) == utc
 
 
+def test_a_time_before_the_calendar_begins_is_no_time_in_yaml_either() -> None:
+    assert stamp(datetime.fromisoformat("0001-01-01T00:00+14:00")) == ""
+
+
 # ---- how a final grade came about ----
 
 

@@ -13,12 +13,12 @@ def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
 
     Return None if the value is no date and time, or lacks an offset from UTC. `zone` replaces the offset that a text lacks.
     """
-    if isinstance(value, datetime):
-        return value.astimezone(timezone.utc).replace(microsecond=0) if value.tzinfo else None
-    found = _FORM.fullmatch(str(value).strip())
-    if found is None:
-        return None
     try:
+        if isinstance(value, datetime):
+            return value.astimezone(timezone.utc).replace(microsecond=0) if value.tzinfo else None
+        found = _FORM.fullmatch(str(value).strip())
+        if found is None:
+            return None
         local = datetime.fromisoformat(f"{found[1]}T{found[2]}")
         if found[3] is None:
             return None if zone is None else local.replace(tzinfo=zone).astimezone(timezone.utc)

@@ -192,6 +192,8 @@ class Store(Decisions, RepairLog, Drafts):
             if settings is not None:
                 self._keep_settings(settings.with_rubric(rubric), keep_before=True)
             for id_, submission, traces, grader, seq in self._db.execute(query).fetchall():
+                if id_ not in after:
+                    continue  # a person without a submission whose points were withdrawn
                 self._db.execute(_REMARK, (rubric.sha256, _text(after[id_].result), seq))
                 self._make_current(Key(id_, submission, rubric.sha256, traces, grader))
                 self._db.execute(_HAND_IN, (id_, _hand_in_text(after[id_].hand_in)))
