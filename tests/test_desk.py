@@ -101,7 +101,7 @@ ALL_OURS = OURS | {"Origin": "http://127.0.0.1:{port}"}
         *((f"GET {path}", {}, 403) for path in ("/", "/submission/ada", "/static/desk.css", "/enter", "/enter?token=x", "/enter?token=")),
         *(("GET /", {"Cookie": own}, 403) for own in ("", "x", "imugrade-desk-{port}=x", "imugrade-desk-{port}={token}", '"\x7f', "a@b=1", "a=" + "b" * 9000)),
         *(("GET /", OURS | {"Host": host}, (400, 421)) for host in ("evil.example", "127.0.0.1", "127.0.0.1:1", "[::1]", "")),
-        *((f"GET {path}", OURS, 405) for path in ("/reviewed", "/submission/ada/override", "/decisions/take-back", "/who")),
+        *((f"GET {path}", OURS, 405) for path in ("/reviewed", "/submission/ada/override", "/groups/take-back", "/who")),
         ("POST /submission/ada/override", OURS, 403),
         *(
             ("POST /submission/ada/override", OURS | {"Origin": origin}, 403)
@@ -226,6 +226,9 @@ def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: D
     assert '<a href="/submission/bob">Open the page again</a>' in late.text
     assert row(out, "bob")["final"] == "97"
     assert give(desk, "ada", BONUS, "1", seen=0, who="Ann").status == 303  # somebody else's marks are no matter
+    group = "/groups/fault/sensor-id-as-address"
+    late = desk.post(group, {"id": "bob", "target": ADDRESS, "points": "5", "comment": "misled", "seen": 0})
+    assert f'<a href="{group}">Open the page again</a>' in late.text
 
 
 # ---- what needs a look ----
@@ -344,11 +347,11 @@ def test_one_decision_stands_for_all_of_a_group_is_shown_as_one_and_taken_back_a
     assert "(one decision for a group)" in words(desk.get("/submission/bob").text)
     give(desk, "cyd", ADDRESS, "4", "but not this one")
     assert "in effect for 1" in words(desk.get("/groups").text)
-    assert desk.post("/decisions/take-back", {"number": 1}).status == 303
+    assert desk.post("/groups/take-back", {"number": 1}).status == 303
     desk.book.settled()
     assert [row(out, id_)["final"] for id_ in ("bob", "cyd")] == ["94", "98"]
     assert "undone" in words(desk.get("/groups").text)
-    assert desk.post("/decisions/take-back", {"number": 1}).status == 400
+    assert desk.post("/groups/take-back", {"number": 1}).status == 400
     comment_alone = [
         ("id", "bob"),
         ("id", "cyd"),

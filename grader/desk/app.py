@@ -30,6 +30,7 @@ from grader.desk.rendering import STATIC, page
 from grader.desk.web_requests import WebRequest
 
 _A_MOMENT_S = 0.8
+_ACTS = ("override", "repair", "take-back")  # ends of addresses that are forms of the page above; other forms post to their own page
 Handler = Callable[[Classbook, WebRequest], Response]
 
 PAGES: dict[str, Handler] = {
@@ -53,7 +54,7 @@ WRITES: dict[str, Handler] = {
     "/export": exports.send,
     "/reviewed": overviews.mark_reviewed,
     "/groups/{kind}/{key}": grouping.decide,
-    "/decisions/take-back": grouping.take_back,
+    "/groups/take-back": grouping.take_back,
     "/regrade-requests": regrade_requests.add,
     "/what-if": rubric_what_if.save,
     "/submission/{id}/override": submissions.override,
@@ -79,7 +80,8 @@ def application(book: Classbook, keys: Keys, author: str) -> AccessControl:
             except web_requests.TooLargeError:
                 return _error_page("The form is too large: at most 2 MB.", 413)
             except OvertakenError as problem:
-                back = "/what-if" if web_request.address == "/what-if" else web_request.address.rpartition("/")[0]
+                page_of_form, _, act = web_request.address.rpartition("/")
+                back = page_of_form if act in _ACTS else web_request.address
                 return _error_page(f"{problem}. Your change was not saved.", 409, back)
             except RequestError as problem:
                 return _error_page(str(problem), 400)
