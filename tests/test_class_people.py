@@ -214,6 +214,8 @@ def test_a_person_without_a_submission_can_be_given_points_that_stand_in_every_f
         assert cells(table, "id", "filtering", "final", "status")[1] == ("s5", "", "61", "no submission")
     assert run("adjust", "out", "s5", "--criterion", "total", "--withdraw", "--comment", "was Bo")[0] == 0
     assert cells("out/gradebook.csv", "id", "status") == [("ann", "graded"), ("s5", "no submission")]
+    told = graded(run, roster="id,name,email\nann,Ann Lee,\ns5,Bob Roe,bob@x.edu\n")  # absent, as before the points
+    assert "imugrade: in the roster, no submission: Bob Roe\n" in told
 
 
 def test_points_without_a_submission_are_no_zeros_in_the_criteria_and_no_submission(run: Run) -> None:

@@ -30,7 +30,7 @@ from grader.desk.rendering import STATIC, page
 from grader.desk.web_requests import WebRequest
 
 _A_MOMENT_S = 0.8
-_ACTS = ("override", "repair", "take-back")  # ends of addresses that are forms of the page above; other forms post to their own page
+_ACTS = ("override", "repair", "take-back")  # sent to an address below their page; other forms are sent to their page
 Handler = Callable[[Classbook, WebRequest], Response]
 
 PAGES: dict[str, Handler] = {

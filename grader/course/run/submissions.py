@@ -74,11 +74,11 @@ def find(request: GradeRequest) -> Class:
 
 
 def _recorded(out: Path) -> dict[str, HandIn]:
-    """Return who handed in which stored submission, so that a student graded earlier is not reported as absent."""
+    """Return who handed in which stored submission or has points without one, so that a student graded earlier is not absent."""
     if not (out / FILE_NAME).is_file():
         return {}
     with Store.existing(out) as store:
-        return store.hand_ins()
+        return {id_: each.hand_in for id_, each in store.final_grades().items()}
 
 
 def _with_people(entry: ClassEntry) -> HandIn:
